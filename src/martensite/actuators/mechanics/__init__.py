@@ -1,1 +1,1 @@
-"""Mechanics that several mechanisms share; none is registered here."""
+"""Mechanics that several mechanisms share; no mechanism is registered here."""

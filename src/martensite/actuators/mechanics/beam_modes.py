@@ -1,24 +1,24 @@
-"""Bending modes of a clamped beam with a mass at its tip, found once, before a run.
+"""Bending modes of a clamped beam with a tip mass, computed before a run.
 
-An Euler–Bernoulli beam of length l, clamped at x = 0, with flexural stiffness E I, mass per
-length ρ A and a point mass m at x = l,
+An Euler–Bernoulli beam of length l, clamped at x = 0, with flexural stiffness E I, mass per length ρ A and a point mass
+m at x = l,
 
     E I w'''' + ρ A ẅ = 0,    w = w' = 0 at 0,    w'' = 0 and E I w''' = m ẅ at l,
 
 is cut into elements with cubic (Hermite) deflection and consistent mass. With M = L Lᵀ (Cholesky) the problem K φ = ω²
-M φ becomes the symmetric one of Lᵀ K⁻¹ L with eigenvalues 1/ω²; K⁻¹ is written down, not computed, since elements with
-cubic deflection are exact at their nodes, and the low modes then do not lose digits to many elements. Every mode is
-scaled to unit deflection at the tip, so that the tip is at x_tip = Σ q_k and
+M φ becomes the symmetric problem of Lᵀ K⁻¹ L with eigenvalues 1/ω². K⁻¹ has a closed form, because cubic elements are
+exact at their nodes; low modes thus do not lose digits with many elements. Each mode has unit deflection at the tip, so
+that x_tip = Σ q_k and
 
     m_k q̈_k + k_k q_k = F_tip,    k_k = ω_k² m_k.
 
-With h the length of an element and β⁴ = ω² ρ A l⁴/(E I), a frequency is too high by about
-(β h/l)⁴/1440: fourth order. The exact β, by which the elements are judged, are the roots of
+With the element length h and β⁴ = ω² ρ A l⁴/(E I), a frequency is too high by about (β h/l)⁴/1440. The exact β are the
+roots of
 
     1 + cos β cosh β + (m/ρ A l) β (cos β sinh β - sin β cosh β) = 0.
 
-Shear, rotary inertia and the rotation of the tip mass are left out: slender beams, low modes.
-Sign: deflection, force and modal coordinates along the same axis.
+Shear, rotary inertia and rotation of the tip mass are neglected: slender beams, low modes. Sign: deflection, force and
+modal coordinates along the same axis.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     Matrix = NDArray[np.float64]
 
 PER_MODE = 20
-"""Elements for each mode asked for: every frequency is then within 1e-6."""
+"""Elements per mode; all frequencies are then within 1e-6."""
 
 
 class CantileverBeam(Parametrised):
-    """A beam of rectangular section, clamped at one end, with a point mass at the other."""
+    """Beam of rectangular section, clamped at one end, with a point mass at the other."""
 
     cites = ("kossoski2018",)
 
@@ -54,28 +54,28 @@ class CantileverBeam(Parametrised):
 
     @property
     def second_moment(self) -> float:
-        """Second moment of area I = b h³/12 [m⁴]."""
+        """Return the second moment of area I = b h³/12 [m⁴]."""
         return self.width * self.height**3 / 12.0
 
     @property
     def stiffness(self) -> float:
-        """Return the force at the tip per deflection of the tip, 3 E I/l³ [N/m]."""
+        """Return the tip force per tip deflection, 3 E I/l³ [N/m]."""
         return 3.0 * self.E * self.second_moment / self.length**3
 
     @property
     def mass(self) -> float:
-        """Return the mass of the beam alone, ρ b h l [kg]."""
+        """Return the mass of the beam, ρ b h l [kg]."""
         return self.density * self.width * self.height * self.length
 
     @property
     def rate(self) -> float:
-        """√(E I/(ρ A l⁴)) [rad/s]: angular frequencies are β² times this."""
+        """Return √(E I/(ρ A l⁴)) [rad/s]: angular frequencies are β² times this."""
         return math.sqrt(self.stiffness / (3.0 * self.mass))
 
 
 @dataclass(frozen=True)
 class BeamModes:
-    """The lowest modes of a beam, each with unit deflection at the tip."""
+    """Lowest modes of a beam, each with unit deflection at the tip."""
 
     omega: tuple[float, ...]
     """Natural angular frequencies ω_k [rad/s], rising."""
@@ -86,7 +86,7 @@ class BeamModes:
     positions: tuple[float, ...]
     """Nodes from clamp to tip [m]."""
     shapes: tuple[tuple[float, ...], ...]
-    """Deflection of every mode at the nodes, 1 at the tip [-]."""
+    """Deflection of each mode at the nodes, 1 at the tip [-]."""
 
     @property
     def frequencies(self) -> tuple[float, ...]:
@@ -95,15 +95,15 @@ class BeamModes:
 
 
 def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None) -> BeamModes:
-    """Find the lowest modes by finite elements.
+    """Return the lowest modes by finite elements.
 
     Args:
-        beam: the beam and its tip mass.
-        modes: how many.
-        elements: of equal length; `PER_MODE` for each mode if left out.
+        beam: beam with tip mass.
+        modes: number of modes.
+        elements: number of equal elements; by default `PER_MODE` per mode.
 
     Raises:
-        ParameterError: no mode or no element is asked for, or more modes than 2 per element.
+        ParameterError: there is no mode or no element, or more than two modes per element.
     """
     import numpy as np
 
@@ -130,14 +130,14 @@ def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None
 def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
     """Return the lowest `count` roots β of the characteristic equation, by bisection to the last digit.
 
-    Between (k - 1) π and k π the left-hand side changes its sign, whatever the `mass_ratio` of tip and beam; without a
-    tip mass cos β cosh β = -1.
+    Between (k - 1) π and k π the left-hand side changes its sign for any `mass_ratio` of tip and beam; without a tip
+    mass cos β cosh β = -1.
     """
     return tuple(_find_wave_number(k, mass_ratio) for k in range(1, count + 1))
 
 
 def exact_omega(beam: CantileverBeam, count: int) -> tuple[float, ...]:
-    """Return the natural angular frequencies [rad/s] from the characteristic equation, without elements."""
+    """Return the natural angular frequencies [rad/s] from the characteristic equation."""
     roots = exact_roots(count, beam.tip_mass / beam.mass)
     return tuple(beam.rate * beta * beta for beta in roots)
 
@@ -152,17 +152,14 @@ def _find_wave_number(k: int, ratio: float) -> float:
 
 
 def _evaluate_characteristic(beta: float, ratio: float) -> float:
-    """Return the left-hand side over cosh β, which keeps it of the size of 1 for large β."""
+    """Return the left-hand side over cosh β, of order 1 for large β."""
     inverse = 2.0 * math.exp(-beta) / (1.0 + math.exp(-2.0 * beta))
     tip = ratio * beta * (math.cos(beta) * math.tanh(beta) - math.sin(beta))
     return inverse + math.cos(beta) + tip
 
 
 def _build_flexibility(positions: Matrix) -> Matrix:
-    """Return the inverse of the stiffness matrix [l³/(E I)]: the nodes' deflections, and slopes times l.
-
-    What unit forces and couples (over l) at the nodes do to a cantilever; the clamp is left out.
-    """
+    """Return the inverse stiffness matrix [l³/(E I)]: nodal deflections, and slopes times l, without the clamp."""
     import numpy as np
 
     at, of = np.meshgrid(positions[1:], positions[1:], indexing="ij")
@@ -176,7 +173,7 @@ def _build_flexibility(positions: Matrix) -> Matrix:
 
 
 def _build_masses(count: int, ratio: float) -> Matrix:
-    """Return the consistent mass matrix [ρ A l] of equal elements, with the tip mass in its place."""
+    """Return the consistent mass matrix [ρ A l] of equal elements, with the tip mass."""
     import numpy as np
 
     h = 1.0 / count

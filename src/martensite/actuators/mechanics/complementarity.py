@@ -1,24 +1,23 @@
-r"""Unilateral constraints of a mechanism: what touches pushes and does not pull, and what pushes touches.
+"""Unilateral constraints of a mechanism: contacts that push but do not pull.
 
-With gaps g(q) ≥ 0 and their slopes G = dg/dq, a constraint acts on the coordinates with Gᵀλ, and
+With gaps g(q) ≥ 0 and their derivatives G = dg/dq, constraints act on the coordinates with Gᵀλ, and
 
     g_j ≥ 0,        λ_j ≥ 0,        g_j λ_j = 0.
 
-At a trial position whose reactions were λ°, the free motion δ° of a mechanism of stiffness A and the compliance
-W = G A⁻¹Gᵀ make this a linear complementarity problem in few unknowns,
+At a trial position with reactions λ°, the free motion δ° of a mechanism of stiffness A and the compliance W = G A⁻¹Gᵀ
+make this a linear complementarity problem in few unknowns,
 
     w = c + W λ ≥ 0  ⊥  λ ≥ 0,        c = g + G δ° - W λ°
 
-Its solution determines which constraints touch. Principal pivoting solves it exactly in a bounded number of turns: the
-first wrong sign is flipped, until all signs are right (K. G. Murty, Linear Complementarity, Linear and Nonlinear
-Programming, 1988). Newton's method then holds the touching constraints, G δ = -g, with the turning of its slopes under
-λ°. That may leave A without stiffness where the motion along the constraints has it, so A + ρ GᵀG is eliminated, and
--ρ Gᵀg added to the side: the same equations, whatever ρ.
+Its solution determines which constraints touch. Principal pivoting solves it exactly in a bounded number of iterations:
+the first wrong sign is flipped, until all signs are right (K. G. Murty, Linear Complementarity, Linear and Nonlinear
+Programming, 1988). Newton's method then keeps the touching constraints, G δ = -g, including the rotation of their
+derivatives under λ°. A may lack stiffness that the motion along the constraints has, so A + ρ GᵀG is eliminated with -ρ
+Gᵀg on the right: the same equations for any ρ.
 
-Contacts are rigid, without a stiffness. A share of 1e-10 of W on its diagonal, about λ° and so without
-any effect on the solution, keeps W regular where more constraints act than there are coordinates.
-
-A stop gives λ in N m for a gap in rad, a contact in N for one in m.
+Contacts are rigid. A fraction of 1e-10 of W on its diagonal, relative to λ° and thus without effect on the solution,
+keeps W regular if more constraints act than there are coordinates. A stop gives λ in N m for a gap in rad, a contact in
+N for a gap in m.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,17 +29,17 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import find_largest
 
 REACH = 0.1
-"""Gap [m] or [rad] that counts as a residual of one: a solved step leaves 1e-9 m at most."""
+"""Gap [m] or [rad] that counts as a residual of 1; a solved step leaves at most 1e-9 m."""
 TURNS = 40
-"""Turns after which a set of constraints counts as not found."""
+"""Largest number of pivoting iterations."""
 NEARBY = 1e-10
-"""Share of the compliance by which reactions are kept near those before."""
+"""Relative regularisation of the compliance."""
 NONE = 1e-15
 """Gap [m] or [rad] that counts as zero."""
 HELD = 1e3
-"""ρ, times the stiffness in the direction of a constraint."""
+"""ρ over the stiffness in the direction of a constraint."""
 FARTHEST = 0.3
-"""Correction of a coordinate, in its size, that a pass makes at most."""
+"""Largest correction of a coordinate per pass, relative to its size."""
 
 Column = Sequence[Scalar]
 
@@ -58,7 +57,7 @@ class Constraints(NamedTuple):
 
 
 def linearise_gaps(xp: Namespace, gaps: Callable[..., Column], at: Column, reactions: Column) -> Constraints:
-    """Return the gaps with their slopes, and what these change by."""
+    """Return the gaps with first and second derivatives."""
 
     def slopes(xp: Namespace, position: Column) -> list[Scalar]:
         return [x for row in compute_jacobian(xp, gaps, position)[1] for x in row]
@@ -69,9 +68,9 @@ def linearise_gaps(xp: Namespace, gaps: Callable[..., Column], at: Column, react
 
 
 def hold_touching(xp: Namespace, given: Constraints, stiffness: Rows, sides: Rows, missing: Column) -> Rows:
-    """Return the motions under the sides in which what touches now (λ° > 0) stays, and under what is missing.
+    """Return the motions under the sides with touching constraints (λ° > 0) kept, and under the missing forces.
 
-    The last closes the gaps of what touches; its sign is turned, as that of what is missing.
+    The last motion closes the gaps of touching constraints; its sign is that of the missing forces.
     """
     flags = [reaction > 0.0 for reaction in given.reactions]
     still = [[0.0] * len(flags) for _ in sides]
@@ -81,7 +80,7 @@ def hold_touching(xp: Namespace, given: Constraints, stiffness: Rows, sides: Row
 def meet_constraints(
     xp: Namespace, given: Constraints, stiffness: Rows, side: Column
 ) -> tuple[list[Scalar], list[Scalar], Scalar]:
-    """Return the motion that constraints allow under a side, their reactions, and how unsettled these are, as a gap."""
+    """Return the constrained motion under a side, the reactions, and their error as a gap."""
     gaps, slopes, _, old = given
     motion, *yields = solve_linear(stiffness, [side, *slopes])
     compliance = [[multiply_inner(slope, soft) for soft in yields] for slope in slopes]
@@ -90,18 +89,18 @@ def meet_constraints(
     flags = _find_touching(xp, compliance, free, old)
     released = [xp.where(flag, 0.0, x) for flag, x in zip(flags, old, strict=True)]
     side = [x - multiply_inner(released, column) for x, column in zip(side, zip(*slopes, strict=True), strict=True)]
-    (found,), (change,) = _move_held(xp, given, stiffness, flags, [side], [[-g for g in gaps]])
+    (moved,), (change,) = _move_held(xp, given, stiffness, flags, [side], [[-g for g in gaps]])
     missed, reactions = list[Scalar](), list[Scalar]()
     for j, (flag, x, d) in enumerate(zip(flags, old, change, strict=True)):
         raw, soft = xp.where(flag, x + d, 0.0), compliance[j][j]
-        opened = gaps[j] + multiply_inner(slopes[j], found)
+        opened = gaps[j] + multiply_inner(slopes[j], moved)
         missed += [xp.abs(xp.minimum(opened, soft * raw)), soft * xp.abs(raw - x)]
         reactions.append(xp.maximum(raw, 0.0))
-    return found, reactions, find_largest(xp, missed)
+    return moved, reactions, find_largest(xp, missed)
 
 
 def measure_mismatch(xp: Namespace, gaps: Column, reactions: Column) -> Scalar:
-    """Return the largest gap where something pushes, or overlap, as a residual."""
+    """Return the largest gap with a reaction, or overlap, as a residual."""
     rows = zip(gaps, reactions, strict=True)
     missed = [xp.where(push > 0.0, xp.abs(gap), xp.maximum(-gap, 0.0)) for gap, push in rows]
     return find_largest(xp, missed) * (1.0 / REACH)
@@ -141,7 +140,7 @@ def _move_held(
 
 
 def _solve_masked(xp: Namespace, compliance: Rows, flags: Sequence[Flag], sides: Rows) -> list[list[Scalar]]:
-    """Return the reactions of what touches that give these gaps; 0 of the rest."""
+    """Return the reactions of touching constraints for given gaps; 0 for the others."""
     shares = [xp.where(flag, 1.0, 0.0) for flag in flags]
     masked = [[a * b * x for b, x in zip(shares, row, strict=True)] for a, row in zip(shares, compliance, strict=True)]
     for j, flag in enumerate(flags):
@@ -150,7 +149,7 @@ def _solve_masked(xp: Namespace, compliance: Rows, flags: Sequence[Flag], sides:
 
 
 def _find_touching(xp: Namespace, compliance: Rows, free: Column, old: Column) -> list[Flag]:
-    """Which constraints touch: principal pivoting by the least index, from those that did."""
+    """Return the touching constraints by principal pivoting with the least index, from the previous ones."""
     free, compliance = [xp.detach(c) for c in free], [[xp.detach(x) for x in row] for row in compliance]
 
     def turn(_: Scalar, *shares: Scalar) -> list[Scalar]:

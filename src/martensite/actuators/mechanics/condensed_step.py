@@ -1,24 +1,22 @@
-r"""One step of a multibody mechanism with its elements.
+"""One step of a multibody mechanism with its elements.
 
-Seen from one element, the mechanism with all other elements is a spring. Linearised at a trial
-position, with the others as the tangents F_j + K_j (e - e_j) that they answered with before,
+For one element, the mechanism with all other elements is a spring. Linearised at a trial position, with the others as
+their previous tangents F_j + K_j (e - e_j),
 
     H δ + Σ_j η_j K_j J_j J_jᵀ δ = η_i J_i ΔF_i - r            A = H + Σ_j η_j K_j J_j J_jᵀ
 
-it is a straight line between elongation and tension of element i,
+is a straight line between elongation and tension of element i,
 
     (1 - s K_i) (e - e*) + s (F - F*) = g,      s = η_i J_i·A⁻¹J_i,      g = J_i·A⁻¹r
 
-on which the element solves its own coupled step of law and heat in a bracket. What all of
-them found gives new tangents and, by Newton's method, the next trial position. That is Newton's
-method for the mechanism and a bracket for every law; the last correction of the position is
-part of the residual of the step. K_i only sets the speed of convergence, not the solution.
+on which the element solves its own coupled step of law and heat in a bracket. The results give new tangents and, by
+Newton's method, the next trial position. This is Newton's method for the mechanism and a bracket for every law; the
+last correction of the position is part of the residual of the step. K_i affects the speed of convergence only. H
+contains stiffness, damping and inertia of the mechanism, and the rotation of its levers under tension; all derivatives
+are exact.
 
-H holds stiffness, damping and inertia of the mechanism, with the turning of its levers under
-tension; all slopes are exact.
-
-Where a mechanism has unilateral constraints (`complementarity`), the constraints that push in a trial hold the load
-line of the elements. The set of pushing constraints is determined again with every correction.
+With unilateral constraints (`complementarity`), the constraints that push in a trial hold the load line of the
+elements. The set of pushing constraints is determined again with every correction.
 """
 
 from __future__ import annotations
@@ -48,17 +46,17 @@ if TYPE_CHECKING:
     from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
 
 PASSES = 24
-"""Passes after which a step counts as not solved."""
+"""Largest number of passes of a step."""
 SETTLED = 1e-11
-"""Correction of a coordinate, in its size, that counts as zero."""
+"""Relative correction of a coordinate that counts as zero."""
 FLOOR = 1e-9
-"""Stiffness of a slack element as a share of that of a taut one, lest nothing holds."""
+"""Relative stiffness of a slack element, which avoids a singular system."""
 STILL = 1e-13
-"""Smallest change of elongation [m] that gives a tangent, and gap that counts as zero."""
+"""Smallest change of elongation [m] that gives a tangent; smaller gaps count as zero."""
 
 
 class Tangent(NamedTuple):
-    """Response of an element: force at an elongation, and force per elongation."""
+    """Force at an elongation, and force per elongation of an element."""
 
     force: Scalar
     elongation: Scalar
@@ -66,7 +64,7 @@ class Tangent(NamedTuple):
 
 
 class CondensedSystem(NamedTuple):
-    """The mechanism with its elements, linearised at a trial position."""
+    """Mechanism with elements, linearised at a trial position."""
 
     elongations: Column
     lever: list[list[Scalar]]
@@ -76,32 +74,32 @@ class CondensedSystem(NamedTuple):
     matrix: list[list[Scalar]]
     """H."""
     missing: Column
-    """Demand less what the tangents supply."""
+    """Demand less the supply by the tangents."""
     forces: Column
     """Forces of the tangents [N]."""
     constraints: Constraints | None
-    """Constraints that may touch, if there are any."""
+    """Possible contacts."""
 
 
 class _Turn(NamedTuple):
-    """State passed from one pass to the next."""
+    """State between passes."""
 
     offsets: Numbers
-    """Offsets of the position from its prediction."""
+    """Position less its prediction."""
     tangents: tuple[Tangent, ...]
     turned: Scalar
     """0 before the first pass, then 1."""
     states: tuple[Any, ...]
     report: StepReport
     relocate: Scalar
-    """Largest correction of a coordinate, in its size."""
+    """Largest relative correction of a coordinate."""
     reactions: Numbers
     """Reactions of unilateral constraints [N] or [N m]."""
 
 
 @dataclass(frozen=True)
 class CondensedStep:
-    """One step; `solved` is the only thing to ask for."""
+    """One step; call `solve_position`."""
 
     mechanism: AbstractMultibody
     memory: Assembled
@@ -110,7 +108,7 @@ class CondensedStep:
     dt: Scalar
 
     def solve_position(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], Numbers, list[Any], StepReport]:
-        """Return course, stiffnesses, reactions, final states of the elements, and the residual."""
+        """Return motion, stiffnesses, reactions, final states of the elements, and the report."""
         scheme = self._choose_scheme(xp)
         shape = NestedShape(
             _Turn(
@@ -141,7 +139,7 @@ class CondensedStep:
         return course, stiffness, end.reactions, list(end.states), report
 
     def _choose_scheme(self, xp: Namespace) -> Scheme:
-        """Return the scheme of the mechanism; with inertia, implicit Euler at a contact or just before it."""
+        """Return the scheme of the mechanism; with inertia, implicit Euler at or just before a contact."""
         mechanism, course = self.mechanism, self.memory.course
         usual = mechanism.scheme(xp, course, self.dt)
         if not (mechanism.moves and self.memory.reactions):
@@ -151,7 +149,7 @@ class CondensedStep:
         return move_implicitly(xp, course, self.dt, xp.where(touching, 1.0, 0.0), usual)
 
     def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
-        """Linearise, let every element answer, and correct the position."""
+        """Return the state after linearisation, responses of all elements, and correction of the position."""
         linear = self._linear(xp, scheme, before)
         found, states, report = self._answers(xp, _build_lines(xp, linear, before.tangents), before.states)
         tangents = _renew_points(xp, before, found, linear.elongations)
@@ -166,8 +164,8 @@ class CondensedStep:
         return _Turn(offsets, tuple(tangents), 1.0, tuple(states), report, relocate, reactions)
 
     def _first(self, xp: Namespace) -> list[Tangent]:
-        """Return every element as it stands, as stiff as it was over the last step."""
-        found: list[Tangent] = []
+        """Return all elements in their present state, with the stiffness of the last step."""
+        tangents: list[Tangent] = []
         paths = self.mechanism.contraction(xp, self.memory.course.position)
         rows = zip(self.loads, self.memory.stiffness, self.memory.home, paths, strict=True)
         for (element, state, _), known, home, path in rows:
@@ -178,11 +176,11 @@ class CondensedStep:
             slack = _compute_slack_stiffness(xp, most, home - path, elongation)
             taut = xp.where(known > 0.0, xp.minimum(known, most), most)
             stiffness = xp.where(force > 0.0, taut, slack)
-            found.append(Tangent(force, elongation, stiffness))
-        return found
+            tangents.append(Tangent(force, elongation, stiffness))
+        return tangents
 
     def _linear(self, xp: Namespace, scheme: Scheme, before: _Turn) -> CondensedSystem:
-        """Balance and slopes at a trial position, for elements that are their tangents."""
+        """Return balance and derivatives at a trial position."""
         mechanism, home = self.mechanism, self.memory.home
         tangents, pushed, now = before.tangents, before.reactions, scheme(before.offsets).motion()
         position = now.position
@@ -201,30 +199,30 @@ class CondensedStep:
 
         missing, matrix = compute_jacobian(xp, balance, before.offsets)
         shares = mechanism.transmission(xp, now)
-        found = CondensedSystem(elongations, lever, shares, matrix, missing, forces, None)
+        system = CondensedSystem(elongations, lever, shares, matrix, missing, forces, None)
         if not pushed:
-            return found
+            return system
         touched = linearise_gaps(xp, mechanism.gaps, position, pushed)
         given = [multiply_inner(pushed, column) for column in zip(*touched.slopes, strict=True)]
         missing = [n - g for n, g in zip(missing, given, strict=True)]
-        return found._replace(missing=missing, constraints=touched)
+        return system._replace(missing=missing, constraints=touched)
 
     def _answers(
         self, xp: Namespace, lines: Sequence[LoadLineEquation], before: Sequence[Any]
     ) -> tuple[list[Tangent], list[Any], StepReport]:
-        """Return the response of every element on its load line: its tangent at frozen fractions, and its state."""
+        """Return the tangent at frozen fractions and the state of each element on its load line."""
         if not lines:
             return [], [], StepReport(0.0, 0.0)
-        found: list[Tangent] = []
+        tangents: list[Tangent] = []
         pairs = zip(self.loads, before, strict=True)
         loads = [load._replace(state=load.element.warm_start(load.state, state)) for load, state in pairs]
         answered = answer_loads(xp, loads, lines, self.dt)
         for _, force, spring, _ in answered:
             elongation = spring.free + spring.compliance * force
-            found.append(Tangent(force, elongation, 1.0 / spring.compliance))
+            tangents.append(Tangent(force, elongation, 1.0 / spring.compliance))
         columns = zip(*(answer.report for answer in answered), strict=True)
         report = StepReport(*(find_largest(xp, column) for column in columns))
-        return found, [answer.state for answer in answered], report
+        return tangents, [answer.state for answer in answered], report
 
 
 def _build_stiffness(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
@@ -237,7 +235,7 @@ def _build_stiffness(linear: CondensedSystem, tangents: Sequence[Tangent]) -> li
 
 
 def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[LoadLineEquation]:
-    """Return the load line of every element: the mechanism with the other elements."""
+    """Return the load line of each element."""
     if not tangents:
         return []
     stiffness, touched = _build_stiffness(linear, tangents), linear.constraints
@@ -245,22 +243,22 @@ def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tang
         *softs, shift = solve_linear(stiffness, [*linear.lever, linear.missing])
     else:
         *softs, shift = hold_touching(xp, touched, stiffness, linear.lever, linear.missing)
-    found: list[LoadLineEquation] = []
+    lines: list[LoadLineEquation] = []
     for i, tangent in enumerate(tangents):
         lever, beta = linear.lever[i], linear.shares[i] * multiply_inner(linear.lever[i], softs[i])
         alpha, offset = 1.0 - beta * tangent.stiffness, multiply_inner(lever, shift)
-        found.append(LoadLineEquation(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
-    return found
+        lines.append(LoadLineEquation(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
+    return lines
 
 
 def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elongations: Column) -> list[Tangent]:
-    """Return the points found, with the slope from the last one to this; first as stiff as before."""
+    """Return the new tangents, with secant stiffness after the first pass."""
     new, turned = list[Tangent](), before.turned > 0.0
     for last, now, path in zip(before.tangents, found, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
         kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
         apart = now.elongation - last.elongation
-        if before.reactions:  # what is held still has shown no slope, and may be freed with any
+        if before.reactions:  # an element held still shows no secant and may be released with any stiffness
             held = find_largest(xp, before.reactions) > 0.0
             kept = xp.where(xp.both(held, xp.abs(apart) < STILL), most, kept)
         known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
@@ -272,17 +270,14 @@ def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elonga
 
 
 def _compute_slack_stiffness(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
-    """Return the stiffness of an element without force: it is slack only if its path is shorter than it is.
-
-    Both as elongations [m]: `path` between its ends along the mechanism, `own` free of force.
-    """
+    """Return the stiffness of an element without force; it is slack if `path` is below `own` elongation [m]."""
     return xp.where(path > own - STILL, most, FLOOR * most)
 
 
 def _compute_correction(
     xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]
 ) -> tuple[list[Scalar], Numbers, Scalar]:
-    """Newton's step of the position, with every element as it answered; reactions, and how unsettled they are."""
+    """Return Newton's correction of the position, the reactions, and their error."""
     side = [-missing for missing in linear.missing]
     for i, tangent in enumerate(tangents):
         apart = linear.elongations[i] - tangent.elongation

@@ -1,6 +1,6 @@
-"""Small dense linear systems, written out: Gaussian elimination without pivoting.
+"""Small dense linear systems: Gaussian elimination without pivoting.
 
-For matrices whose diagonal is safe to divide by, as those of stiffness and inertia are.
+For matrices with safe diagonals, such as stiffness and inertia matrices.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ Rows = Sequence[Sequence[Scalar]]
 
 
 def solve_linear(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
-    """Return the solution x of A x = b for every right-hand side b."""
+    """Return the solution x of A x = b for each right-hand side b."""
     a, columns = [list(row) for row in matrix], [list(side) for side in sides]
     size = len(a)
     for k in range(size):
@@ -30,7 +30,7 @@ def solve_linear(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
 
 
 def multiply_inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    """Return the inner product; 0 of nothing."""
+    """Return the inner product."""
     result: Scalar = 0.0
     for x, y in zip(a, b, strict=True):
         result = result + x * y

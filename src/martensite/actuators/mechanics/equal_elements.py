@@ -1,7 +1,6 @@
-"""Elements that are alike answer in one loop: traced once, however many there are.
+"""Steps of equal elements in one loop, traced once for any number of them.
 
-Alike are elements of one structure (class, law, options) in surroundings and with sources of one structure; their
-numbers may differ. A hand of twelve wires is then hardly a larger program than a finger of one.
+Equal elements have one structure (class, law, options), also of environment and source; parameters may differ.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,11 +14,11 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 
 LEAST_ELEMENTS = 3
-"""So many are worth a loop, in which nothing about the parameters is computed beforehand."""
+"""Smallest number of elements for a loop, which cannot precompute with constant parameters."""
 
 
 class LoadLineEquation(NamedTuple):
-    """α (e - e*) + β (F - F*) = g: all that an element sees of the rest."""
+    """α (e - e*) + β (F - F*) = g: the rest of the system for an element."""
 
     alpha: Scalar
     beta: Scalar
@@ -50,12 +49,12 @@ class ElementResponse(NamedTuple):
 def answer_loads(
     xp: Namespace, loads: Sequence[Load], lines: Sequence[LoadLineEquation], dt: Scalar
 ) -> list[ElementResponse]:
-    """Return the step of every element on its own line, in the order of the loads."""
-    found: dict[int, ElementResponse] = {}
+    """Return the step of each element on its own line, in the order of the loads."""
+    responses: dict[int, ElementResponse] = {}
     for places in group_alike([_list_parts(one) for one in loads]):
         first = loads[places[0]]
         if len(places) < LEAST_ELEMENTS:
-            found |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
+            responses |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
             continue
         shape = NestedShape(ElementResponse(first.state, 0.0, Spring(0.0, 0.0), StepReport(0.0, 0.0)))
 
@@ -66,8 +65,8 @@ def answer_loads(
         rows = [[*lines[i], *_list_numbers(loads[i])] for i in places]
         columns = xp.each(row, *zip(*rows, strict=True))
         for i, numbers in zip(places, zip(*columns, strict=True), strict=True):
-            found[i] = shape.rebuild(numbers)
-    return [found[i] for i in range(len(loads))]
+            responses[i] = shape.rebuild(numbers)
+    return [responses[i] for i in range(len(loads))]
 
 
 def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) -> ElementResponse:
@@ -78,12 +77,11 @@ def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) 
 
 
 def group_alike(rows: Sequence[tuple[Parametrised, ...]]) -> Iterable[list[int]]:
-    """Return the places of rows whose parts have one structure, group by group."""
-    found: dict[Any, list[int]] = {}
+    """Return the places of rows whose parts have one structure, by group."""
+    groups: dict[Any, list[int]] = {}
     for place, parts in enumerate(rows):
-        key = tuple(describe_structure(part) for part in parts)
-        found.setdefault(key, []).append(place)
-    return found.values()
+        groups.setdefault(tuple(describe_structure(part) for part in parts), []).append(place)
+    return groups.values()
 
 
 def _list_parts(load: Load) -> tuple[Parametrised, ...]:
@@ -91,14 +89,14 @@ def _list_parts(load: Load) -> tuple[Parametrised, ...]:
 
 
 def _list_numbers(load: Load) -> list[Scalar]:
-    """Return all that may differ between loads of one structure."""
+    """Return all values that may differ between loads of one structure."""
     values = [leaf.value for part in _list_parts(load) for leaf in part.leaves()]
     heating = load.heating
     return [*values, *flatten_numbers(heating.drive), heating.owed, *flatten_numbers(load.state)]
 
 
 def _rebuild_load(first: Load, numbers: Sequence[Scalar]) -> Load:
-    """Return the load with these numbers, of the same structure as another."""
+    """Return the load of the same structure with these values."""
     rest = iter(numbers)
     element, environment, source = (
         part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()}) for part in _list_parts(first)

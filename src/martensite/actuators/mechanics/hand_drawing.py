@@ -1,10 +1,9 @@
 """Drawing of the hand: fingers that hang from a palm, the thumb opposite to the two others.
 
-Every finger is drawn in a separate plane: `along` it as it hangs straight, and `inwards`, the direction in which it
-bends. Holes of flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`.
-Tendons that do not bend the proximal joint run through its axis. The mechanism does not define the places of the
-fingers on the palm, nor the tendons in the forearm. Once brackets have met, a flexor is drawn through the point where
-they did.
+Each finger has its own plane: `along` the straight finger, and `inwards`, the bending direction. Holes of flexors at
+(∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`. Tendons that do not bend
+the proximal joint run through its axis. The mechanism does not define the places of fingers on the palm or tendons in
+the forearm. Once brackets have met, a flexor is drawn through their meeting point.
 """
 
 from __future__ import annotations
@@ -33,9 +32,9 @@ if TYPE_CHECKING:
     from martensite.actuators.mechanisms.hand import Hand
 
 Flat = tuple[float, float]
-"""Along the finger and inwards [m]."""
+"""Coordinates along the finger and inwards [m]."""
 LEAST_WRAP, MOST_WRAP = 0.15, 0.6
-"""Angle by which a proximal extensor lies on its knuckle as assembled [rad]."""
+"""Limits of the wrap angle of a proximal extensor on its knuckle as assembled [rad]."""
 
 
 class FingerPlace(NamedTuple):
@@ -44,10 +43,10 @@ class FingerPlace(NamedTuple):
     x: float
     y: float
     inwards: float
-    """1 or -1: which way along x it bends."""
+    """Bending direction along x, 1 or -1."""
 
     def at(self, point: Flat, aside: float = 0.0) -> Point:
-        """Return a point of its plane in space, so far beside it [m]."""
+        """Return a point of its plane in space, shifted sideways [m]."""
         return self.x + self.inwards * point[1], self.y + aside, -point[0]
 
 
@@ -60,27 +59,27 @@ class FingerLengths(NamedTuple):
     proximal: float
     distal: float
     wrapped: float
-    """Angle by which its proximal extensor lies on the knuckle as assembled [rad]."""
+    """Wrap angle of its proximal extensor on the knuckle as assembled [rad]."""
 
 
 def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
-    """Return the palm, forearm, plate that tendons are tied to, and all fingers."""
+    """Return palm, forearm, tendon plate, and all fingers."""
     apart, wide = 3.0 * xp.maximum(hand.offset, hand.knuckle), 0.7 * (hand.proximal_length + hand.distal_length)
     wide = 0.5 * hand.span if hand.contact == "cylinder" else wide
     places = (FingerPlace(wide, 0.0, -1.0), FingerPlace(-wide, apart, 1.0), FingerPlace(-wide, -apart, 1.0))
     edge, above, top = 1.5 * hand.knuckle, *_locate_plates(hand, reading)
-    found = [
+    shapes = [
         DrawingShape("palm", "palm", _draw_plate(wide + edge, apart + edge, above), 0.8 * hand.offset),
         draw_bar("forearm", edge, (0.0, 0.0, above), (0.0, 0.0, top), kind="ground"),
         DrawingShape("plate of the tendons", "plate", _draw_plate(wide + edge, apart + edge, top), 0.3 * hand.offset),
     ]
     if hand.contact == "cylinder":
         axis = (hand.cylinder_aside, 0.0, -hand.cylinder_depth)
-        found.append(draw_cylinder(axis, apart + edge, hand.cylinder_radius))
+        shapes.append(draw_cylinder(axis, apart + edge, hand.cylinder_radius))
     words = zip(hand.ports()[::4], hand.sizes(), places, strict=True)
     for first, size, place in words:
-        found += _draw_finger(hand, first.split("_")[0], size, place, reading)
-    return found
+        shapes += _draw_finger(hand, first.split("_")[0], size, place, reading)
+    return shapes
 
 
 def _draw_plate(half: float, wide: float, above: float) -> tuple[Point, ...]:
@@ -89,7 +88,7 @@ def _draw_plate(half: float, wide: float, above: float) -> tuple[Point, ...]:
 
 
 def _locate_plates(hand: Hand, reading: DrawingState) -> tuple[float, float]:
-    """Return the height of the palm above the hinges, and of the plate that tendons are tied to [m]."""
+    """Return the heights of palm and tendon plate above the hinges [m]."""
     above = reduce(xp.maximum, hand.sizes()) * (xp.maximum(hand.bracket, 0.6 * hand.distal_length) + 2.0 * hand.offset)
     return above, reduce(xp.maximum, reading.lengths.values(), 2.0 * above) - 0.25 * hand.proximal_length
 
@@ -125,7 +124,7 @@ def _draw_finger(
     for k, (way, home) in enumerate(zip(ways, straight, strict=True)):
         port = "_".join((name, ("proximal", "distal")[k // 2], ("flexor", "extensor")[k % 2]))
         aside = (k - 1.5) * 0.4 * sizes.offset
-        # an extensor comes on to its knuckle along the tangent
+        # an extensor reaches its knuckle along the tangent
         turn = _find_height(way[0], lift, wrapped if k == 1 else 0.0)
         path = [place.at(point, aside) for point in (turn, *way)]
         whole = measure_distance(turn, way[0]) + measure_length([(a, b, 0.0) for a, b in home])
@@ -135,7 +134,7 @@ def _draw_finger(
 
 
 def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
-    """Return the point at a height above the hinges on a line through a point, leaning inwards by an angle."""
+    """Return the point at a height above the hinges on an inclined line through a point."""
     return -lift, point[1] + xp.tan(leaning) * (lift + point[0])
 
 
@@ -151,7 +150,7 @@ def _draw_brackets(
 
 
 def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: bool) -> list[list[Flat]]:
-    """Ways of flexor and extensor of the proximal joint, then of the distal one."""
+    """Return the paths of flexor and extensor of the proximal joint, then of the distal joint."""
     r, g, knuckle, reach, _, wrapped = sizes
     met = 2.0 * xp.atan2(g, r)
     one, two = xp.minimum(first, met), xp.minimum(second, met)
@@ -174,7 +173,7 @@ def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: b
 
 
 def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
-    """Return an extensor on its knuckle, from where it comes on to where the bent phalanx takes it."""
+    """Return the points of an extensor on its knuckle."""
     quarter = 0.5 * math.pi
     return trace_arc(radius, -wrapped - quarter, xp.maximum(angle, -wrapped) - quarter, ARC)
 

@@ -1,25 +1,24 @@
-r"""Motions of a mechanism over a step: positions, velocities and accelerations that fit together.
+"""Motions of a mechanism over a step: consistent positions, velocities and accelerations.
 
-Whatever the scheme, velocity and acceleration at the end of a step are straight lines in the
-position there, so the step is one system of equations. Its unknowns are the offsets δ of the position
-from its prediction. The position itself would not do: divided by Δt², its rounding would be an acceleration.
+In every scheme, velocity and acceleration at the end of a step are linear in the position there, so the step is one
+system of equations. Its unknowns are the offsets δ of the position from its prediction; divided by Δt², rounding of the
+position itself would be an acceleration.
 
-`quasi-static`: no acceleration, and the velocity is that of the step, v = (q₁ - q₀)/Δt.
+`quasi-static`: no acceleration, and the velocity v = (q₁ - q₀)/Δt of the step.
 
-`dynamic`: the generalised-α scheme of Chung and Hulbert in the form of Arnold and Brüls, which
-meets the equations of motion at the end of every step. An auxiliary acceleration a follows the
-true one A,
+`dynamic`: the generalised-α scheme of Chung and Hulbert in the form of Arnold and Brüls, which meets the equations of
+motion at the end of every step. An auxiliary acceleration a follows the true acceleration A,
 
     (1 - α_m) a₁ + α_m a₀ = (1 - α_f) A₁ + α_f A₀
     q₁ = q₀ + Δt v₀ + Δt² [(½ - β) a₀ + β a₁],        v₁ = v₀ + Δt [(1 - γ) a₀ + γ a₁]
 
-with the prediction q₀ + Δt v₀ + ½ Δt² a₀, and so a₁ = a₀ + δ/(β Δt²). Here α_m = (2ρ - 1)/(ρ + 1),
-α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and unconditionally stable; a
-fraction 1 - ρ of the fastest oscillation is lost in every step, slow ones keep their energy.
+with the prediction q₀ + Δt v₀ + ½ Δt² a₀, and so a₁ = a₀ + δ/(β Δt²). Here α_m = (2ρ - 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ =
+½ + α_f - α_m, β = ¼ (γ + ½)². Second order and unconditionally stable; the fastest oscillation loses the fraction 1 - ρ
+in every step, slow ones keep their energy.
 
-`dynamic`, where a unilateral constraint pushes or would be overrun: implicit Euler steps, v₁ = (q₁ - q₀)/Δt and
-A₁ = (v₁ - v₀)/Δt. What closes a gap stands still in the next step: an impact without rebound, and no force that turns
-from step to step as in a scheme of second order (L. Paoli and M. Schatzman, SIAM J. Numer. Anal. 40 (2002) 702).
+`dynamic` at or just before a contact: implicit Euler steps, v₁ = (q₁ - q₀)/Δt and A₁ = (v₁ - v₀)/Δt. A closing gap
+stops in the next step: an impact without rebound, and no force that alternates between steps as in a second-order
+scheme (L. Paoli and M. Schatzman, SIAM J. Numer. Anal. 40 (2002) 702).
 """
 
 from collections.abc import Callable
@@ -29,11 +28,11 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 Numbers = tuple[Scalar, ...]
 SHORTEST = 1e-12
-"""Step [s] below which a step is none."""
+"""Shortest time step [s]."""
 
 
 class Motion(NamedTuple):
-    """Position and motion of a mechanism, one number per coordinate."""
+    """Position, velocity and acceleration, one value per coordinate."""
 
     position: Numbers
     velocity: Numbers
@@ -41,26 +40,26 @@ class Motion(NamedTuple):
 
 
 class MotionHistory(NamedTuple):
-    """Memory of the motion of a mechanism; a quasi-static one has no acceleration."""
+    """Motion with memory; empty accelerations without inertia."""
 
     position: Numbers
     velocity: Numbers
     acceleration: Numbers = ()
     smoothed: Numbers = ()
-    """The auxiliary acceleration."""
+    """Auxiliary acceleration."""
 
     def motion(self) -> Motion:
-        """Return the motion now."""
+        """Return the present motion."""
         rest = (0.0,) * len(self.position)
         return Motion(self.position, self.velocity, self.acceleration or rest)
 
 
 Scheme = Callable[[Numbers], MotionHistory]
-"""The course after a step, from the offsets of the position at its end from `predict_position`."""
+"""Motion after a step, from the offsets of the final position from `predict_position`."""
 
 
 def predict_position(course: MotionHistory, dt: Scalar) -> Numbers:
-    """Return the position after a step of dt [s] if the acceleration stays; without inertia, if nothing moves."""
+    """Return the position after dt [s] at constant acceleration; without inertia, the present position."""
     if not course.acceleration:
         return course.position
     rows = zip(course.position, course.velocity, course.smoothed, strict=True)
@@ -68,7 +67,7 @@ def predict_position(course: MotionHistory, dt: Scalar) -> Numbers:
 
 
 def quasi_static(xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
-    """Return the motion without inertia."""
+    """Return the scheme without inertia."""
     rate = 1.0 / xp.maximum(dt, SHORTEST)
 
     def after(offsets: Numbers) -> MotionHistory:
@@ -79,7 +78,7 @@ def quasi_static(xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
 
 
 def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scalar) -> Scheme:
-    """Return the motion with inertia, by the generalised-α scheme."""
+    """Return the generalised-α scheme."""
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) * (gamma + 0.5)
@@ -102,7 +101,7 @@ def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scal
 
 
 def move_implicitly(xp: Namespace, course: MotionHistory, dt: Scalar, share: Scalar, usual: Scheme) -> Scheme:
-    """Return motion with inertia by implicit Euler steps where `share` is 1, and by the usual scheme where it is 0."""
+    """Return implicit Euler steps where `share` is 1, and the usual scheme where it is 0."""
     dt = xp.maximum(dt, SHORTEST)
     per = 1.0 / dt
 

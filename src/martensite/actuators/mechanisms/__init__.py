@@ -1,4 +1,4 @@
-"""Mechanisms: what the element pulls on."""
+"""Mechanisms, which the elements pull."""
 
 from martensite.base.lazy import attach_names
 

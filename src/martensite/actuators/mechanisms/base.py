@@ -1,12 +1,11 @@
-"""Interface of a mechanism: it advances its elements through a step together with itself.
+"""Interface of a mechanism, which advances itself and its elements through a step.
 
-A mechanism pulls on one or several elements, each at a separate port, and may have drive signals, such as the voltage
-of a motor. It treats an element as a `Load`, which advances on the load line of a spring
-(`martensite.actuators.elements.base`).
+A mechanism has one or several elements, each at its own port, and may have drive signals, such as the voltage of a
+motor. An element is a `Load`, which advances on the load line of a spring (`martensite.actuators.elements.base`).
 
-Two families: a load line (`load_line`) answers in closed form for one element; a multibody
-mechanism (`multibody`) has coordinates, any number of elements, and inertia if it is wanted.
-Every mechanism is assembled with its elements in their initial state.
+Two families: a load line (`load_line`) has a closed form for one element; a multibody mechanism (`multibody`) has
+coordinates, any number of elements, and optional inertia. Every mechanism is assembled with its elements in their
+initial state.
 """
 
 from __future__ import annotations
@@ -37,20 +36,20 @@ class Output(NamedTuple):
     """Label of an observable quantity."""
 
     unit: str
-    """In SI."""
+    """SI unit."""
     long_name: str
     symbol: str
 
 
 class Load(NamedTuple):
-    """An element at a port of a mechanism."""
+    """Element at a port of a mechanism."""
 
     element: AbstractElement
     state: Any
     heating: Heating
 
     def meet_pull(self, xp: Namespace, pull: Pull) -> Scalar:
-        """Return the force [N] at which the element, at frozen phase fractions and temperature, fits what it meets."""
+        """Return the equilibrium force [N] at frozen phase fractions and temperature."""
         element, state, _ = self
 
         def tangent(xp: Namespace, force: Scalar) -> Spring:
@@ -60,13 +59,13 @@ class Load(NamedTuple):
 
 
 class MechanicalEnergy(NamedTuple):
-    """Mechanical energy that a mechanism holds [J], but for constants."""
+    """Stored mechanical energy [J], up to a constant."""
 
     springs: Scalar = 0.0
     gravity: Scalar = 0.0
     kinetic: Scalar = 0.0
     magnetic: Scalar = 0.0
-    """Magnetic energy of the winding of a motor."""
+    """Magnetic energy of a motor winding."""
 
 
 class Mechanics(NamedTuple):
@@ -74,10 +73,11 @@ class Mechanics(NamedTuple):
 
     energy: MechanicalEnergy
     ways: tuple[Scalar, ...]
-    """Displacement of the attachment of each element since assembly [m]: by its elongation where it is taut; by its
-    path where it hangs slack and has a free end."""
+    """Displacement of the attachment of each element since assembly [m]: by its elongation if taut; by its path if
+    slack with a free end.
+    """
     dissipated: tuple[Effort, ...] = ()
-    """Friction, damping and losses of a motor, each along its way."""
+    """Friction, damping and motor losses, each along its path."""
     outside: tuple[Effort, ...] = ()
     """Efforts against the outside, such as the drive of a crosshead or a voltage."""
 
@@ -86,12 +86,12 @@ class AbstractMechanism(Parametrised):
     """Interface of a mechanism."""
 
     static: ClassVar[bool] = False
-    """True if it takes one element, has no signal, and offers a `load_line`."""
+    """True if it has one element, no signal, and a `load_line`."""
     typical_scenario: ClassVar[str] = ""
-    """A packaged scenario to begin with, where it needs other elements and drives than most."""
+    """Packaged scenario for the first steps, if the default elements and drives do not fit."""
 
     def ports(self) -> tuple[str, ...]:
-        """Return the names of the elements that it takes."""
+        """Return the names of its elements."""
         return ("element",)
 
     def signals(self) -> dict[str, str]:
@@ -100,23 +100,23 @@ class AbstractMechanism(Parametrised):
 
     @abstractmethod
     def outputs(self) -> dict[str, Output]:
-        """Return the outputs of the mechanism itself; the first is its stroke."""
+        """Return the outputs of the mechanism; the first is its stroke."""
 
     @abstractmethod
     def convergence_scales(self) -> dict[str, float]:
-        """Return the outputs whose convergence is judged, with the least range that counts."""
+        """Return the outputs with a convergence test -> smallest relevant range."""
 
     def first_step(self) -> float:
-        """Return the longest step [s] with which a run may begin, for the sake of the mechanism."""
+        """Return the longest first step [s] of a run."""
         return float("inf")
 
     def sample_time(self) -> float:
-        """Return the time from sample to sample [s], if it is known at samples alone; else 0."""
+        """Return the sample time [s] if it is known at samples only; else 0."""
         return 0.0
 
     @abstractmethod
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the force [N] on each element when it is assembled."""
+        """Return the force [N] on each element at assembly."""
 
     def first_forces(self, xp: Namespace, signals: Column) -> Column:
         """Return the forces at assembly under the first signals, if these prescribe forces."""
@@ -124,10 +124,10 @@ class AbstractMechanism(Parametrised):
 
     @abstractmethod
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
-        """Return the memory at the start, from the elongations [m] that the start forces give."""
+        """Return the initial memory, from the elongations [m] under the start forces."""
 
     def initial_numbers(self) -> dict[str, str]:
-        """Return the coordinates and speeds that a run may start with, with units; empty if elements define them."""
+        """Return the coordinates and speeds that a run may start with, with units; may be empty."""
         return {}
 
     def set_initial(
@@ -152,14 +152,13 @@ class AbstractMechanism(Parametrised):
         """Return the force [N] in each element, and the `outputs` in order."""
 
     def mechanics(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Mechanics | None:
-        """Return stored, dissipated and delivered energies; None if they are not known."""
+        """Return stored, dissipated and delivered energies; None if unknown."""
         return None
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Draw the mechanism (`.drawing`), with the same shapes at every time.
+        """Return the shapes of the mechanism (`.drawing`), the same shapes at every time.
 
-        One that says nothing is drawn as elements that hang, moved or turned by its first output;
-        without elements, as a ball on a thread.
+        By default elements hang, moved or turned by the first output; without elements, a ball hangs on a thread.
         """
         name, output = next(iter(self.outputs().items()))
         value, ports = reading.outputs[name], self.ports()

@@ -1,27 +1,27 @@
-r"""Motor with an unbalance at the tip of a beam: its supply is not ideal, the beam acts back on it.
+"""Motor with an unbalance at the tip of a beam: a non-ideal source, on which the beam acts back.
 
-Tip displacement x, rotor angle φ and motor current i, under the voltage V. The unbalance m sits
-at x + r sin φ; M is the whole moving mass with it, J the rotor without. Gravity is left out.
+Tip displacement x, rotor angle φ and motor current i, under the voltage V. The unbalance m is at x + r sin φ; M is the
+total moving mass including it, J the rotor inertia without it. Gravity is neglected.
 
     M x'' + c x' + k x = m r (φ'² sin φ - φ'' cos φ) + F_w
     (J + m r²) φ'' + m r x'' cos φ = K_T i - b φ' - F_c tanh(φ'/v₀)
     L i' = V - K_B φ' - R i
 
-The third coordinate is the charge, whose rate is i. With more than one of the beam's modes, each
-scaled to unit displacement at the tip (`martensite.actuators.mechanics.beam_modes`), x = Σ q_k and
+The third coordinate is the charge, with the rate i. With several beam modes, each scaled to unit displacement at the
+tip (`martensite.actuators.mechanics.beam_modes`), x = Σ q_k and
 
     m_k q_k'' + c_k q_k' + k_k q_k = the right-hand side of the first equation,
 
-all modes with the damping ratio of the first. A wire at the angle θ to the beam is tied to the
-tip; its path, with x growing away from its clamp, and what its tension F does there:
+all modes with the damping ratio of the first. A wire at the angle θ to the beam is tied to the tip; its path, with x
+growing away from its clamp, and the effect of its tension F:
 
     l(x) = √[(l_w cos θ)² + (l_w sin θ + x)²],        F_w = -F (l_w sin θ + x)/l(x)
 
-It is assembled without tension, with the elongation -s l_w beyond the unloaded hot wire (slack
-s), or just taut where that would stretch it.
+It is assembled without tension, with the elongation -s l_w beyond the unloaded hot wire (slack s), or just taut if that
+would stretch it.
 
-The mechanical energy of the isolated system is constant. With `coupling = "printed"` it is not:
-that is equation (3.15) of the thesis, +φ'' cos φ in the first line, for comparison only.
+The mechanical energy of the isolated system is constant, except with `coupling = "printed"`, which is equation (3.15)
+of the thesis, +φ'' cos φ in the first line, for comparison only.
 
 Source: Kossoski (2018), chapter 4 and section 5.2.1, derived again with Lagrange's equations.
 """
@@ -37,6 +37,7 @@ from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, Mecha
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
@@ -47,7 +48,7 @@ MOST_MODES = 4
 
 @MECHANISMS.register("beam-motor")
 class BeamMotor(AbstractMultibody):
-    """An unbalanced motor on a beam, and a wire at its tip if it is wanted."""
+    """Unbalanced motor on a beam, with an optional wire at its tip."""
 
     typical_scenario = "closed_loop_beam"
 
@@ -103,7 +104,7 @@ class BeamMotor(AbstractMultibody):
     )
 
     def check(self) -> None:
-        """Raise `ParameterError` if the numbers of a mode or of the wire are missing or absurd."""
+        """Raise `ParameterError` if values of a mode or of the wire are missing or invalid."""
         for k in range(2, self.count + 1):
             for name in (f"mass_{k}", f"stiffness_{k}"):
                 if math.isinf(getattr(self, name)):
@@ -124,16 +125,16 @@ class BeamMotor(AbstractMultibody):
         """Return the number of modes."""
         return int(self.modes)
 
+    @override
     def ports(self) -> tuple[str, ...]:
-        """Return the wire, if there is one."""
         return ("wire",) if self.wire == "inclined" else ()
 
+    @override
     def signals(self) -> dict[str, str]:
-        """Return the voltage of the motor."""
         return {"motor": "V"}
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the tip displacement or modes, rotor angle, charge."""
+        """Return tip displacement or modes, rotor angle, and charge."""
         bends = [Coordinate("displacement", "m", "displacement of the tip", "x", 0.01)]
         if self.count > 1:
             numbers = range(1, self.count + 1)
@@ -143,7 +144,7 @@ class BeamMotor(AbstractMultibody):
         return *bends, angle, Coordinate("charge", "A*s", "charge through the motor", "Q", 0.01)
 
     def _beam(self, xp: Namespace) -> Iterator[tuple[Scalar, Scalar, Scalar]]:
-        """Yield the mass, damping and stiffness of every mode."""
+        """Yield mass, damping and stiffness of each mode."""
         yield self.mass, self.damping, self.stiffness
         for k in range(2, self.count + 1):
             mass, stiffness = getattr(self, f"mass_{k}"), getattr(self, f"stiffness_{k}")
@@ -151,27 +152,27 @@ class BeamMotor(AbstractMultibody):
             yield mass, self.damping * ratio, stiffness
 
     def path(self, xp: Namespace, displacement: Scalar) -> Scalar:
-        """l(x) [m]."""
+        """Return l(x) [m]."""
         along = self.wire_length * xp.cos(self.wire_angle)
         across = self.wire_length * xp.sin(self.wire_angle) + displacement
         return xp.sqrt(along * along + across * across)
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """l_w - l(x) [m]."""
+        """Return l_w - l(x) [m]."""
         if not self.ports():
             return []
         return [self.wire_length - self.path(xp, sum_column(position[: self.count]))]
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """None: the wire is assembled without tension [N]."""
         return [0.0] * len(self.ports())
 
     def assembled_elongations(self, xp: Namespace, elongations: Column) -> Column:
-        """-s l_w [m], at most as long as the wire is without tension."""
+        """Return -s l_w [m], limited to the elongation without tension."""
         return [xp.minimum(-self.slack * self.wire_length, free) for free in elongations]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the force on every mode [N], torque on the rotor [N m], voltage of the winding [V]."""
+        """Return the force on each mode [N], torque on the rotor [N m], voltage of the winding [V]."""
         n, (voltage,) = self.count, signals
         thrown = self.unbalance_force(xp, motion)
         rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
@@ -187,7 +188,7 @@ class BeamMotor(AbstractMultibody):
         return moment * (speed * speed * sine + turned)
 
     def demand_rotor(self, xp: Namespace, motion: Motion, voltage: Scalar) -> Column:
-        """Return torque on the rotor [N m] and voltage of the winding [V] that a motion needs beside a voltage [V]."""
+        """Return rotor torque [N m] and winding voltage [V] of a motion, less a voltage [V]."""
         n = self.count
         angle, speed, spin = (column[n] for column in motion)
         current, change = motion.velocity[n + 1], motion.acceleration[n + 1]
@@ -198,8 +199,8 @@ class BeamMotor(AbstractMultibody):
         volts = self.inductance * change + self.resistance * current + self.back_emf * speed
         return [torque, volts - voltage]
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Return the energies of the bent beam, of all moving masses, and of the coil."""
         n, moment = self.count, self.unbalance * self.eccentricity
         speed, current = motion.velocity[n], motion.velocity[n + 1]
         rows = list(zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True))
@@ -212,8 +213,8 @@ class BeamMotor(AbstractMultibody):
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """Return the damping of the modes [N], friction of the rotor [N m], losses of the winding [V].
 
-        Where the voltage per speed is above the torque per current, less arrives at the rotor than
-        is taken from the winding, and that is lost; the other way round a motor would make energy.
+        If the voltage per speed exceeds the torque per current, the rotor gets less than the winding takes, and the
+        difference is lost; the reverse would create energy.
         """
         n = self.count
         speed, current = motion.velocity[n], motion.velocity[n + 1]
@@ -223,16 +224,16 @@ class BeamMotor(AbstractMultibody):
         bent = [c * v for (_, c, _), v in rows]
         return [*bent, self.rotor_friction * speed + rubbed, self.resistance * current + lost]
 
+    @override
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the voltage of the motor [V]."""
         return [0.0] * (self.count + 1) + [signals[0]]
 
     def _turning(self) -> Scalar:
-        """J + m r² [kg m²]."""
+        """Return J + m r² [kg m²]."""
         return self.rotor_inertia + self.unbalance * self.eccentricity * self.eccentricity
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the motion of tip and rotor, current of the motor; modes and charge last."""
         modes = self.coordinates()[: self.count] if self.count > 1 else ()
         return {
             "displacement": Output("m", "displacement of the tip", "x"),
@@ -244,13 +245,13 @@ class BeamMotor(AbstractMultibody):
             "charge": Output("A*s", "charge through the motor", "Q"),
         }
 
+    @override
     def rate_names(self) -> tuple[str, ...]:
-        """Return the velocity of the tip, or those of its modes; speed of the rotor, current."""
         bends = [f"mode_{k}_rate" for k in range(1, self.count + 1)] if self.count > 1 else ["velocity"]
         return *bends, "rotor_speed", "motor_current"
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """Return the displacement of the tip and speed of the rotor."""
         return {"displacement": 1e-5, "rotor_speed": 0.1}
 
     def first_step(self) -> float:
@@ -260,8 +261,8 @@ class BeamMotor(AbstractMultibody):
             squares.append(getattr(self, f"stiffness_{k}") / getattr(self, f"mass_{k}"))
         return 2.0 * math.pi / math.sqrt(max(squares)) / 40.0
 
+    @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the tension of the wire, and the `outputs` in order."""
         n, (position, velocity, *_) = self.count, memory.course
         bends = [sum_column(position[:n]), sum_column(velocity[:n])]
         turns = [position[n], velocity[n], velocity[n + 1]]
@@ -269,19 +270,19 @@ class BeamMotor(AbstractMultibody):
         forces = [element.force(state) for element, state, _ in loads]
         return forces, [*bends, *turns, *modes, position[n + 1]]
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return the beam, the motor with its unbalance, and the wire if there is one."""
         return drawn_beam(self, reading)
 
 
 def modal_numbers(modes: BeamModes) -> dict[str, Any]:
-    """Return the arguments of `BeamMotor` that say how a beam bends: `modes`, masses and stiffnesses.
+    """Return the arguments of `BeamMotor` for the modes of a beam: `modes`, masses and stiffnesses.
 
     Args:
         modes: up to four modes of a beam that carries the whole motor at its tip.
 
     Raises:
-        ParameterError: there are more modes than four.
+        ParameterError: there are more than four modes.
     """
     count = len(modes.omega)
     if count > MOST_MODES:

@@ -1,24 +1,24 @@
-r"""Siblings of `beam-motor`: two motors on one beam, and a beam that a piezoelectric patch takes power from.
+"""Variants of `beam-motor`: two motors on one beam, and a beam with a piezoelectric patch.
 
-**Two motors** feel each other through the beam. The equations are those of `beam-motor` with a second rotor (numbers
-ending in `_2`) at the same tip, where both throw,
+**Two motors** interact through the beam. The equations are those of `beam-motor` with a second rotor (parameters ending
+in `_2`) at the same tip,
 
     M x'' + c x' + k x = Σ_j m_j r_j (φ_j'² sin φ_j - φ_j'' cos φ_j) + F_w,
 
-and M holds both unbalances. Motors of different speed may then keep step, although nothing but the beam
-joins them: self-synchronisation. A second motor on a negative voltage turns the other way.
+and M includes both unbalances. Motors of different speed may then synchronise through the beam alone. A second motor on
+a negative voltage turns the other way.
 
 **The patch** adds, on the first mode of the beam q and with its voltage v,
 
     … + k q - θ v = …,        C_p v' + v/R_l + θ q' = 0.
 
-v is the rate of the last coordinate, the flux λ = ∫ v dt. What the beam gives, -θ v q', is the power v²/R_l in the
-resistor but for the charge of the patch, ½ C_p v², which is entered with the springs. Harmonic in q, V = -iωθR_l Q/(1 +
-iωR_lC_p): without load, R_l → ∞, the patch stiffens the beam by θ²/C_p. It stretches with the curvature near
-the clamp; to the higher modes it is not coupled here.
+v is the rate of the last coordinate, the flux λ = ∫ v dt. The power -θ v q' of the beam is the power v²/R_l in the
+resistor plus the change of ½ C_p v², which is entered with the springs. Harmonic in q, V = -iωθR_l Q/(1 + iωR_lC_p):
+without load, R_l → ∞, the patch stiffens the beam by θ²/C_p. It follows the curvature near the clamp and is not coupled
+to higher modes here.
 
-Source: Kossoski (2018), section 6.3, leaves more than one non-ideal source and energy harvesting for later; Blekhman
-(1988) for what two motors do; Erturk and Inman (2011), chapter 3, for the lumped patch.
+Source: Kossoski (2018), section 6.3, leaves several non-ideal sources and energy harvesting for later; Blekhman (1988)
+for two motors; Erturk and Inman (2011), chapter 3, for the lumped patch.
 """
 
 from collections.abc import Sequence
@@ -29,6 +29,7 @@ from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, Mecha
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.multibody import Assembled, Coordinate
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace
 from martensite.kernels.nested import sum_column
@@ -39,7 +40,7 @@ WINDING = ("resistance", "inductance")
 
 @MECHANISMS.register("beam-motors")
 class BeamMotors(BeamMotor):
-    """Two unbalanced motors on a beam, and a wire at its tip if it is wanted; dry friction is the same in both."""
+    """Two unbalanced motors on a beam with equal dry friction, and an optional wire at its tip."""
 
     typical_scenario = "two_motors"
 
@@ -63,7 +64,7 @@ class BeamMotors(BeamMotor):
     inductance_2: Number = param("H", "inductance of the second winding", above=0.0, high=1e3, typical="20 mH")
 
     def check(self) -> None:
-        """Raise `ParameterError` if the moving mass does not hold both unbalances, or as `beam-motor` does."""
+        """Raise `ParameterError` if the moving mass is below both unbalances, or as `beam-motor` does."""
         super().check()
         if self.unbalance + self.unbalance_2 > self.mass:
             raise ParameterError(
@@ -72,72 +73,69 @@ class BeamMotors(BeamMotor):
             )
 
     def as_second_motor(self) -> Self:
-        """Return the beam as the second motor has it."""
+        """Return the beam with the second motor."""
         return self.rebuilt({name: getattr(self, f"{name}_2") for name in (*ROTOR, *WINDING)})
 
+    @override
     def signals(self) -> dict[str, str]:
-        """Return the voltages of both motors."""
         return {"motor": "V", "motor_2": "V"}
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the coordinates of the first motor, then angle and charge of the second."""
         return (
             *super().coordinates(),
             Coordinate("rotor_angle_2", "rad", "angle of the second rotor", "φ_2", 1.0),
             Coordinate("charge_2", "A*s", "charge through the second motor", "Q_2", 0.01),
         )
 
+    @override
     def rate_names(self) -> tuple[str, ...]:
-        """Return the rates of the first motor, then speed and current of the second."""
         return *super().rate_names(), "rotor_speed_2", "motor_current_2"
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the demand as with one motor, and the demand of the second."""
-        found, second, other = (
-            super().demand(xp, motion, signals[:1]),
-            self.as_second_motor(),
-            self._leave_first(motion),
-        )
+        first, second = super().demand(xp, motion, signals[:1]), self.as_second_motor()
+        other = self._leave_first(motion)
         thrown = second.unbalance_force(xp, other)
-        bent = [row - thrown for row in found[: self.count]]
-        return [*bent, *found[self.count :], *second.demand_rotor(xp, other, signals[1])]
+        bent = [row - thrown for row in first[: self.count]]
+        return [*bent, *first[self.count :], *second.demand_rotor(xp, other, signals[1])]
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """With those of the second rotor and coil."""
-        found, second, n = super().energy(xp, motion), self.as_second_motor(), self.count
+        energy, second, n = super().energy(xp, motion), self.as_second_motor(), self.count
         angle, speed, current = motion.position[n + 2], motion.velocity[n + 2], motion.velocity[n + 3]
         shared = second.unbalance * second.eccentricity * sum_column(motion.velocity[:n]) * speed * xp.cos(angle)
-        return found._replace(
-            kinetic=found.kinetic + 0.5 * second._turning() * speed * speed + shared,
-            magnetic=found.magnetic + 0.5 * second.inductance * current * current,
+        return energy._replace(
+            kinetic=energy.kinetic + 0.5 * second._turning() * speed * speed + shared,
+            magnetic=energy.magnetic + 0.5 * second.inductance * current * current,
         )
 
+    @override
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """With friction and winding of the second motor."""
         other = BeamMotor.dissipative(self.as_second_motor(), xp, self._leave_first(motion))
         return [*super().dissipative(xp, motion), *other[self.count :]]
 
+    @override
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the voltages of both motors [V]."""
         return [*super().external_forces(xp, motion, signals[:1]), 0.0, signals[1]]
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the outputs of one motor, then of the second."""
         return super().outputs() | {
             "rotor_angle_2": Output("rad", "angle of the second rotor", "φ_2"),
             "rotor_speed_2": Output("rad/s", "speed of the second rotor", "ω_2"),
             "motor_current_2": Output("A", "current of the second motor", "i_2"),
         }
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """With the speed of the second rotor."""
         return super().convergence_scales() | {"rotor_speed_2": 0.1}
 
+    @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """Observe as with one motor, and the second."""
-        forces, found = super().observe(xp, memory, loads, signals)
+        forces, own = super().observe(xp, memory, loads, signals)
         n, (position, velocity, *_) = self.count, memory.course
-        return forces, [*found, position[n + 2], velocity[n + 2], velocity[n + 3]]
+        return forces, [*own, position[n + 2], velocity[n + 2], velocity[n + 3]]
 
     def _leave_first(self, motion: Motion) -> Motion:
         """Return the motion without the first rotor."""
@@ -147,7 +145,7 @@ class BeamMotors(BeamMotor):
 
 @MECHANISMS.register("beam-harvester")
 class BeamHarvester(BeamMotor):
-    """An unbalanced motor on a beam with a piezoelectric patch and a resistor, and a wire if it is wanted."""
+    """Unbalanced motor on a beam with a piezoelectric patch and a resistor, and an optional wire."""
 
     typical_scenario = "beam_harvester"
 
@@ -157,16 +155,16 @@ class BeamHarvester(BeamMotor):
     piezo_capacitance: Number = param("F", "capacitance C_p of the patch", above=0.0, high=1.0, typical="100 nF")
     load_resistance: Number = param("ohm", "resistance R_l that it feeds", above=0.0, high=1e12, typical="100 kohm")
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the coordinates of the beam with its motor, and the flux of the patch."""
         return (*super().coordinates(), Coordinate("flux", "V*s", "flux of the piezoelectric patch", "λ", 0.01))
 
+    @override
     def rate_names(self) -> tuple[str, ...]:
-        """Return the rates of the beam with its motor, and the voltage of the patch."""
         return *super().rate_names(), "piezo_voltage"
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the demand as without a patch, and the current [A] of the patch."""
         first, *rest = super().demand(xp, motion, signals)
         voltage, change = motion.velocity[-1], motion.acceleration[-1]
         moved = self.piezo_coupling * motion.velocity[0]
@@ -174,31 +172,31 @@ class BeamHarvester(BeamMotor):
         return [first - self.piezo_coupling * voltage, *rest, current]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """With that of the charged patch, which is entered with the springs."""
-        found, voltage = super().energy(xp, motion), motion.velocity[-1]
-        return found._replace(springs=found.springs + 0.5 * self.piezo_capacitance * voltage * voltage)
+        """Return the energies including the charged patch, entered with the springs."""
+        energy, voltage = super().energy(xp, motion), motion.velocity[-1]
+        return energy._replace(springs=energy.springs + 0.5 * self.piezo_capacitance * voltage * voltage)
 
+    @override
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """With the current through the resistor [A]."""
         return [*super().dissipative(xp, motion), motion.velocity[-1] * (1.0 / self.load_resistance)]
 
+    @override
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the voltage of the motor [V]."""
         return [*super().external_forces(xp, motion, signals), 0.0]
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """With voltage and power of the resistor."""
         return super().outputs() | {
             "piezo_voltage": Output("V", "voltage of the piezoelectric patch", "v"),
             "harvested_power": Output("W", "power in the resistor", "P_h"),
         }
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """With the voltage of the patch."""
         return super().convergence_scales() | {"piezo_voltage": 0.01}
 
+    @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """Observe as without a patch, with its voltage and power."""
-        forces, found = super().observe(xp, memory, loads, signals)
+        forces, own = super().observe(xp, memory, loads, signals)
         voltage = memory.course.velocity[-1]
-        return forces, [*found, voltage, voltage * voltage * (1.0 / self.load_resistance)]
+        return forces, [*own, voltage, voltage * voltage * (1.0 / self.load_resistance)]

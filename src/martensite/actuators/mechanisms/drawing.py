@@ -1,16 +1,14 @@
-r"""Drawing of a mechanism: named shapes of a kind, with points in space, at one time.
+"""Drawing of a mechanism: named shapes with points in space, at one time.
 
-A mechanism answers `draw_shapes(reading)`, once for every picture, by the functions of `xp`, which take floats and what
-stands for numbers in the browser. All pictures of a run have the same shapes with the same numbers of points; only
-places and turns change. Joints and the
-ways of wires are those of its kinematics; what its kinematics leave open (how thick a bar is, how
-far a wire runs on behind its last bracket) is drawn in proportion.
+`draw_shapes(reading)` is called once per picture and uses the functions of `xp`, which accept floats and the recorded
+numbers of the browser. All pictures of a run have the same shapes with the same numbers of points; only places and
+angles change. Joints and wire paths follow the kinematics; undefined sizes, such as the thickness of a bar, are
+proportional.
 
 Frame: right-handed, z up, x to the right, y away from the eye; metres.
 
-A wire is drawn as long as it is while taut. As assembled it is `reading.lengths[port]` long; where
-its way over the mechanism is shorter than that, the rest runs on behind the fixed end, and where
-it is longer, a tether makes up for it (`led`).
+A taut wire is drawn at its length. As assembled it is `reading.lengths[port]` long; if its path over the mechanism is
+shorter, the rest continues behind the fixed end; if longer, a tether fills the gap (`lead_wire`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,33 +43,34 @@ KINDS: dict[str, str] = {
     "the third, turned about that axis",
     "object": "ball at its point",
 }
-"""Kind -> what is drawn of it."""
+"""Kind -> description of the shape."""
 
 ARC = 8
-"""Segments of a quarter of a circle."""
+"""Segments of a quarter circle."""
 THREAD = 0.1
-"""Length of the thread that a load without an element hangs on [m]."""
+"""Length of the thread of a load without an element [m]."""
 DENSITY = 7850.0
 """Density of the steel of a drawn weight [kg/m³]."""
 NEWTON = 5e-3
-"""Length that a contact force is drawn with [m/N]."""
+"""Drawn length of a contact force [m/N]."""
 
 
 class DrawingShape(NamedTuple):
-    """A part of the picture of a mechanism at one time."""
+    """Part of the picture of a mechanism at one time."""
 
     name: str
     kind: str
-    """One of `KINDS`."""
+    """Key of `KINDS`."""
     points: tuple[Point, ...]
     """[m]"""
     size: float
-    """Radius of a bar, pin, disc, spring or ball, half the edge of a block, half the thickness of a
-    plate [m]; 0 for a wire, whose element knows."""
+    """Radius of a bar, pin, disc, spring or ball, half the edge of a block, half the thickness of a plate [m]; 0 for a
+    wire.
+    """
     port: str = ""
-    """Port of the element that a wire is."""
+    """Port of the element of a wire."""
     turn: float = 0.0
-    """Angle of a disc or rotor about its axis, right-handed [rad]; may pass a full turn."""
+    """Angle of a disc or rotor about its axis, right-handed [rad]; may exceed a full turn."""
     mass: float = 0.0
     """Mass of a weight [kg]; 0 if unknown."""
 
@@ -108,10 +107,10 @@ def move_point(point: Point, direction: Point, way: float) -> Point:
 
 
 def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[DrawingShape]:
-    """Return a wire along a path [m] whose fixed end is first, and a tether where it is too short.
+    """Return a wire along a path [m] that begins at its fixed end, and a tether if the wire is too short.
 
-    `rest` is the length of the element less that of the path, both as assembled [m]; the wire runs on `away` behind the
-    fixed end.
+    `rest` is the length of the element less that of the path, both as assembled [m]; excess wire continues in the
+    direction `away` behind the fixed end.
     """
     if rest >= 0.0:
         points = (move_point(path[0], away, rest), *path)
@@ -126,7 +125,7 @@ def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> lis
 
 
 def trace_arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
-    """Return the points of a circle about 0 from angle to angle [rad]: a polygon as long as the arc [m]."""
+    """Return the points of a circle about 0 between two angles [rad]: a polygon as long as the arc [m]."""
     step = (last - first) / segments
     half = xp.maximum(0.5 * abs(step), 1e-6)
     outside = radius * half / xp.sin(half)
@@ -140,29 +139,29 @@ def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> Draw
 
 
 def draw_pin(name: str, at: Point, half: float, size: float) -> DrawingShape:
-    """Return a pin along y, so many metres to either side."""
+    """Return a pin along y with a half length [m]."""
     return DrawingShape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
 
 
 def draw_cylinder(axis: Point, half: float, radius: float) -> DrawingShape:
-    """Return a cylinder along y, so many metres to either side of a point of its axis."""
+    """Return a cylinder along y with a half length [m], about a point of its axis."""
     ends = (axis[0], axis[1] - half, axis[2]), (axis[0], axis[1] + half, axis[2])
     return DrawingShape("cylinder", "cylinder", ends, radius)
 
 
 def draw_force(name: str, touching: Point, axis: Point, force: float) -> DrawingShape:
-    """Return a force [N] on what touches a cylinder, as an arrow that comes from its axis, `NEWTON` for each newton."""
+    """Return the force [N] of a cylinder on a touching part, as an arrow from its axis."""
     return DrawingShape(name, "force", (locate_along(touching, axis, NEWTON * force), touching), 0.0)
 
 
 def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:
-    """Return a block of steel of a mass [kg], with half an edge between two limits [m]."""
+    """Return a steel block of a mass [kg], with half an edge between two limits [m]."""
     half = 0.5 * xp.power(mass / DENSITY, 1.0 / 3.0)
     return DrawingShape(name, "weight", (at,), xp.clip(half, least, most), mass=mass)
 
 
 def draw_lifted(by: float) -> list[DrawingShape]:
-    """Return a ball on a thread, as long as chosen here, that is lifted by so much [m]."""
+    """Return a ball on a thread of arbitrary length, lifted by a distance [m]."""
     end, wide = (0.0, 0.0, by - THREAD), 0.2 * THREAD
     return [
         draw_bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="wall"),
@@ -174,18 +173,18 @@ def draw_lifted(by: float) -> list[DrawingShape]:
 def draw_hanging(
     ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: DrawingState
 ) -> list[DrawingShape]:
-    """Draw a mechanism without a drawing: elements side by side, `shortened` [m], discs `turned` [rad]."""
+    """Return elements side by side, `shortened` [m], and discs `turned` [rad], for a mechanism without a drawing."""
     longest = reduce(xp.maximum, reading.lengths.values()) if reading.lengths else 0.1
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)
-    found = [draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="wall")]
+    shapes = [draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="wall")]
     for k, (port, by) in enumerate(zip(ports, shortened, strict=True)):
         x = apart * (k - 0.5 * (len(ports) - 1))
         end = (x, 0.0, by - reading.lengths[port])
-        found.append(DrawingShape(port, "wire", ((x, 0.0, 0.0), end), 0.0, port))
-        found.append(DrawingShape(f"{port} end", "slider", (end,), 0.03 * longest))
+        shapes.append(DrawingShape(port, "wire", ((x, 0.0, 0.0), end), 0.0, port))
+        shapes.append(DrawingShape(f"{port} end", "slider", (end,), 0.03 * longest))
     for k, angle in enumerate(turned):
         x, z = apart * (k - 0.5 * (len(turned) - 1)), -1.4 * longest
         axis = ((x, 0.02 * longest, z), (x, -0.02 * longest, z))
-        found.append(DrawingShape(f"angle {k + 1}", "pulley", axis, 0.12 * longest, turn=angle))
-    return found
+        shapes.append(DrawingShape(f"angle {k + 1}", "pulley", axis, 0.12 * longest, turn=angle))
+    return shapes

@@ -1,42 +1,40 @@
-r"""Finger: one hinge, bent by a wire that is led over it there and back, against a spring.
+"""Finger: one hinge, bent by a wire that passes it several times, against a spring.
 
-The wire slides through brackets whose holes lie at (∓g, -r) from the hinge. With h = θ/2 its
-path across the hinge is shorter by ΔL, with the moment arm m, on each of its n passes:
+The wire slides through brackets with holes at (∓g, -r) from the hinge. With h = θ/2 its path across the hinge is
+shorter by ΔL, with the moment arm m, on each of its n passes:
 
     ΔL(θ) = 2 [r sin h + g (1 - cos h)],        m(θ) = dΔL/dθ = r cos h + g sin h
     J θ'' + b θ' + τ_s(θ) + τ_stop(θ) = n η F m(θ)
 
-The element is the whole wire of n equal passes, so it shortens by n ΔL. The return spring k acts
-at the distance a from the hinge and has the extension δ₀ at θ = 0: always across its arm
-(`follower`), or from a fixed end at the distance H (`fixed`),
+The element is the whole wire of n equal passes, so it shortens by n ΔL. The return spring k acts at the distance a from
+the hinge and has the extension δ₀ at θ = 0: always across its arm (`follower`), or from a fixed end at the distance H
+(`fixed`),
 
     follower   τ_s = k a (δ₀ + a θ)
     fixed      τ_s = k (l - H + δ₀) dl/dθ,      l = |(a cos θ, -a sin θ) - (a, H)|,
                dl/dθ = a (H cos θ + a sin θ)/l
 
-The fixed one pulls over centre where tan θ = -H/a, beyond 90°. The brackets meet at θ = 2 φ with
-tan φ = g/r; there, and at the end stops, a stiff spring acts. With `contact` they are rigid instead, and hold by a
-moment that pushes away only: 0 ≤ λ ⊥ γ ≥ 0 with the least gap γ of θ - θ_lowest, θ_highest - θ and 2 sin(φ - θ/2)
-(`martensite.actuators.mechanics.complementarity`); so does a fixed `cylinder` on the far phalanx (`grasp`).
+The fixed spring pulls over centre at tan θ = -H/a, beyond 90°. The brackets meet at θ = 2 φ with tan φ = g/r; there,
+and at the end stops, a stiff spring acts. With `contact` they are rigid instead, with a moment that only pushes: 0 ≤ λ
+⊥ γ ≥ 0 with the smallest gap γ of θ - θ_lowest, θ_highest - θ and 2 sin(φ - θ/2)
+(`martensite.actuators.mechanics.complementarity`); a fixed `cylinder` acts on the far phalanx (`grasp`).
 
-Weight, off by default, adds m g₀ c sin(θ - β) on the left: of the mass m at the share c/l of the phalanx, under
-gravity in the direction β from the straight phalanx towards the inside. The inertia J is about the hinge and has that
-mass in it.
+Weight, off by default, adds m g₀ c sin(θ - β) on the left: for the mass m at the fraction c/l of the phalanx, with
+gravity in the direction β from the straight phalanx towards the inside. The inertia J is about the hinge and includes
+that mass.
 
-Friction: the wire is wrapped by θ/2 over each of the two brackets of the hinge. As it contracts it
-is drawn out of the span between them on either side, so that span, which alone has the moment arm
-m, keeps of the tension F on both sides the share of Euler and Eytelwein
+Friction: the wire is wrapped by θ/2 over each of the two brackets of the hinge. A contracting wire is drawn out of the
+span between them on both sides, so that the tension in the span, which alone has the moment arm m, is by Euler and
+Eytelwein the fraction
 
     η = exp(-μ |θ|/2 · tanh(θ'/v₀)),
 
-less than 1 while the wire pulls, more than 1 while it is drawn back. At one angle the two tensions
-differ by exp(μ θ). Where the passes turn back, the wire rests by symmetry and nothing is lost.
-The wire has one stress: that of the span, a small part of it, is not accounted for.
+below 1 while the wire pulls, above 1 while it is drawn back. At one angle the two tensions differ by exp(μ θ). The
+turning points of the passes do not move by symmetry and lose nothing. The different stress in the short span is
+neglected. Zero of θ is the finger as assembled, with spring and wire in balance.
 
-Zero of θ is the finger as assembled, where spring and wire are in balance.
-
-Source: the finger prototype of `finger-paper`, its geometry completed for this project; every
-completion is a parameter here. Sign convention: θ grows as the wire pulls.
+Source: the finger prototype of `finger-paper`, its geometry completed for this project; every completion is a parameter
+here. Sign convention: θ grows as the wire pulls.
 """
 
 import math
@@ -60,6 +58,7 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.joints import bowstring_arm, find_stop_energy, shorten_bowstring, stop_torque
 from martensite.actuators.mechanisms.multibody import Coordinate
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -68,7 +67,7 @@ from martensite.kernels.recordable_numbers import xp
 
 @MECHANISMS.register("finger")
 class Finger(grasp.AbstractGrasp):
-    """A joint bent by a wire over brackets, against a return spring."""
+    """Joint bent by a wire over brackets, against a return spring."""
 
     typical_scenario = "finger"
 
@@ -108,7 +107,7 @@ class Finger(grasp.AbstractGrasp):
     cylinder_inwards: Number = param("m", "axis of the cylinder, to the inside", low=-10.0, high=10.0, default=0.03)
 
     def check(self) -> None:
-        """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder is in the way."""
+        """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder overlaps."""
         if min(self.start_forces(floats)) < 0.0:
             raise ParameterError(
                 "The weight of `finger` bends it as assembled, so that the wire would have to push; raise `extension` "
@@ -125,8 +124,8 @@ class Finger(grasp.AbstractGrasp):
             fixed = self._touch_cylinder(floats, -self.cylinder_along, 0.0)
             grasp.check_clearance("the fixed phalanx of `finger`", fixed)
 
+    @override
     def cautions(self) -> list[str]:
-        """Return a cylinder that the phalanx does not meet."""
         far = math.hypot(self.cylinder_along, self.cylinder_inwards)
         reach = self.cylinder_radius + 0.5 * self.thickness
         if self.contact != "cylinder" or far - reach <= self.phalanx_length:
@@ -134,16 +133,16 @@ class Finger(grasp.AbstractGrasp):
         short = 1e3 * (far - reach - self.phalanx_length)
         return [f"The cylinder of the finger cannot be touched: `phalanx_length` is {short:.4g} mm too short."]
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the angle."""
         return (Coordinate("angle", "rad", "angle of the joint", "θ", 1.0),)
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """n ΔL [m]."""
+        """Return n ΔL [m]."""
         return [self.passes * shorten_bowstring(xp, position[0], self.offset, self.bracket)]
 
     def spring_torque(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """τ_s [N m] of the return spring."""
+        """Return τ_s [N m] of the return spring."""
         if self.spring == "follower":
             return self.stiffness * self.arm * (self.extension + self.arm * angle)
         c, s = xp.cos(angle), xp.sin(angle)
@@ -152,34 +151,34 @@ class Finger(grasp.AbstractGrasp):
         return self.stiffness * (length - self.height + self.extension) * lever
 
     def _spring_length(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """l [m] of the spring from a fixed end, at home H."""
+        """Return l [m] of the spring from a fixed end."""
         across = self.arm * (xp.cos(angle) - 1.0)
         along = self.arm * xp.sin(angle) + self.height
         return xp.sqrt(across * across + along * along)
 
     def stops(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """τ_stop [N m] of the end stops, and of brackets that have met."""
+        """Return τ_stop [N m] of end stops and meeting brackets."""
         if self.contact != "springs":
             return 0.0
         h = 0.5 * xp.clip(angle, 0.0, 3.1)
         c, s = xp.cos(h), xp.sin(h)
         past = (self.offset * s - self.bracket * c) / (self.offset * c + self.bracket * s)
-        met = self.stop * xp.maximum(2.0 * past, 0.0)  # 2 tan(θ/2 - φ), which grows ever faster
+        met = self.stop * xp.maximum(2.0 * past, 0.0)  # 2 tan(θ/2 - φ)
         return met + stop_torque(xp, angle, self.lowest, self.highest, self.stop)
 
     def transmission(self, xp: Namespace, motion: Motion) -> Column:
-        """η: what friction leaves of the tension."""
+        """Return η."""
         way = xp.tanh(motion.velocity[0] * (1.0 / self.friction_rate))
         return [xp.exp(-0.5 * self.friction * xp.abs(motion.position[0]) * way)]
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the torque [N m] of spring, stops that are springs, weight, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         held = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._weigh(xp, angle)[0]
         return [held + self.damping * rate + self.inertia * acceleration]
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Return the energies of the return spring, of the stops, and of the moving phalanx."""
         (angle,), (rate,), _ = motion
         by = self.arm * angle
         if self.spring == "fixed":
@@ -201,12 +200,12 @@ class Finger(grasp.AbstractGrasp):
         axis, reach = (along, self.cylinder_inwards), self.cylinder_radius + 0.5 * self.thickness
         return grasp.find_touches(xp, axis, reach, [self.phalanx_length], [angle])[0]
 
+    @override
     def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
-        """Return the touch of the far phalanx with the cylinder."""
         return [self._touch_cylinder(xp, self.cylinder_along, position[0])]
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Return the gap [rad] to the nearest end stop: brackets that meet are one."""
+        """Return the gap [rad] to the nearest end stop, including meeting brackets."""
         h = 0.5 * angle
         span = xp.sqrt(self.offset * self.offset + self.bracket * self.bracket)
         met = 2.0 * (self.bracket * xp.cos(h) - self.offset * xp.sin(h)) / span
@@ -226,17 +225,17 @@ class Finger(grasp.AbstractGrasp):
         stops = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
         return self.stop * met + stops
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the force at angle zero [N]."""
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
         return [(self.spring_torque(xp, 0.0) + self._weigh(xp, 0.0)[0]) / arm]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Hinge in the origin, phalanges along -x and +x, the wire below them; θ turns the far phalanx about +y.
+        """Return the hinge in the origin, phalanges along -x and +x, the wire below; θ turns the far phalanx about +y.
 
-        The wire comes from the left, passes the hinge n times, side by side, and the rest of it runs on along the
-        phalanges; it is drawn to scale for whole n. A follower spring pulls a thread that is wound on a drum of radius
-        a. Once the brackets have met, the wire is drawn through the point where they did.
+        The wire passes the hinge n times, side by side, and its rest runs along the phalanges, to scale for whole n. A
+        follower spring pulls a thread wound on a drum of radius a. Once the brackets have met, the wire runs through
+        their meeting point.
         """
         angle, (port,) = reading.outputs["angle"], self.ports()
         r, g = self.offset, self.bracket
@@ -245,7 +244,7 @@ class Finger(grasp.AbstractGrasp):
         if self.contact == "cylinder":
             thick, tip = 0.5 * self.thickness, self.phalanx_length
             grasped = self._draw_grasp(reading)
-        # what every pass has on either side of the hinge
+        # length of each pass on both sides of the hinge
         rest = (reading.lengths[port] - measure_length(_trace_path(self, 0.0, 0.0, 0.0))) / _count_passes(self)
         beyond = xp.minimum(2.0 * g, 0.4 * xp.maximum(rest, 0.0))
         behind = xp.maximum(rest - beyond, 0.0)
@@ -263,7 +262,6 @@ class Finger(grasp.AbstractGrasp):
         ]
 
     def _draw_grasp(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return the cylinder, and the force on the phalanx."""
         width = 2.0 * self.offset
         touching = turn_point(reading.outputs["angle"], reading.outputs["contact_place"], -0.5 * self.thickness)
         axis = (self.cylinder_along, 0.0, -self.cylinder_inwards)
@@ -282,15 +280,15 @@ def _count_passes(finger: Finger) -> int:
 
 
 def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> list[Point]:
-    """Return all passes over the hinge, side by side, with so much [m] on either side of it."""
+    """Return all passes over the hinge, side by side, with given lengths [m] on both sides."""
     r, g, passes = finger.offset, finger.bracket, _count_passes(finger)
     apart, met = min(0.6, 1.6 / passes) * r, xp.minimum(angle, 2.0 * xp.atan2(g, r))
-    found: list[Point] = []
+    path: list[Point] = []
     for k in range(passes):
         y = apart * (k - 0.5 * (passes - 1))
         way = [(-g - behind, y, -r), (-g, y, -r), turn_point(met, g, -r, y), turn_point(met, g + beyond, -r, y)]
-        found += way if k % 2 == 0 else way[::-1]
-    return found
+        path += way if k % 2 == 0 else way[::-1]
+    return path
 
 
 def _draw_spring(finger: Finger, angle: float) -> list[DrawingShape]:

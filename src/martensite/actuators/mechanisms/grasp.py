@@ -1,14 +1,14 @@
-r"""Joints with rigid end stops, and phalanges that close on a fixed cylinder in the plane of a finger.
+"""Joints with rigid end stops, and phalanges that close on a fixed cylinder in the plane of a finger.
 
-A phalanx is a segment of the length l from its hinge at p, in the direction u, of the thickness 2 w, with round ends; a
-cylinder of radius R stands across the plane at c. With t = u·(c - p) along the phalanx and n = u x (c - p) to its
+A phalanx is a segment of length l from its hinge at p, in the direction u, of thickness 2 w, with round ends; a
+cylinder of radius R is perpendicular to the plane at c. With t = u·(c - p) along the phalanx and n = u x (c - p) to its
 inside, the phalanx is nearest to the axis at t' = t limited to [0, l], and the gap is
 
     g = √((t - t')² + n²) - R - w,        g = n - R - w where t' = t and n > -R - w.
 
-Beside a phalanx the distance has a sign, so that one that is half through a cylinder knows the way back. What touches
-pushes and does not pull (`martensite.actuators.mechanics.complementarity`); its force is normal to both, for friction
-is left out. Plane: along the straight finger, and inwards, where it bends to.
+The distance from the side of a phalanx is signed, so that a phalanx half through a cylinder is pushed back. Contacts
+push and do not pull (`martensite.actuators.mechanics.complementarity`); forces are normal, without friction. Plane:
+along the straight finger, and inwards in the bending direction.
 """
 
 from abc import abstractmethod
@@ -18,6 +18,7 @@ from typing import NamedTuple
 from martensite.actuators.mechanisms.base import Column, Load, Output, Readout
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -35,7 +36,7 @@ class Touch(NamedTuple):
 
     gap: Scalar
     place: Scalar
-    """Distance from its hinge of the nearest point."""
+    """Distance of the nearest point from the hinge."""
 
 
 TOUCH = {
@@ -47,9 +48,9 @@ TOUCH = {
 
 
 def find_touches(xp: Namespace, axis: Column, reach: Scalar, lengths: Column, angles: Column) -> list[Touch]:
-    """Return how phalanges at relative angles [rad] touch a cylinder, by its axis (along, inwards) and R + w [m]."""
+    """Return the touches of phalanges at relative angles [rad], for a cylinder axis (along, inwards) and R + w [m]."""
     (along, inwards), angle = axis, 0.0 * angles[0]
-    found: list[Touch] = []
+    touches: list[Touch] = []
     for length, turned in zip(lengths, angles, strict=True):
         angle = angle + turned
         c, s = xp.cos(angle), xp.sin(angle)
@@ -58,13 +59,13 @@ def find_touches(xp: Namespace, axis: Column, reach: Scalar, lengths: Column, an
         past = way - place
         through = xp.both(past * past <= 0.0, across > -reach)
         distance = xp.where(through, across, xp.sqrt(past * past + across * across))
-        found.append(Touch(distance - reach, place))
+        touches.append(Touch(distance - reach, place))
         along, inwards = along - length * c, inwards - length * s
-    return found
+    return touches
 
 
 class AbstractGrasp(AbstractMultibody, init=False):
-    """Interface of fingers: every coordinate is the angle of a joint, and turns a phalanx."""
+    """Fingers: each coordinate is the angle of a joint, and turns a phalanx."""
 
     contact: str
     lowest: Number
@@ -72,10 +73,10 @@ class AbstractGrasp(AbstractMultibody, init=False):
 
     @abstractmethod
     def locate_contacts(self, xp: Namespace, position: Column) -> list[Touch]:
-        """Return the touch of every moving phalanx with the cylinder."""
+        """Return the touch of each moving phalanx with the cylinder."""
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Return the gap [rad] of a joint to the nearer of its end stops."""
+        """Return the gap [rad] of a joint to its nearer end stop."""
         return xp.minimum(angle - self.lowest, self.highest - angle)
 
     def check_contact(self) -> None:
@@ -88,16 +89,16 @@ class AbstractGrasp(AbstractMultibody, init=False):
             for coordinate, touch in zip(self.coordinates(), home, strict=True):
                 check_clearance(f"the phalanx of `{name}` that `{coordinate.name}` turns", touch)
 
+    @override
     def gaps(self, xp: Namespace, position: Column) -> Column:
-        """Return the gaps of every joint to its nearer end stop [rad], and of every phalanx to the cylinder [m]."""
         if self.contact == "springs":
             return []
-        found = [self.stop_gap(xp, angle) for angle in position]
-        return found if self.contact == "stops" else found + [touch.gap for touch in self.locate_contacts(xp, position)]
+        gaps = [self.stop_gap(xp, angle) for angle in position]
+        return gaps if self.contact == "stops" else gaps + [touch.gap for touch in self.locate_contacts(xp, position)]
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the angles, the contact moment at every joint, the force on every phalanx and the sum of forces."""
-        found = super().outputs()
+        outputs = super().outputs()
         several = len(self.coordinates()) > 1
         places = [(f"{c.name}_", f", {c.long_name}") if several else ("", "") for c in self.coordinates()]
         added: dict[str, Output] = {}
@@ -106,25 +107,25 @@ class AbstractGrasp(AbstractMultibody, init=False):
         if self.contact == "cylinder":
             added |= TOUCH
         for name, (unit, words, symbol) in added.items():
-            found |= {f"{prefix}{name}": Output(unit, words + where, symbol) for prefix, where in places}
+            outputs |= {f"{prefix}{name}": Output(unit, words + where, symbol) for prefix, where in places}
         if several and self.contact == "cylinder":
-            found["grasp_force"] = Output("N", "sum of the forces between phalanges and cylinder", "F_g")
-        return found
+            outputs["grasp_force"] = Output("N", "sum of the forces between phalanges and cylinder", "F_g")
+        return outputs
 
+    @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the tensions, the angles, and what contacts do."""
         forces, seen = super().observe(xp, memory, loads, signals)
         if self.contact == "springs":
             return forces, seen
         angles = memory.course.position
-        held, pushed = memory.reactions[: len(angles)], memory.reactions[len(angles) :]
+        moments, pushed = memory.reactions[: len(angles)], memory.reactions[len(angles) :]
         sides = [xp.where(q - self.lowest > self.stop_gap(xp, q), -1.0, 1.0) for q in angles]
-        found = [*seen, *(m * side for m, side in zip(held, sides, strict=True))]
+        values = [*seen, *(m * side for m, side in zip(moments, sides, strict=True))]
         if self.contact == "stops":
-            return forces, found
+            return forces, values
         gaps, places = zip(*self.locate_contacts(xp, angles), strict=True)
         total = [sum_column(pushed)] if len(pushed) > 1 else []
-        return forces, [*found, *pushed, *gaps, *places, *total]
+        return forces, [*values, *pushed, *gaps, *places, *total]
 
 
 def check_clearance(phalanx: str, touch: Touch) -> None:

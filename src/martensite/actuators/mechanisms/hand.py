@@ -1,35 +1,31 @@
-r"""Hand: three fingers of two joints, and at every joint a flexor against an extensor.
+"""Hand: three fingers of two joints, with a flexor and an extensor at every joint.
 
-The fingers `thumb`, `index` and `middle` are alike but for their sizes; each has a `proximal` and a `distal` joint
-with the angles θ₁ and θ₂. A port is named after finger, joint and tendon, such as `index_distal_flexor`: twelve
-elements, such as bundles of wires, each with a separate drive.
+The fingers `thumb`, `index` and `middle` differ in size only; each has a `proximal` and a `distal` joint with the
+angles θ₁ and θ₂. A port is named after finger, joint and tendon, such as `index_distal_flexor`: twelve elements, such
+as bundles of wires, each with its own drive.
 
-Flexors are led through brackets on the inner side (bowstring, at r and g from the hinge),
-extensors over round knuckles of radius ρ on the outer side, where a straight path would soon pass
-over the hinge and turn nothing:
+Flexors are led through brackets on the inner side (bowstring, at r and g from the hinge), extensors over round knuckles
+of radius ρ on the outer side, where a straight path would soon pass over the hinge:
 
     flexor   ΔL = 2 [r sin h + g (1 - cos h)],   h = θ/2        extensor   ΔL = -ρ θ
 
-The brackets meet at θ = 2 φ with tan φ = g/r: put the upper end stop before it.
-
-With tendons `passing`, the distal flexor runs over the proximal joint too, as those of a hand
-do, and bends both: its path shortens by ΔL(θ₁) + ΔL(θ₂). Against the elements stand joint springs
-k θ + τ₀, damping, and end stops; with inertia, that of two uniform rods. Weight, off by default,
-is that of fingers that hang down; with `weight = "given"` it has a direction and phalanges have centres of mass of
-their own, uniform about them.
+The brackets meet at θ = 2 φ with tan φ = g/r: put the upper end stop before it. With tendons `passing`, the distal
+flexor runs over the proximal joint as in a human hand, and bends both: its path shortens by ΔL(θ₁) + ΔL(θ₂). The
+elements act against joint springs k θ + τ₀, damping, end stops, and optionally the inertia of two uniform rods. Weight,
+off by default, is that of hanging fingers; with `weight = "given"` it has a direction, and phalanges have centres of
+mass, with uniform mass about them.
 
 With `contact` the end stops are rigid (`stops`), and a fixed `cylinder` across all fingers is gripped
-(`martensite.actuators.mechanics.complementarity`, `grasp`): every phalanx touches or not, and every force pushes. The
-hinges of the thumb are at the distance `span` from those of the others, and the axis of the cylinder lies so far below
-them, and so far from the middle towards the thumb. Fingers do not touch each other.
+(`martensite.actuators.mechanics.complementarity`, `grasp`); contact forces push only. The hinges of the thumb have the
+distance `span` from the others. The axis of the cylinder is given by its depth below the hinges and its offset from the
+middle towards the thumb. Fingers do not touch each other.
 
-All flexors are assembled with the same preload; the extensors get what balances it,
+All flexors are assembled with the same preload; the extensors balance it,
 
     ρ F_e = Σ r F_f - τ₀        (sum over the flexors that pass the joint)
 
-A finger of size s has all lengths s times and masses s³ times as large. No finger knows of the
-others: their Jacobians are zero and cost nothing. Sign convention: angles grow in flexion, zero
-as assembled, where the fingers are straight.
+A finger of size s has all lengths s times and masses s³ times as large. Fingers are independent. Sign convention:
+angles grow in flexion, zero as assembled, with straight fingers.
 """
 
 import math
@@ -53,6 +49,7 @@ from martensite.actuators.mechanisms.joints import (
 )
 from martensite.actuators.mechanisms.multibody import Coordinate
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -111,7 +108,7 @@ class Hand(grasp.AbstractGrasp):
     )
 
     def check(self) -> None:
-        """Raise `ParameterError` if extensors would push at assembly, or the cylinder is in the way."""
+        """Raise `ParameterError` if extensors would push at assembly, or the cylinder overlaps."""
         self.check_contact()
         lacking = -min(self.start_forces(floats))
         if lacking > 0.0:
@@ -121,8 +118,8 @@ class Hand(grasp.AbstractGrasp):
                 f"flexors hold the joint springs and the weight, but is {self.preload:.4g} N."
             )
 
+    @override
     def cautions(self) -> list[str]:
-        """Return the brackets that meet before the upper end stop."""
         meet = 2.0 * math.atan2(self.bracket, self.offset)
         if self.bracket == 0.0 or meet >= self.highest:
             return []
@@ -132,11 +129,11 @@ class Hand(grasp.AbstractGrasp):
         ]
 
     def sizes(self) -> tuple[Scalar, ...]:
-        """Return the sizes of the fingers, relative to the numbers given."""
+        """Return the relative sizes of the fingers."""
         return self.thumb, self.index, self.middle
 
     def ports(self) -> tuple[str, ...]:
-        """Return the flexor and extensor of every joint, such as `thumb_proximal_flexor`."""
+        """Return the flexor and extensor of each joint, such as `thumb_proximal_flexor`."""
         return tuple("_".join(words) for words in product(FINGERS, JOINTS, SIDES))
 
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -146,8 +143,8 @@ class Hand(grasp.AbstractGrasp):
             Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0) for one, joint in words
         )
 
+    @override
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """Return the contraction of flexor and extensor of every joint [m]."""
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             bent = [
@@ -159,8 +156,8 @@ class Hand(grasp.AbstractGrasp):
                 found += [flexed, -(size * self.knuckle) * angle]
         return found
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the torques [N m] of springs, stops, damping, weight and, if it counts, inertia."""
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             angles, rates, accelerations = (_select_pair(numbers, i) for numbers in motion)
@@ -171,8 +168,8 @@ class Hand(grasp.AbstractGrasp):
                 found.append(self._hold_joint(xp, angles[k], rates[k]) + hung[k] + moved[k])
         return found
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Return the energies of springs and stops of all joints, weight, and moving phalanges."""
         springs = sum_column([self._spring_energy(xp, angle) for angle in motion.position])
         lifted, moved = list[Scalar](), list[Scalar]()
         for i, size in enumerate(self.sizes()):
@@ -181,8 +178,8 @@ class Hand(grasp.AbstractGrasp):
             moved.append(find_kinetic_energy(xp, *rods, angles, _select_pair(motion.velocity, i)))
         return MechanicalEnergy(springs, sum_column(lifted), sum_column(moved))
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the preload of the flexors, and what balances it [N]."""
         found: list[Scalar] = []
         both = 2.0 if self.tendons == "passing" else 1.0
         for i, size in enumerate(self.sizes()):
@@ -193,12 +190,12 @@ class Hand(grasp.AbstractGrasp):
                 found += [self.preload, moment * (1.0 / self.knuckle)]
         return found
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return the fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 
+    @override
     def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
-        """Return the touch of every phalanx with the cylinder."""
         found: list[grasp.Touch] = []
         for i, size in enumerate(self.sizes()):
             inwards = 0.5 * self.span + (-self.cylinder_aside if i == 0 else self.cylinder_aside)
@@ -208,7 +205,7 @@ class Hand(grasp.AbstractGrasp):
         return found
 
     def _lean(self, finger: int, angles: Pair) -> Pair:
-        """Return the angles of a finger against gravity."""
+        """Return the angles of a finger relative to gravity."""
         if self.weight == "hanging":
             return angles
         return angles[0] + (self.tilt if finger == 0 else -self.tilt), angles[1]

@@ -1,20 +1,18 @@
-r"""Hinges that tendons pass: paths, end stops, and the inertia of two links in a row.
+"""Hinges with tendons: paths, end stops, and the inertia of two links in series.
 
-A tendon led through holes at (∓g, -r) from a hinge, on either side of it, has between them the
-straight path of a bowstring. Bent by θ it is shorter by
+A tendon led through holes at (∓g, -r) on both sides of a hinge has the straight path of a bowstring. Bent by θ it is
+shorter by
 
     ΔL(θ) = 2 [r sin h + g (1 - cos h)],        dΔL/dθ = r cos h + g sin h,        h = θ/2
 
-The plane inertia of two links of lengths l₁ and l₂, uniform rods of masses m₁ and m₂ with the
-relative angles θ₁ and θ₂, is, with d = m₂ l₂²/3, b = m₂ l₁ l₂/2 and a = m₁ l₁²/3 + m₂ l₁² + d,
+The plane inertia of two links of lengths l₁ and l₂, uniform rods of masses m₁ and m₂ with the relative angles θ₁ and
+θ₂, is, with d = m₂ l₂²/3, b = m₂ l₁ l₂/2 and a = m₁ l₁²/3 + m₂ l₁² + d,
 
     τ₁ = (a + 2 b cos θ₂) θ₁'' + (d + b cos θ₂) θ₂'' - b sin θ₂ (2 θ₁' + θ₂') θ₂'
     τ₂ = (d + b cos θ₂) θ₁'' + d θ₂'' + b sin θ₂ θ₁'²
 
-A link whose centre of mass is at the share κ of its length, uniform about it, has κ in place of 1/2 and 1/12 + κ² in
-place of 1/3.
-
-Sign convention: angles grow as the tendon pulls. Textbook results.
+A link with its centre of mass at the fraction κ of its length, uniform about it, has κ in place of 1/2 and 1/12 + κ² in
+place of 1/3. Sign convention: angles grow as the tendon pulls. Textbook results.
 """
 
 from typing import NamedTuple
@@ -22,46 +20,46 @@ from typing import NamedTuple
 from martensite.kernels.namespace import Namespace, Scalar
 
 Pair = tuple[Scalar, Scalar]
-"""A number for each of two joints in a row."""
+"""A value for each of two joints in series."""
 
 
 def shorten_bowstring(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar) -> Scalar:
-    """ΔL [m] of a tendon at the distance r = `offset` whose holes are g = `bracket` away [m]."""
+    """Return ΔL [m] of a tendon with r = `offset` and g = `bracket` [m]."""
     h = 0.5 * angle
     return 2.0 * (offset * xp.sin(h) + bracket * (1.0 - xp.cos(h)))
 
 
 def bowstring_arm(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar) -> Scalar:
-    """dΔL/dθ [m]: the moment arm of the same tendon."""
+    """Return dΔL/dθ [m], the moment arm of the same tendon."""
     h = 0.5 * angle
     return offset * xp.cos(h) + bracket * xp.sin(h)
 
 
 def stop_torque(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar) -> Scalar:
-    """Return the torque [N m] that end stops ask for: a stiff spring outside of the range [rad]."""
+    """Return the torque [N m] of end stops: a stiff spring outside of the range [rad]."""
     past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
     return stiffness * past
 
 
 def find_stop_energy(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar) -> Scalar:
-    """Return the energy [J] that end stops hold."""
+    """Return the energy [J] of end stops."""
     past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
     return 0.5 * stiffness * past * past
 
 
 class Rod(NamedTuple):
-    """A link of a length [m] and a mass [kg]."""
+    """Link of a length [m] and a mass [kg]."""
 
     length: Scalar
     mass: Scalar
     centre: Scalar = 0.5
-    """Share of the length at which its centre of mass is."""
+    """Centre of mass as a fraction of the length."""
     spread: Scalar = 1.0 / 3.0
     """Moment of inertia about its hinge, in m l²."""
 
 
 def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair) -> Pair:
-    """Return the torques [N m] that accelerate two links in a row."""
+    """Return the torques [N m] that accelerate two links in series."""
     end = second.mass * second.length * second.length * second.spread
     across = second.centre * second.mass * first.length * second.length
     base = (first.mass * first.spread + second.mass) * first.length * first.length + end
@@ -79,7 +77,7 @@ def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: 
 
 
 def find_kinetic_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair) -> Scalar:
-    """Return the kinetic energy [J] of two links in a row."""
+    """Return the kinetic energy [J] of two links in series."""
     end = second.mass * second.length * second.length * second.spread
     across = second.centre * second.mass * first.length * second.length * xp.cos(angles[1])
     base = (first.mass * first.spread + second.mass) * first.length * first.length
@@ -88,7 +86,7 @@ def find_kinetic_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, ra
 
 
 def find_weight_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Scalar:
-    """Return the energy [J] of two links lifted against their weight; they hang down at angles zero."""
+    """Return the potential energy [J] of two links; zero when they hang down at angles zero."""
     far = second.centre * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
     near = (first.centre * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
     return gravity * (near + far)

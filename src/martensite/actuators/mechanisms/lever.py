@@ -1,20 +1,19 @@
-r"""Lever: a wire turns it about a pivot and lifts a weight on the other arm.
+"""Lever: a wire turns it about a pivot and lifts a weight on the other arm.
 
-The wire runs straight from a fixed point W to the point P at the end of its arm a. As assembled
-P is at (a, 0) from the pivot, and the wire, ℓ long between the points, leaves the arm at the
-angle γ, towards the pivot if that is acute. Turned by φ,
+The wire runs straight from a fixed point W to the point P at the end of its arm a. As assembled P is at (a, 0) from the
+pivot, and the wire, of length ℓ between the points, leaves the arm at the angle γ, towards the pivot if acute. Turned
+by φ,
 
     P = a (cos φ, sin φ),    W = (a - ℓ cos γ, ℓ sin γ),    l = |P - W|,    ΔL = ℓ - l(φ)
     dΔL/dφ = (P × W)/l                           a sin γ as assembled, 0 at the dead centre
     (J + m b²) φ'' + c φ' + m g b cos(φ₀ + φ) + τ₀ + k φ + τ_stop = F dΔL/dφ
 
-The weight m hangs on the arm b, which rises at the angle φ₀ as assembled: its lift is
-b [sin(φ₀ + φ) - sin φ₀]. A return spring about the pivot has the torque τ₀ + k φ. Beyond the end
-stops a stiff spring acts; put the upper one before the dead centre, where pivot, P and W are in
-line and the wire turns nothing.
+The weight m hangs on the arm b, which rises at the angle φ₀ as assembled: its lift is b [sin(φ₀ + φ) - sin φ₀]. A
+return spring about the pivot has the torque τ₀ + k φ. Beyond the end stops a stiff spring acts; put the upper stop
+before the dead centre, where pivot, P and W are in line.
 
-Sign convention: φ grows as the wire pulls; zero as assembled, where wire, weight and spring are
-in balance. Textbook statics.
+Sign convention: φ grows as the wire pulls; zero as assembled, with wire, weight and spring in balance. Textbook
+statics.
 """
 
 import math
@@ -32,6 +31,7 @@ from martensite.actuators.mechanisms.drawing import (
 )
 from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
@@ -39,7 +39,7 @@ from martensite.kernels.recordable_numbers import xp
 
 @MECHANISMS.register("lever")
 class Lever(AbstractMultibody):
-    """A lever about a pivot between a wire and a weight."""
+    """Lever about a pivot between a wire and a weight."""
 
     arm: Number = param("m", "arm a of the wire", above=0.0, high=10.0, typical="20 mm")
     distance: Number = param(
@@ -79,8 +79,8 @@ class Lever(AbstractMultibody):
         across = self.distance * math.sin(self.wire_angle)
         return math.atan2(across, self.arm - self.distance * math.cos(self.wire_angle))
 
+    @override
     def cautions(self) -> list[str]:
-        """Return a dead centre that is reached before the upper end stop."""
         if self.dead_centre() > self.highest:
             return []
         return [
@@ -88,22 +88,22 @@ class Lever(AbstractMultibody):
             f"stop at {self.highest:.4g} rad; there the wire turns it no further."
         ]
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the angle."""
         return (Coordinate("angle", "rad", "angle of the lever", "φ", 1.0),)
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the angle, its rate if inertia counts, and the lift of the weight."""
         return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
 
+    @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the tension, and the `outputs` in order."""
         forces, own = super().observe(xp, memory, loads, signals)
         rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)
         return forces, [*own, self.weight_arm * rise]
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """ΔL [m]."""
+        """Return ΔL [m]."""
         x = self.arm * (xp.cos(position[0]) - 1.0) + self.distance * xp.cos(self.wire_angle)
         y = self.arm * xp.sin(position[0]) - self.distance * xp.sin(self.wire_angle)
         return [self.distance - xp.sqrt(x * x + y * y)]
@@ -113,15 +113,15 @@ class Lever(AbstractMultibody):
         weight = self.mass * self.gravity * self.weight_arm
         return weight * xp.cos(self.weight_angle + angle) + self.torque + self.stiffness * angle
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the torque [N m] of weight, spring, stops, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         moved = self.damping * rate + self._turning() * acceleration
         return [self.holding_torque(xp, angle) + stop + moved]
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Return the energies of spring and stops, weight and inertia."""
         (angle,), (rate,), _ = motion
         rise = xp.sin(self.weight_angle + angle) - xp.sin(self.weight_angle)
         stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
@@ -132,15 +132,15 @@ class Lever(AbstractMultibody):
         )
 
     def _turning(self) -> Scalar:
-        """J + m b² [kg m²]."""
+        """Return J + m b² [kg m²]."""
         return self.inertia + self.mass * self.weight_arm * self.weight_arm
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the force at angle zero [N]."""
         return [self.holding_torque(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return both arms, the weight on a thread, and the wire from its fixed point."""
         angle, (port,) = reading.outputs["angle"], self.ports()
         leaves, a, b = self.wire_angle, self.arm, self.weight_arm
         fixed = (a - self.distance * xp.cos(leaves), 0.0, self.distance * xp.sin(leaves))
@@ -151,7 +151,7 @@ class Lever(AbstractMultibody):
         hung = (hook[0], 0.0, hook[2] - 0.3 * b)
         pivot, thick, most = (0.0, 0.0, 0.0), 0.04 * xp.maximum(a, b), 0.3 * b
         block = ((fixed[0] - 2.0 * thick, 0.0, fixed[2]), (fixed[0] + 2.0 * thick, 0.0, fixed[2]))
-        found = [
+        shapes = [
             draw_bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),
             draw_bar("holder", 0.6 * thick, *block, kind="wall"),
             draw_pin("pivot", pivot, 2.0 * thick, 1.2 * thick),
@@ -159,9 +159,9 @@ class Lever(AbstractMultibody):
             *lead_wire(port, [fixed, end], reading.lengths[port] - self.distance, away),
         ]
         if self.mass > 0.0:
-            found += [
+            shapes += [
                 draw_bar("arm of the weight", 0.8 * thick, pivot, hook),
                 draw_bar("thread", 0.0, hook, hung, kind="tether"),
                 draw_weight("weight", hung, self.mass, 2.0 * thick, most),
             ]
-        return found
+        return shapes

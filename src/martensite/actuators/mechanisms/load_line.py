@@ -1,8 +1,8 @@
-"""Load lines: mechanisms of one element and one coordinate that answer in closed form.
+"""Load lines: mechanisms of one element and one coordinate in closed form.
 
-An element at frozen fractions and temperature has elongation = free + compliance · force. The mechanism closes the
-loop: it returns the force at which both fit. It is assembled with the element in its initial state, which defines
-position zero. Position grows as the element shortens. Inertia is left out.
+An element at frozen fractions and temperature has elongation = free + compliance · force; the mechanism returns the
+equilibrium force. It is assembled with the element in its initial state, at position zero. Position grows as the
+element shortens. Inertia is neglected.
 """
 
 from abc import abstractmethod
@@ -21,6 +21,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, draw_weight
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
@@ -34,78 +35,74 @@ class LoadLineReference(NamedTuple):
 
 
 class AbstractLoadLine(AbstractMechanism):
-    """Interface of a quasi-static mechanism with one element and one coordinate."""
+    """Quasi-static mechanism with one element and one coordinate."""
 
     static = True
 
     @abstractmethod
     def start_force(self, xp: Namespace) -> Scalar:
-        """Return the force [N] on the element when it is assembled."""
+        """Return the force [N] on the element at assembly."""
 
     @abstractmethod
     def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
-        """Return the force [N] at which element and mechanism fit; never below zero."""
+        """Return the equilibrium force [N] of element and mechanism; never below zero."""
 
     @abstractmethod
     def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
         """Return the coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
 
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy | None:
-        """Return the energy if the path of the element is shorter than at assembly by a length [m].
-
-        None, and no balance of the work, if the mechanism does not say.
-        """
+        """Return the energy at a shortening of the path since assembly [m]; None means no work balance."""
         return None
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the position."""
         return {"position": Output("m", "position of the mechanism", "x")}
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """Return the position."""
         return {"position": 1e-6}
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the start force [N]."""
         return [self.start_force(xp)]
 
+    @override
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> LoadLineReference:
-        """Return the elongation of the element as assembled."""
         return LoadLineReference(elongations[0])
 
+    @override
     def advance(
         self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[LoadLineReference, list[object], StepReport]:
-        """Return the element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
         pull = self.load_line(memory)
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
+    @override
     def observe(self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the force at which both fit, and the position there."""
         (load,) = loads
         force = load.meet_pull(xp, self.load_line(memory))
         elongation = load.element.elongation(xp, load.state, force)
         return [force], [self.position(xp, memory, force, elongation)]
 
+    @override
     def mechanics(
         self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column
     ) -> Mechanics | None:
-        """Return its energy at the end of the last step; it has no friction."""
         ((element, state, _),) = loads
         force = element.force(state)
         elongation = element.elongation(xp, state, force)
         slack = self.position(xp, memory, force, elongation)
         way = xp.where(force > 0.0, memory.elongation - elongation, slack)
-        found = self.energy(xp, way)
-        return None if found is None else Mechanics(found, (way,))
+        energy = self.energy(xp, way)
+        return None if energy is None else Mechanics(energy, (way,))
 
+    @override
     def load_line(self, memory: LoadLineReference) -> Pull:
-        """Return the mechanism as the element sees it."""
-
         def pull(xp: Namespace, spring: Spring) -> Scalar:
             return self.force(xp, memory, spring)
 
@@ -114,7 +111,7 @@ class AbstractLoadLine(AbstractMechanism):
 
 @MECHANISMS.register("dead-weight")
 class DeadWeight(AbstractLoadLine):
-    """A hanging mass; inertia is left out, and the wire is never slack."""
+    """Hanging mass without inertia; the wire is never slack."""
 
     mass: Number = param("kg", "hanging mass", low=0.0, high=1e6, typical="200 g")
     gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
@@ -123,20 +120,20 @@ class DeadWeight(AbstractLoadLine):
         """Return the weight m g [N]."""
         return self.mass * self.gravity
 
+    @override
     def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
-        """Return the weight m g [N]."""
         return self.start_force(xp)
 
+    @override
     def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
-        """Lift of the mass [m]."""
         return assembly.elongation - elongation
 
+    @override
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:
-        """m g times the lift [J]."""
         return MechanicalEnergy(gravity=self.start_force(xp) * shortening)
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return the element hangs from a ceiling, the mass from the element."""
         hung = reading.lengths["element"]
         end = (0.0, 0.0, reading.outputs["position"] - hung)
         wide, thick = 0.2 * hung, 0.015 * hung
@@ -149,22 +146,22 @@ class DeadWeight(AbstractLoadLine):
 
 @MECHANISMS.register("bias-spring")
 class BiasSpring(AbstractLoadLine):
-    """A linear return spring with preload.
+    """Linear return spring with preload.
 
         F = F₀ + k x while positive;   F = 0 when the element is slack
 
-    with F₀ the preload at assembly and x the position. Neither wire nor spring can push.
+    with the preload F₀ at assembly and the position x. Neither wire nor spring can push.
     """
 
     stiffness: Number = param("N/m", "spring rate", above=0.0, high=1e9, typical="150 N/m")
     preload: Number = param("N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N")
 
+    @override
     def start_force(self, xp: Namespace) -> Scalar:
-        """Return the preload [N]."""
         return self.preload
 
+    @override
     def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
-        """Return the intersection of the two straight lines [N]; zero if they meet in compression."""
         pull = self.preload + self.stiffness * (assembly.elongation - spring.free)
         return xp.maximum(pull / (1.0 + self.stiffness * spring.compliance), 0.0)
 
@@ -172,13 +169,13 @@ class BiasSpring(AbstractLoadLine):
         """Return the shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
 
+    @override
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:
-        """½ F²/k [J]."""
         pull = xp.maximum(self.preload + self.stiffness * shortening, 0.0)
         return MechanicalEnergy(springs=(0.5 / self.stiffness) * pull * pull)
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Element and spring in a row between two walls; the spring's own length is not known."""
         element = reading.lengths["element"]
         end, far, tall = element - reading.outputs["position"], 1.6 * element, 0.1 * element
         thick = 0.012 * element

@@ -1,21 +1,21 @@
-r"""Mechanisms with coordinates q, any number of elements, and inertia if it is wanted.
+"""Mechanisms with coordinates q, any number of elements, and optional inertia.
 
-A subclass answers for its geometry and its mechanics,
+A subclass defines its geometry and its mechanics,
 
-    contraction(q)      how much shorter the path of each element is than at home
+    contraction(q)      shortening of the path of each element from home
     demand(q, q', q'')  generalised force that the elements must supply for this motion
 
-and nothing else: with the Jacobian J = d(contraction)/dq, taken by dual numbers, and the
-tensions F of the elements, the equations of motion at the end of every step are
+With the Jacobian J = d(contraction)/dq by automatic differentiation, and the tensions F of the elements, the equations
+of motion at the end of every step are
 
     demand_k = Σ_i η_i F_i J_ik,        elongation_i = home_i - contraction_i(q) where taut
 
-where η is what friction leaves of the tension (1 unless a mechanism says otherwise). No element
-can push. `martensite.actuators.mechanics.condensed_step` solves them together with the laws of the
-elements, implicit in every stress: at no time does a force lag behind the motion.
+with the transmitted fraction η of the tension (1 without friction). No element can push.
+`martensite.actuators.mechanics.condensed_step` solves them together with the laws of the elements, implicit in every
+stress: no force lags behind the motion.
 
-Sign convention: contraction and tension positive, so a positive J means that the element pulls
-its coordinate up. Angles in rad.
+Sign convention: contraction and tension positive, so a positive J means that the element increases its coordinate.
+Angles in rad.
 """
 
 from abc import abstractmethod
@@ -37,6 +37,7 @@ from martensite.actuators.mechanisms.base import (
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
@@ -46,7 +47,7 @@ from martensite.physics.laws.coupling import StepReport
 
 
 class Coordinate(NamedTuple):
-    """A coordinate of a mechanism."""
+    """Coordinate of a mechanism."""
 
     name: str
     unit: str
@@ -54,7 +55,7 @@ class Coordinate(NamedTuple):
     long_name: str
     symbol: str
     size: float
-    """A change that matters, in `unit`: the scale of convergence."""
+    """Significant change in `unit`, the scale of convergence."""
 
 
 class Assembled(NamedTuple):
@@ -64,7 +65,7 @@ class Assembled(NamedTuple):
     """Elongation of each element at home [m]."""
     course: MotionHistory
     stiffness: tuple[Scalar, ...]
-    """Stiffness of each element over the last step, transformation included [N/m]."""
+    """Stiffness of each element over the last step, including transformation [N/m]."""
     reactions: tuple[Scalar, ...] = ()
     """Reactions of its unilateral constraints [N] or [N m]."""
 
@@ -72,24 +73,24 @@ class Assembled(NamedTuple):
 def find_balance(
     missing: Callable[[Namespace, Column], Column], place: Sequence[float], loose: Sequence[int]
 ) -> list[float]:
-    """Return a place near another where nothing is missing along its `loose` coordinates, on floats: Newton's method.
+    """Return the place near `place` where nothing is missing along the `loose` coordinates, on floats.
 
     Raises:
-        ParameterError: there is none.
+        ParameterError: Newton's method finds no such place.
     """
-    found = list(place)
+    solution = list(place)
     for _ in range(100):
-        left, slopes = compute_jacobian(floats, missing, found)
+        left, slopes = compute_jacobian(floats, missing, solution)
         change = solve_linear([[slopes[i][j] for j in loose] for i in loose], [[left[i] for i in loose]])[0]
         for k, by in zip(loose, change, strict=True):
-            found[k] = found[k] - by
-        if all(abs(by) <= 1e-13 * (1.0 + abs(found[k])) for k, by in zip(loose, change, strict=True)):
-            return found
+            solution[k] = solution[k] - by
+        if all(abs(by) <= 1e-13 * (1.0 + abs(solution[k])) for k, by in zip(loose, change, strict=True)):
+            return solution
     raise ParameterError("There is no place near home where elements and mechanism are in balance in that state.")
 
 
 class AbstractMultibody(AbstractMechanism):
-    """Interface of a mechanism with coordinates; they are zero at home unless it says so."""
+    """Mechanism with coordinates, which are zero at home by default."""
 
     motion: str = option(
         "how it moves: without inertia (`quasi-static`), or with it (`dynamic`)",
@@ -99,7 +100,7 @@ class AbstractMultibody(AbstractMechanism):
     )
     rho_inf: Number = param("1", "share of the fastest oscillation that a step keeps", low=0.0, high=1.0, default=0.8)
 
-    # ---------------------------------------------------------------- a subclass answers
+    # ---------------------------------------------------------------- defined by subclasses
 
     @abstractmethod
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -122,7 +123,7 @@ class AbstractMultibody(AbstractMechanism):
         return elongations
 
     def transmission(self, xp: Namespace, motion: Motion) -> Column:
-        """Return the share of each tension that arrives: less than 1 where friction resists it."""
+        """Return the transmitted fraction of each tension; below 1 with resisting friction."""
         return [1.0] * len(self.ports())
 
     def gaps(self, xp: Namespace, position: Column) -> Column:
@@ -130,47 +131,47 @@ class AbstractMultibody(AbstractMechanism):
         return []
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
-        """Return the energy in a motion; without inertia, its kinetic energy does not count.
+        """Return the energy in a motion; its kinetic part is ignored without inertia.
 
-        With `dissipative` and `imposed` it must answer for all of `demand`. None, and no balance
-        of the work, if the mechanism does not say.
+        Together with `dissipative` and `external_forces` it must account for all of `demand`. None means no work
+        balance.
         """
         return None
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """Return the part of `demand` [N] or [N m] that dissipates: its declared `damping` times every rate."""
+        """Return the dissipative part of `demand` [N] or [N m]: by default `damping` times each rate."""
         damping = getattr(self, "damping", 0.0)
         return [damping * rate for rate in motion.velocity]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the generalised forces [N] or [N m] from outside, which `demand` is less by."""
+        """Return the generalised forces [N] or [N m] from outside, which reduce `demand`."""
         return [0.0] * len(motion.position)
 
-    # ---------------------------------------------------------------- what follows
+    # ---------------------------------------------------------------- derived
 
     @property
     def moves(self) -> bool:
-        """Return True if inertia counts."""
+        """Return True with inertia."""
         return self.motion == "dynamic"
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the coordinates, and if inertia counts their rates."""
-        found = {c.name: Output(c.unit, c.long_name, c.symbol) for c in self.coordinates()}
+        outputs = {c.name: Output(c.unit, c.long_name, c.symbol) for c in self.coordinates()}
         if self.moves:
-            found |= {
+            outputs |= {
                 f"{c.name}_rate": Output(f"{c.unit}/s", f"rate of {c.long_name}", f"{c.symbol}'")
                 for c in self.coordinates()
             }
-        return found
+        return outputs
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """Return the coordinates."""
         return {c.name: 1e-3 * c.size for c in self.coordinates()}
 
+    @override
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> Assembled:
-        """At home and at rest; with inertia, under the acceleration that the signals give it."""
         rest = (0.0,) * len(self.coordinates())
         place = tuple(self.home(xp))
         course = self._begin(xp, Motion(place, rest, rest), self.start_forces(xp), signals)
@@ -178,10 +179,10 @@ class AbstractMultibody(AbstractMechanism):
         untouched = (0.0,) * len(self.gaps(xp, place))
         return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
 
+    @override
     def initial_numbers(self) -> dict[str, str]:
-        """Return the coordinates, and if inertia counts their rates."""
-        found = {c.name: c.unit for c in self.coordinates()}
-        return found | {n: f"{c.unit}/s" for c, n in zip(self.coordinates(), self.rate_names(), strict=self.moves)}
+        units = {c.name: c.unit for c in self.coordinates()}
+        return units | {n: f"{c.unit}/s" for c, n in zip(self.coordinates(), self.rate_names(), strict=self.moves)}
 
     def rate_names(self) -> tuple[str, ...]:
         """Return the names of the rates of the coordinates; empty without inertia."""
@@ -192,7 +193,7 @@ class AbstractMultibody(AbstractMechanism):
     ) -> tuple[Assembled, list[float]]:
         """Return the memory at given coordinates and rates, and the tensions there; too long elements are slack.
 
-        A coordinate without inertia and damping is where the forces are in balance.
+        A coordinate without inertia and damping follows from the balance of forces.
 
         Raises:
             ParameterError: a coordinate follows from the elements, forces do not balance, or bodies would overlap.
@@ -225,7 +226,7 @@ class AbstractMultibody(AbstractMechanism):
         ), forces
 
     def _list_loose(self, given: Mapping[str, float]) -> list[int]:
-        """Return the coordinates that nothing holds back; `ParameterError` if one of them is given."""
+        """Return the coordinates without resistance; `ParameterError` if one of them is given."""
         count = len(self.coordinates())
         held = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
         loose = [k for k, force in enumerate(held) if not force]
@@ -238,13 +239,13 @@ class AbstractMultibody(AbstractMechanism):
         return loose
 
     def _begin(self, xp: Namespace, motion: Motion, forces: Column, signals: Column) -> MotionHistory:
-        """Return the course of a motion that begins under tensions [N]."""
+        """Return the initial motion under tensions [N]."""
         pull = self.supply(xp, motion.position, forces, motion.velocity)
         start = self.release(xp, motion, pull, signals)
         return MotionHistory(*motion[:2], start, start) if self.moves else MotionHistory(*motion[:2])
 
     def release(self, xp: Namespace, motion: Motion, supply: Column, signals: Column) -> tuple[Scalar, ...]:
-        """Return the accelerations [of the coordinates] under given generalised forces."""
+        """Return the accelerations of the coordinates under given generalised forces."""
         if not self.moves:
             return motion.acceleration
 
@@ -267,32 +268,32 @@ class AbstractMultibody(AbstractMechanism):
         return [multiply_inner(arriving, column) for column in zip(*lever, strict=True)]
 
     def scheme(self, xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
-        """Return the scheme that gives velocity and acceleration from the position at the end of a step."""
+        """Return the scheme of velocity and acceleration from the final position of a step."""
         if self.moves:
             return move_dynamically(xp, course, dt, self.rho_inf)
         return quasi_static(xp, course, dt)
 
+    @override
     def advance(
         self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Assembled, list[Any], StepReport]:
-        """Return the memory and states of the elements after a step of dt [s], and the report of the step."""
         step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
         course, stiffness, reactions, states, report = step.solve_position(xp)
         return Assembled(memory.home, course, tuple(stiffness), reactions), states, report
 
+    @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the tensions at the end of the last step, and the coordinates."""
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course
         return forces, [*now.position, *(now.velocity if self.moves else ())]
 
+    @override
     def mechanics(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Mechanics | None:
-        """Return its energy, what resists along every coordinate, and what friction takes of tensions."""
         motion = memory.course.motion()
-        held = self.energy(xp, motion)
-        if held is None:
+        energy = self.energy(xp, motion)
+        if energy is None:
             return None
-        held = held if self.moves else held._replace(kinetic=0.0)
+        energy = energy if self.moves else energy._replace(kinetic=0.0)
         rows = zip(
             self.dissipative(xp, motion), self.external_forces(xp, motion, signals), motion.position, strict=True
         )
@@ -306,10 +307,10 @@ class AbstractMultibody(AbstractMechanism):
             taut = home - element.elongation(xp, state, force)
             ways.append(xp.where(force > 0.0, taut, path))
             rubbed.append(Effort((1.0 - share) * force, path))
-        return Mechanics(held, tuple(ways), (*dissipated, *rubbed), outside)
+        return Mechanics(energy, tuple(ways), (*dissipated, *rubbed), outside)
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Draw the elements, as they get shorter, and the angles, unless a subclass draws itself."""
         home = self.home(xp)
         place = [reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)]
         turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]

@@ -1,21 +1,19 @@
-r"""Parallel platform: a triangular plate on a universal joint, turned by springs at its vertices.
+"""Parallel platform: a triangular plate on a universal joint, turned by springs at its vertices.
 
-With the angles α about X and β about Y, the lengths L_i of `platform_kinematics` and the tension
-F_i of the spring at vertex i, each spring is shorter by h - L_i than at home, and
+With the angles α about X and β about Y, the lengths L_i of `platform_kinematics` and the tension F_i of the spring at
+vertex i, each spring is shorter by h - L_i than at home, and
 
     I α'' - … + b α' = -Σ F_i ∂L_i/∂α + M g e sin α cos β
     I (1 + sin² α) β'' + … + b β' = -Σ F_i ∂L_i/∂β + M g e cos α sin β
 
-where … are the Coriolis and centrifugal terms of `platform_inertia`, b is the damping of each
-axis of the joint, and e the height of the plate's centroid over the joint: zero if the joint is
-in the plate, and then weight has no moment. The moment of inertia I about an axis in the plate
-is M s²/24, that of a uniform triangle, unless given.
+with the Coriolis and centrifugal terms … of `TopPlate`, the damping b of each axis of the joint, and the height e of
+the plate's centroid over the joint: for e = 0 weight has no moment. The moment of inertia I about an axis in the plate
+is by default M s²/24 of a uniform triangle. All three springs are assembled with the same preload; a spring without
+tension is slack.
 
-All three springs are assembled with the same preload; a spring without tension hangs slack.
-
-Source: Ranjith Pillai, Murali and Gopal (2018), eqs. 1 to 4, with what they leave out (see the
-errata in the documentation). Sign convention: a positive α lowers the vertex on +Y, so it grows
-as the `first` spring pulls; a positive β lowers the vertex of the `second`.
+Source: Ranjith Pillai, Murali and Gopal (2018), eqs. 1 to 4, completed (see the errata in the documentation). Sign
+convention: a positive α lowers the vertex on +Y, so it grows as the `first` spring pulls; a positive β lowers the
+vertex of the `second`.
 """
 
 from __future__ import annotations
@@ -28,6 +26,7 @@ from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalE
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, lead_wire
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -36,7 +35,7 @@ from martensite.kernels.recordable_numbers import xp
 
 @MECHANISMS.register("parallel-platform")
 class ParallelPlatform(AbstractMultibody):
-    """A plate on a universal joint that three springs tilt about two axes."""
+    """Plate on a universal joint that three springs tilt about two axes."""
 
     typical_scenario = "closed_loop_platform"
 
@@ -84,8 +83,8 @@ class ParallelPlatform(AbstractMultibody):
         """Return the springs at vertices 0 (on +Y), 1 (at -X) and 2 (at +X)."""
         return ("first", "second", "third")
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return both angles."""
         return (
             Coordinate("alpha", "rad", "rotation about X", "α", 1.0),
             Coordinate("beta", "rad", "rotation about Y", "β", 1.0),
@@ -96,22 +95,22 @@ class ParallelPlatform(AbstractMultibody):
         return Plates(self.side, self.height, self.height - self.eccentricity)
 
     def top_plate(self, xp: Namespace) -> TopPlate:
-        """Return the mass, moment of inertia and height over the joint of the plate that moves."""
+        """Return the mass, moment of inertia and height over the joint of the moving plate."""
         plate = thin_plate(self.plates(), self.mass)
         given = self.inertia > 0.0
         return plate._replace(inertia=xp.where(given, self.inertia, plate.inertia))
 
     def plate_inertia(self) -> float:
-        """Return the moment of inertia [kg m^2] of the top plate about an axis in it: as given, or of a thin plate."""
+        """Return the moment of inertia [kg m^2] of the top plate about an axis in it."""
         return self.top_plate(floats).inertia
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """h - L_i [m]."""
+        """Return h - L_i [m]."""
         alpha, beta = position
         return [self.height - length for length in compute_lengths(xp, self.plates(), alpha, beta)]
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the torques [N m] of inertia and damping, less those of the weight."""
         (alpha, beta), rates = motion.position, AngleRates(*motion.velocity)
         plate, moving = self.top_plate(xp), (0.0, 0.0)
         if self.moves:
@@ -119,26 +118,26 @@ class ParallelPlatform(AbstractMultibody):
         weight = weight_torques(xp, plate, self.gravity, alpha, beta)
         return [inertia + self.damping * rate - pull for inertia, rate, pull in zip(moving, rates, weight, strict=True)]
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Return the energies of the weight and of the moving plate."""
         (alpha, beta), plate = motion.position, self.top_plate(xp)
         lifted = weight_energy(xp, plate, self.gravity, alpha, beta)
         moved = kinetic_energy(xp, plate, alpha, AngleRates(*motion.velocity))
         return MechanicalEnergy(gravity=lifted, kinetic=moved)
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the preload, three times [N]."""
         return [self.preload] * 3
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return both plates, the post of the joint, and the springs; z is up: it is -Z here."""
+        """Return both plates, the post of the joint, and the springs; z is up, -Z of the kinematics."""
         alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
         plates, thick = self.plates(), 0.012 * self.side
         base = tuple((x, -y, 0.0) for x, y in locate_corners(self.side))
         top = tuple((x, -y, -z) for x, y, z in locate_vertices(xp, plates, alpha, beta))
         joint = (0.0, 0.0, plates.pivot)
         x, y, z = (sum(v[k] for v in top) / 3.0 for k in range(3))
-        found = [
+        shapes = [
             DrawingShape("base", "plate", base, thick),
             draw_bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),
             DrawingShape("joint", "object", (joint,), 2.5 * thick),
@@ -147,24 +146,23 @@ class ParallelPlatform(AbstractMultibody):
         ]
         for port, first, last in zip(self.ports(), base, top, strict=True):
             rest = reading.lengths[port] - self.height
-            found += lead_wire(port, [first, last], rest, (0.0, 0.0, -1.0))
-        return found
+            shapes += lead_wire(port, [first, last], rest, (0.0, 0.0, -1.0))
+        return shapes
 
 
 class TopPlate(NamedTuple):
-    """A thin plate on a universal joint.
+    """Thin plate on a universal joint.
 
-    The plate turns by α about X after β about Y (`platform_kinematics`), about a joint that its centroid stands e = h -
-    z_p above. In axes fixed to the plate its angular velocity is (α', β' cos α, -β' sin α), and its centroid moves with
-    the square velocity e² (α'² + β'² cos² α). A thin plate has I_z = 2 I, hence
+    The plate turns by α about X after β about Y (`platform_kinematics`), about a joint at the distance e = h - z_p
+    below its centroid. In axes fixed to the plate its angular velocity is (α', β' cos α, -β' sin α), and its centroid
+    has the squared velocity e² (α'² + β'² cos² α). A thin plate has I_z = 2 I, hence
 
         T = ½ A α'² + ½ (A + D sin² α) β'²,    A = I + M e²,    D = I - M e²
-
         Q_α = A α'' - D sin α cos α β'²
         Q_β = (A + D sin² α) β'' + 2 D sin α cos α α' β'
 
-    For a uniform equilateral triangle I = M s²/24 about every axis in its plane through the centroid. The weight M g of
-    a plate above its joint turns it further over:
+    For a uniform equilateral triangle I = M s²/24 about every in-plane axis through the centroid. The weight M g of a
+    plate above its joint increases the tilt:
 
         Q_α = M g e sin α cos β,    Q_β = M g e cos α sin β
 
@@ -175,13 +173,13 @@ class TopPlate(NamedTuple):
     mass: Scalar
     """M [kg]"""
     inertia: Scalar
-    """Moment of inertia about an axis in the plate through its centroid, I [kg m²]."""
+    """Moment of inertia about an in-plane axis through its centroid, I [kg m²]."""
     above: Scalar
     """Height of the centroid above the joint, e [m]; negative below it."""
 
 
 class AngleRates(NamedTuple):
-    """First or second derivatives of both angles over time [rad/s] or [rad/s²]."""
+    """First or second time derivatives of both angles [rad/s] or [rad/s²]."""
 
     alpha: Scalar
     beta: Scalar
@@ -203,7 +201,7 @@ def thin_plate(plates: Plates, mass: Scalar) -> TopPlate:
 def inertia_forces(
     xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates, accelerations: AngleRates
 ) -> Torques:
-    """Return the torques [N m] that a motion takes: inertia, Coriolis and centrifugal terms; any β."""
+    """Return the torques [N m] of inertia, Coriolis and centrifugal terms; any β."""
     sine, cosine = xp.sin(alpha), xp.cos(alpha)
     least, more = _compute_moments(plate)
     turning = more * sine * cosine * rates.beta
@@ -214,7 +212,7 @@ def inertia_forces(
 
 
 def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates) -> Scalar:
-    """T [J]."""
+    """Return T [J]."""
     sine = xp.sin(alpha)
     least, more = _compute_moments(plate)
     spin = (least + more * sine * sine) * rates.beta * rates.beta
@@ -228,12 +226,12 @@ def weight_torques(xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scala
 
 
 def weight_energy(xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar) -> Scalar:
-    """Return the energy of the plate's weight [J], 0 at home: what its torques are less the slopes of."""
+    """Return the potential energy of the plate's weight [J], 0 at home."""
     moment = plate.mass * gravity * plate.above
     return moment * (xp.cos(alpha) * xp.cos(beta) - 1.0)
 
 
 def _compute_moments(plate: TopPlate) -> tuple[Scalar, Scalar]:
-    """Return a and D [kg m²]."""
+    """Return A and D [kg m²]."""
     shifted = plate.mass * plate.above * plate.above
     return plate.inertia + shifted, plate.inertia - shifted

@@ -1,13 +1,12 @@
-r"""Antagonistic wires on a pulley: two elements that turn it against each other.
+"""Antagonistic wires on a pulley: two elements that turn it against each other.
 
-Each is led to the rim at the radius r, so one shortens by r φ as the other is drawn out by it:
+Both act on the rim at the radius r, so one shortens by r φ as the other is elongated by it:
 
     J φ'' + b φ' + k φ + M sin φ = r F₁ - r F₂
 
-with an elastic joint k and a lever whose weight has the moment M at φ = 90°. Both are assembled
-with the same preload. An element without tension hangs slack.
-
-Sign convention: φ grows as the first element, `protagonist`, pulls; zero as assembled.
+with an elastic joint k and a lever whose weight has the moment M at φ = 90°. Both are assembled with the same preload.
+An element without tension is slack. Sign convention: φ grows as the first element, `protagonist`, pulls; zero as
+assembled.
 """
 
 import math
@@ -25,6 +24,7 @@ from martensite.actuators.mechanisms.drawing import (
     trace_arc,
 )
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace
 from martensite.kernels.recordable_numbers import xp
@@ -32,7 +32,7 @@ from martensite.kernels.recordable_numbers import xp
 
 @MECHANISMS.register("antagonistic-pulley")
 class AntagonisticPulley(AbstractMultibody):
-    """A pulley that two elements turn against each other."""
+    """Pulley that two elements turn against each other."""
 
     typical_scenario = "antagonistic_wires"
 
@@ -46,45 +46,45 @@ class AntagonisticPulley(AbstractMultibody):
     inertia: Number = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2")
 
     def ports(self) -> tuple[str, ...]:
-        """Return the one that pulls φ up, and the other."""
+        """Return the element that increases φ, and the other."""
         return ("protagonist", "antagonist")
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the angle."""
         return (Coordinate("angle", "rad", "angle of the pulley", "φ", 1.0),)
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """±r φ [m]."""
+        """Return ±r φ [m]."""
         turned = self.radius * position[0]
         return [turned, -turned]
 
+    @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Return the torque [N m] of joint, lever, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         held = self.stiffness * angle + self.moment * xp.sin(angle)
         return [held + self.damping * rate + self.inertia * acceleration]
 
+    @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Return the energies of joint, lever and inertia."""
         (angle,), (rate,), _ = motion
         lifted = self.moment * (1.0 - xp.cos(angle))
         moved = 0.5 * self.inertia * rate * rate
         return MechanicalEnergy(0.5 * self.stiffness * angle * angle, lifted, moved)
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the preload, twice [N]."""
         return [self.preload, self.preload]
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Both elements come from a wall and are wound on the rim, half a turn as assembled."""
         angle, r = reading.outputs["angle"], self.radius
         wound = math.pi * r
-        # straight, as assembled: the longer element reaches to the wall
+        # the straight part as assembled: the longer element reaches the wall
         straight = reduce(xp.maximum, reading.lengths.values(), 2.0 * wound) - wound
         wide, thick = 0.15 * r, 0.3 * r
         wall = ((-straight - thick, 0.0, -2.0 * r), (-straight - thick, 0.0, 2.0 * r))
         axis = ((0.0, wide, 0.0), (0.0, -wide, 0.0))
-        found = [
+        shapes = [
             draw_bar("wall", thick, *wall, kind="wall"),
             draw_pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
             DrawingShape("pulley", "pulley", axis, r, turn=angle),
@@ -94,14 +94,14 @@ class AntagonisticPulley(AbstractMultibody):
             free = reading.lengths[port] - wound
             start = xp.minimum(free, straight) if free > 0.0 else 0.5 * r
             path = [(-start, 0.0, side * r), *((x, 0.0, z) for x, z in rim)]
-            found += [
+            shapes += [
                 draw_bar(f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"),
                 DrawingShape(port, "wire", tuple(path), 0.0, port),
             ]
         if self.moment > 0.0:
             end = (2.5 * r * xp.sin(angle), -3.0 * wide, -2.5 * r * xp.cos(angle))
-            found += [
+            shapes += [
                 draw_bar("lever", 0.1 * r, (0.0, -3.0 * wide, 0.0), end),
                 draw_weight("weight of the lever", end, 0.0, 0.3 * r, r),
             ]
-        return found
+        return shapes

@@ -1,8 +1,8 @@
-"""Independent rails on one bench: on each a wire lifts a separate weight.
+"""Independent rails on one bench: on each a wire lifts its own weight.
 
-The rails share nothing but the bench: surroundings, a supply, and the controller's time. Each weight hangs on its wire
-by its force m g, so that every wire is never slack; inertia and friction of the carriages are left out. Positions
-are zero as assembled and grow with contraction.
+The rails share the environment, an optional supply, and the time of the controller. Each wire carries a constant force
+m g and is never slack; inertia and friction of the carriages are neglected. Positions are zero as assembled and grow
+with contraction.
 
 Source: the test bench of Copaci, Moreno and Blanco (2019), section 2.2: three rails, wires of up to 0.27 m, up to 1 kg.
 """
@@ -23,6 +23,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
@@ -33,7 +34,7 @@ PORTS = ("first", "second", "third")
 
 @MECHANISMS.register("rails")
 class Rails(AbstractMechanism):
-    """Two or three rails beside each other, each with a wire and a weight."""
+    """Two or three parallel rails, each with a wire and a weight."""
 
     typical_scenario = "three_rails"
 
@@ -45,20 +46,20 @@ class Rails(AbstractMechanism):
     third_mass: Number = param("kg", "mass on the third rail", low=0.0, high=1e6, default=0.5, typical="500 g")
     gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
+    @override
     def ports(self) -> tuple[str, ...]:
-        """Return a wire on each rail."""
         return PORTS[: int(self.rails)]
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the position on every rail."""
         return {f"{port}_position": Output("m", f"position on the {port} rail", "x") for port in self.ports()}
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """Return the positions."""
         return dict.fromkeys(self.outputs(), 1e-6)
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the weights [N]."""
         return [getattr(self, f"{port}_mass") * self.gravity for port in self.ports()]
 
     def init(
@@ -67,31 +68,31 @@ class Rails(AbstractMechanism):
         """Return the elongations of the wires as assembled [m]."""
         return tuple(elongations)
 
+    @override
     def advance(
         self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[tuple[Scalar, ...], list[Any], StepReport]:
-        """Return every wire solves the step by itself, under its weight."""
         lines = [LoadLineEquation(0.0, 1.0, 0.0, 0.0, weight) for weight in self.start_forces(xp)]
-        found = answer_loads(xp, loads, lines, dt)
-        worst = found[0].report
-        for one in found[1:]:
+        responses = answer_loads(xp, loads, lines, dt)
+        worst = responses[0].report
+        for one in responses[1:]:
             worst = StepReport(*map(xp.maximum, worst, one.report))
-        return memory, [one.state for one in found], worst
+        return memory, [one.state for one in responses], worst
 
+    @override
     def observe(self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the weights, and the positions."""
         return [*self.start_forces(xp)], self._positions(xp, memory, loads)
 
+    @override
     def mechanics(
         self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column
     ) -> Mechanics | None:
-        """Return the work of lifting."""
         lifts = self._positions(xp, memory, loads)
-        held = sum_column([weight * lift for weight, lift in zip(self.start_forces(xp), lifts, strict=True)])
-        return Mechanics(MechanicalEnergy(gravity=held), tuple(lifts))
+        energy = sum_column([weight * lift for weight, lift in zip(self.start_forces(xp), lifts, strict=True)])
+        return Mechanics(MechanicalEnergy(gravity=energy), tuple(lifts))
 
+    @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return the wires, as they get shorter."""
         return draw_hanging(self.ports(), [reading.outputs[name] for name in self.outputs()], [], reading)
 
     def _positions(self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load]) -> list[Scalar]:

@@ -1,22 +1,22 @@
-"""Testing machine: holds the element and makes its force or its elongation follow a signal.
+"""Testing machine: grips the element and makes its force or its elongation follow a signal.
 
-The signal `command` is what the control prescribes: a force F_c, a stress σ_c, a travel u_c of
-the crosshead, or a strain ε_c. At the end of every step
+The signal `command` is a force F_c, a stress σ_c, a travel u_c of the crosshead, or a strain ε_c. At the end of every
+step
 
     force, stress         F = F_c  or  σ_c A
     elongation, strain    e - e₀ + (F - F₀)/k = u_c  or  ε_c l     while taut, else F = 0
 
-with the elongation e of the element, e₀ as it is mounted under the force F₀ (the preload, or the first command where
-that is a force or a stress), the stiffness k of frame and grips in series, and the section A and gauge length l by
-which the test report divides. Those two belong to the report, not to the element: without them a machine knows forces
-and travels only. Nothing is approximated: the element meets a given force, or a straight load line, vertical where
-frame and grips are rigid. No element can be pushed.
+with the elongation e of the element, e₀ as mounted under the force F₀ (the preload, or the first command if that is a
+force or a stress), the stiffness k of frame and grips in series, and the section A and gauge length l of the test
+report. These two belong to the report, not to the element; without them only forces and travels are possible. Nothing
+is approximated: the element meets a given force, or a straight load line, vertical for rigid frame and grips. No
+element can be pushed.
 
-While taut the crosshead travels by e - e₀ + (F - F₀)/k, whatever is prescribed. Without an
-extensometer this is what a test reports as elongation, and why its moduli come out too low.
+While taut the crosshead travels by e - e₀ + (F - F₀)/k in every mode. Without an extensometer a test reports this as
+elongation, which is why its moduli are too low.
 
 Source: equilibrium of springs in series. Sign convention: command and travel are positive in tension and zero as
-mounted; position is that of the grip, at which the element ends while taut, and grows as the element shortens.
+mounted; position is that of the grip and grows as the element shortens.
 """
 
 import math
@@ -36,6 +36,7 @@ from martensite.actuators.mechanisms.base import (
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
@@ -43,11 +44,11 @@ from martensite.physics.laws.coupling import StepReport
 UNITS = {"force": "N", "stress": "Pa", "elongation": "m", "strain": "1"}
 """Control -> unit of its command."""
 SIZES = {"stress": "section", "strain": "gauge_length"}
-"""Control -> what makes a force or a travel of its command."""
+"""Control -> factor from its command to a force or a travel."""
 
 
 class MountedElement(NamedTuple):
-    """The element when it was mounted."""
+    """Element as mounted."""
 
     elongation: Scalar
     """e₀ [m]"""
@@ -57,7 +58,7 @@ class MountedElement(NamedTuple):
 
 @MECHANISMS.register("testing-machine")
 class TensileTestingMachine(AbstractMechanism):
-    """A tensile testing machine whose `command` prescribes force, stress, elongation or strain."""
+    """Tensile testing machine whose `command` prescribes force, stress, elongation or strain."""
 
     typical_scenario = "tensile-test"
 
@@ -93,46 +94,46 @@ class TensileTestingMachine(AbstractMechanism):
                 f"[{self.declarations[name].unit}]; none given."
             )
 
+    @override
     def signals(self) -> dict[str, str]:
-        """Return the command, in the unit of what is prescribed."""
         return {"command": UNITS[self.control]}
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the position of the grip, and the travel of the crosshead."""
         return {
             "position": Output("m", "position of the mechanism", "x"),
             "crosshead": Output("m", "travel of the crosshead, frame and grips included", "x_c"),
         }
 
+    @override
     def convergence_scales(self) -> dict[str, float]:
-        """Return the position."""
         return {"position": 1e-6}
 
+    @override
     def start_forces(self, xp: Namespace) -> Column:
-        """Return the preload [N]."""
         return [self.preload]
 
+    @override
     def first_forces(self, xp: Namespace, signals: Column) -> Column:
-        """Return the first command, or the preload where that is a travel [N]."""
         return [xp.maximum(self._target(signals), 0.0)] if self._pulls else [self.preload]
 
+    @override
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> MountedElement:
-        """Return the element as mounted."""
         return MountedElement(elongations[0], self.first_forces(xp, signals)[0])
 
+    @override
     def advance(
         self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[MountedElement, list[Any], StepReport]:
-        """Return the element solves the step by itself, against what is prescribed at its end."""
         ((element, state, heating),) = loads
         pull = self._pull(memory, signals)
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
+    @override
     def observe(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the force that is prescribed or found, the position, and the travel."""
         (load,) = loads
         force = load.meet_pull(xp, self._pull(memory, signals))
         give = (force - memory.force) * (1.0 / self.stiffness)
@@ -140,7 +141,7 @@ class TensileTestingMachine(AbstractMechanism):
         return [force], [give - travel, travel]
 
     def mechanics(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Mechanics:
-        """½ F²/k of frame and grips; the crosshead, as it travels, works against the drive."""
+        """Return ½ F²/k of frame and grips, and the work against the crosshead drive."""
         ((element, state, _),) = loads
         force = element.force(state)
         travel = self._travel(xp, memory, element, state, force, signals)
@@ -151,7 +152,7 @@ class TensileTestingMachine(AbstractMechanism):
         return Mechanics(spring, ways, outside=(Effort(-force, travel),))
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Return the element between grips; the crosshead draws the upper one, by a spring if it gives."""
+        """Return the element between grips; the crosshead pulls the upper grip, by a spring if compliant."""
         element = reading.lengths["element"]
         grip, thick = element - reading.outputs["position"], 0.02 * element
         head, wide = 1.3 * element + reading.outputs["crosshead"], 0.3 * element
@@ -186,14 +187,14 @@ class TensileTestingMachine(AbstractMechanism):
         force: Scalar,
         signals: Column,
     ) -> Scalar:
-        """Travel of the crosshead [m] under a force [N]."""
+        """Return the travel of the crosshead [m] under a force [N]."""
         if not self._pulls:
             return self._target(signals)
         give = (force - memory.force) * (1.0 / self.stiffness)
         return element.elongation(xp, state, force) - memory.elongation + give
 
     def _pull(self, memory: MountedElement, signals: Column) -> Pull:
-        """Return the machine as the element sees it."""
+        """Return the load line of the machine."""
         target = self._target(signals)
 
         def given(xp: Namespace, spring: Spring) -> Scalar:
