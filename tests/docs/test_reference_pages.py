@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from fences import ROOT, pages
+from fences import ROOT, fences, pages
 
 import martensite
 import martensite.design.sweep
@@ -100,6 +100,17 @@ def test_every_command_is_there(extension: ModuleType) -> None:
     text = extension.SECTIONS["commands"]()
     for name in typer.main.get_command(app).list_commands(None):  # type: ignore[attr-defined]
         assert f"## `martensite {name}`" in text
+
+
+def test_every_namespace_and_name_of_the_root_has_an_example(extension: ModuleType) -> None:
+    """The cells run when the documentation is built."""
+    parts = sys.modules["parts"]
+    for namespace, names in parts.list_api().items():
+        page = ROOT / "docs" / "reference" / "api" / f"{namespace}.md"
+        cells = "\n".join(one.text for one in fences(page) if one.language.startswith("{code-cell}"))
+        assert re.search(rf"\b{namespace}\b", cells), f"{page.name} has no example."
+        missing = [name for name in names if namespace == parts.TOP and f"ms.{name}" not in cells]
+        assert missing == [], f"{page.name} has no example of these names."
 
 
 def test_marks_and_sections_match(extension: ModuleType) -> None:
