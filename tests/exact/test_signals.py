@@ -8,8 +8,11 @@ import pytest
 from grids import over
 
 from martensite.base.errors import ParameterError
+from martensite.signals.ahead import Ahead
 from martensite.signals.base import MANY, WAVEFORMS
+from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
+from martensite.signals.held import Held
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.ramp import Ramp
 from martensite.signals.sine import Sine
@@ -40,12 +43,17 @@ def test_every_waveform_is_registered():
         Step(low=1.0, high=3.0, at=2.0, until=5.0),
         Table(times=(1.0, 1.3, 4.7), values=(0.1, 0.7, 0.2), factor=0.3, stretch=1.7),
         Triangle(low=0.1, high=0.7, frequency=0.3),
+        Staircase(first=0.3, increment=0.7, hold=1.1, count=4, direction="up-down"),
+        Held(values=(0.3, 0.7, 0.1), frequency=0.3),
+        Carrier(duty=Ramp(low=-0.1, high=1.1, start=0.0, end=9.0), frequency=0.9, shortest=0.1),
+        Ahead(waveform=Staircase(increment=0.7, hold=1.1, count=9), lead=0.3),
     ],
     ids=lambda one: one.registered_name,
 )
 def test_signals_at_many_times_are_the_same_numbers_as_one_by_one(waveform, count):
     times = [11.0 * k / (count - 1) for k in range(count)]
     times += [1.0, 2.0, 5.0, 5.3, math.nextafter(5.3, 0.0)]
+    times += [time for edge in waveform.edges(11.0) for time in (edge, math.nextafter(edge, 0.0))]
     assert waveform.signals(times) == values(waveform, times)
 
 

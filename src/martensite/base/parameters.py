@@ -388,5 +388,10 @@ class Keyed(Generic[Part]):
 
 def values_at(part: Parametrised, paths: Sequence[str]) -> list[Any]:
     """Return the values at some paths, in the given order."""
-    values = {leaf.path: leaf.value for leaf in part.leaves()}
-    return [values[path] for path in paths]
+    values: list[Any] = []
+    for path in paths:
+        value: Any = part
+        for name in path.split("."):
+            value = value.__dict__[name]
+        values.append(value)
+    return values

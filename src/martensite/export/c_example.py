@@ -154,8 +154,9 @@ def played_by_system(
     step = system.sample_time() or min(first_step(system, duration, 2), duration / steps)
     grid = grid_of(system, waveforms, min(duration, most * steps * step), 2, step)
     starts = list(accumulate(compile_march(system).widths, initial=0))[:-1]
-    rows = (tuple(row[k] for k in starts) for row in grid.drives)  # the mean comes first
-    return grid.sampled[0], list(zip(grid.lengths, rows, strict=True))
+    sampled, inputs = grid.list_inputs()
+    rows = (tuple(row[k] for k in starts) for row in inputs)  # the mean comes first
+    return tuple(sampled[0]), list(zip(grid.lengths, rows, strict=True))
 
 
 def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int, most: int = MOST) -> Played:

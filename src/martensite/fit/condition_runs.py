@@ -127,7 +127,8 @@ class ConditionExperiment(Experiment):
 def _extend_grid(grid: TimeGrid, rows: int) -> TimeGrid:
     """Return a grid with its last row repeated, without steps, up to a number of rows."""
     more = rows - len(grid.times)
-    times, sampled = grid.times + grid.times[-1:] * more, grid.sampled + grid.sampled[-1:] * more
+    times, (sampled, _) = grid.times + grid.times[-1:] * more, grid.list_inputs()
+    sampled = sampled + sampled[-1:] * more
     return replace(grid, times=times, sampled=sampled, counts=grid.counts + [0] * more)
 
 

@@ -1,5 +1,7 @@
 """A waveform read ahead of time."""
 
+from collections.abc import Sequence
+
 from martensite.base.parameters import Number, param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import select_inside
@@ -17,6 +19,10 @@ class Ahead(AbstractWaveform):
     def value(self, time: float) -> float:
         """Return the waveform at `time` + lead [s]."""
         return self.waveform.value(time + self.lead + TIME_TOLERANCE)
+
+    def signals(self, times: Sequence[float]) -> list[float]:
+        """Return the signals at many times, the same numbers as one by one."""
+        return self.waveform.signals([time + self.lead + TIME_TOLERANCE for time in times])
 
     def edges(self, duration: float) -> list[float]:
         """Return the shifted edges of the waveform [s]."""

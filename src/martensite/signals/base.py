@@ -19,8 +19,16 @@ from martensite.base.units import DRIVE as DRIVE
 from martensite.signals.moments import Moments, Segment, SignalShape, Tone, fit_parabolas
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")
-MANY = 1000
-"""Number of times from which arrays are faster than single values, including the import of NumPy."""
+MANY = 100
+"""Number of times from which arrays are faster than single values."""
+
+
+def read_levels(steps: Any, times: Sequence[float]) -> list[float]:
+    """Return the levels at some times [s], from rows of start [s] and level, ascending; the first also before it."""
+    import numpy as np
+
+    starts, levels = np.asarray(steps, float).T
+    return levels[np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)].tolist()
 
 
 class AbstractDrive(Parametrised):
@@ -40,6 +48,8 @@ class AbstractWaveform(AbstractDrive):
 
     unit: ClassVar[str | None] = None
     """SI unit of the sources that it can drive; None for any source."""
+    stepwise: ClassVar[bool] = False
+    """True if its segments are levels that begin exactly where its value changes."""
 
     def init(self) -> None:
         """Return no memory."""
@@ -54,7 +64,11 @@ class AbstractWaveform(AbstractDrive):
 
     def signals(self, times: Sequence[float]) -> list[float]:
         """Return the signals at many times, with the values of `value`."""
-        return list(map(self.value, times))
+        if not self.stepwise or len(times) < MANY:
+            return list(map(self.value, times))
+        last = max(times)
+        known = takewhile(lambda segment: segment.start <= last, self.segments(min(times)))
+        return read_levels([(one.start, one.level) for one in known], times)
 
     def edges(self, duration: float) -> list[float]:
         """Return the times of jumps and bends in (0, duration) [s], ascending."""

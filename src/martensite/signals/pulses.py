@@ -19,6 +19,7 @@ class AbstractPulses(AbstractWaveform):
     """Pulses; a subclass declares the frequency [Hz] and gives the duty cycle."""
 
     frequency: Number
+    stepwise = True
 
     @abstractmethod
     def share(self, k: int) -> float:

@@ -26,6 +26,8 @@ class Staircase(AbstractWaveform):
     count: Number = param("1", "number of levels", low=1.0, high=1e6, typical=4.0)
     direction: str = option("what follows the last level", "up", "up-down", default="up")
 
+    stepwise = True
+
     def check(self) -> None:
         """Require a whole number of levels."""
         if self.count != int(self.count):

@@ -25,6 +25,8 @@ class Step(AbstractWaveform):
     at: Number = param("s", "time of the step", low=0.0, default=0.0, typical="0.5 s")
     until: Number = param("s", "time of the step back; none if left out", default=math.inf, typical="1.75 s")
 
+    stepwise = True
+
     def check(self) -> None:
         """Require `until` after `at`."""
         if self.until <= self.at:

@@ -15,8 +15,11 @@ from __future__ import annotations
 import math
 import sys
 import time
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -26,8 +29,8 @@ from martensite.base.files import tell_once
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.march import FixedMarch
-from martensite.simulate.marching import Marched, MarchPlan, Row
-from martensite.simulate.track import Observe, observe_on_floats
+from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.track import Numbers, Observe, observe_on_floats
 
 Tell = Callable[[str, float], None]
 """Told what is being done, and which share of it is."""
@@ -58,7 +61,6 @@ LEAST_ACCURACY = 1e-12
 March = Callable[[MarchPlan], Marched]
 _SPENT: WeakKeyDictionary[CompiledMarch, float] = WeakKeyDictionary()
 """CPU time [s] that runs of a structure took on floats in this process: many short ones earn a compiler, too."""
-Rows = Sequence[Sequence[float]]
 
 
 @dataclass
@@ -192,7 +194,7 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
         local /= FINER
         ranges = found.ranges if turn or not shares_stress(plan.compiled) else ()
         found = march(replace(plan, tolerance=local, ranges=ranges, parted=True))
-        before, rows = rows, [found.rows[k] for k in compared if k < len(found.rows)]
+        before, rows = rows, choose_rows(found.rows, compared)
         found.gaps = measure_gaps(plan.compiled, before, rows)[1 if found.gap else 0 :]
         accuracy = max(bound_error(plan.compiled, found), find_floor(plan.compiled) * tolerance)
         if accuracy <= tolerance:
@@ -214,6 +216,13 @@ def shares_stress(compiled: CompiledMarch) -> bool:
     return any(point.weight < 1.0 for point in compiled.points)
 
 
+def choose_rows(rows: Any, places: list[int]) -> Any:
+    """Return the rows at some ascending places, as far as a run reached them."""
+    reached = places[: bisect_left(places, len(rows))]
+    return rows[reached] if hasattr(rows, "dtype") else [rows[k] for k in reached]
+
+
+@lru_cache(16)
 def choose_samples(count: int, skipped: int = 0) -> list[int]:
     """Which of so many samples are compared: not many more than `FEW`, both ends among them.
 
@@ -224,20 +233,19 @@ def choose_samples(count: int, skipped: int = 0) -> list[int]:
     return sorted({0, *(k - skipped for k in range(0, whole, every) if k > skipped), count - 1})
 
 
-def measure_gaps(compiled: CompiledMarch, before: Rows, after: Rows) -> list[Row]:
-    """Return the differences of the judged outputs between two runs, at every sample that both reached."""
+def measure_gaps(compiled: CompiledMarch, before: Any, after: Any) -> Numbers:
+    """Return the differences of judged outputs between two runs, at samples that both reached, (samples, judged)."""
     places = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     count = min(len(before), len(after))
     pair = (np.asarray(rows[:count], float).reshape(count, -1)[:, places] for rows in (before, after))
-    return list(map(tuple, np.abs(np.subtract(*pair)).tolist()))
+    return np.abs(np.subtract(*pair))
 
 
 def bound_error(compiled: CompiledMarch, found: Marched) -> float:
     """Return the largest of the gaps of a run, with what no run shows, as a share of ranges."""
-    worst, gaps = 0.0, [*filter(None, [found.gap]), *found.gaps]
-    for k, (_, least) in enumerate(compiled.convergence_scales):
-        apart = max((gap[k] for gap in gaps), default=math.inf)
-        worst = max(worst, apart / max(found.ranges[k], least))
+    gap, scales = found.find_largest_gap(found.gap), compiled.convergence_scales
+    ranges = [max(known, least) for known, (_, least) in zip(found.ranges, scales, strict=True)]
+    worst = float(np.divide(gap or math.inf, ranges).max(initial=0.0))
     heat = max(found.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
     total = max(ERROR_SAFETY * worst + found.ripple / heat, ERROR_SAFETY * found.residual, LEAST_ACCURACY)
     return total if math.isfinite(total) else math.inf

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.remembered import remember
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import RunEngine, Tell, choose_samples, march_to, require_budget
+from martensite.simulate.accuracy import RunEngine, Tell, choose_rows, choose_samples, march_to, require_budget
 from martensite.simulate.alarms import judge_limits
-from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march, name_outputs
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.ledger import balance_heat, balance_work
+from martensite.simulate.ledger import HeatBalance, WorkBalance, balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
@@ -114,15 +116,14 @@ def simulate(
     plan, found, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
     kept = relay.list_restarts([times[k] for k in compared])
-    trace = RunTrace(system, engine, plan, found, relay)
-    result = _build_result(system, waveform, plan, found, accuracy, found.used, trace)
-    notes = list(result.notes)
+    notes = list[str]()
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         notes.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
-    return replace(result, notes=notes, restarts=kept, begin=partial(describe_start, start))
+    told = _Told(waveform, RunTrace(system, engine, plan, found, relay), start, kept, notes, accuracy)
+    return _build_result(system, plan, found, told)
 
 
 def _in_discrete_time(
@@ -154,23 +155,21 @@ def _in_discrete_time(
     found = relay(plan)
     if found.status is Status.OUT_OF_ENVELOPE:
         found.rows = list(rows_inside(system, found.rows))
-    used = "C" if runtime == "c" else "floats"
     kept = relay.list_restarts(grid.times[-1:]) if found.state else []
     kept = [one for one in kept if one.time in {*asked, grid.times[-1]}]
     kept_all = whole.stored is not ...
-    trace = RowsTrace(grid.times[: len(found.rows)], found.rows, len(system.outputs())) if kept_all else None
-    stored = {start.time, *np.asarray(whole.times)[whole.stored].tolist()}
-    places = [k for k, time in enumerate(grid.times) if time in stored]
-    plan = replace(plan, times=[grid.times[k] for k in places])
-    found = replace(found, rows=[found.rows[k] for k in places if k < len(found.rows)])
-    result = _build_result(system, waveform, plan, found, None, used, trace)
-    notes = list(result.notes)
+    trace = RowsTrace(grid.times[: len(found.rows)], found.rows, len(name_outputs(system))) if kept_all else None
+    times, stored = np.asarray(grid.times), np.asarray(whole.times)[whole.stored]
+    places: list[int] = np.flatnonzero(np.isin(times, [start.time, *stored])).tolist()
+    plan = replace(plan, times=times[places])
+    found = replace(found, rows=choose_rows(found.rows, places), used="C" if runtime == "c" else "floats")
+    notes = list[str]()
     if not kept_all and len(whole.lengths) > len(whole.times):
         notes.append(
             f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "
             f"{len(whole.times):,} stored samples."
         )
-    return replace(result, notes=notes, restarts=kept, begin=partial(describe_start, start))
+    return _build_result(system, plan, found, _Told(waveform, trace, start, kept, notes))
 
 
 def _march_grid(
@@ -205,6 +204,7 @@ def steps_in(system: AbstractSystem, time: float) -> int:
     return max(1, math.ceil(time / longest_step(system) - 1e-9))
 
 
+@remember
 def longest_step(system: AbstractSystem) -> float:
     """Return a tenth of the least thermal time constant [s], or what the mechanism can bear."""
     constants: list[float] = []
@@ -216,56 +216,59 @@ def longest_step(system: AbstractSystem) -> float:
     return min([*constants, system.mechanism.first_step()])
 
 
-def _build_result(
-    system: AbstractSystem,
-    waveform: Waveforms,
-    plan: MarchPlan,
-    found: Marched,
-    accuracy: float | None,
-    runtime: str,
-    trace: AbstractTrace | None = None,
-) -> Result:
-    names = list(system.outputs())
-    rows = found.require().rows
-    columns = dict(zip(names, np.array(rows, float).T.copy(), strict=False))
-    result = Result(
+class _Told(NamedTuple):
+    """Parts of a result that do not come from its march."""
+
+    waveform: Waveforms
+    trace: AbstractTrace | None
+    start: Restart
+    restarts: list[Restart]
+    notes: list[str]
+    accuracy: float | None = None
+
+
+def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, told: _Told) -> Result:
+    names, rows, book = name_outputs(system), found.require().rows, plan.compiled.book
+    notes, heat, work, unknown = list[str](), None, None, list[str]()
+    if plan.step is None and not system.sample_time():
+        heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None
+        work = balance_work(book, found.accounts) if book.work else None
+        notes, unknown = _warn_of_residuals({"heat": heat, "work": work}, plan.tolerance), list(book.unknown)
+    if found.status is Status.OUT_OF_ENVELOPE:
+        notes.append(describe_exit(system, found.time, found.place, found.value))
+    return Result(
         system,
-        waveform,
+        told.waveform,
         np.array(plan.times[: len(rows)], float),
-        columns,
+        dict(zip(names, np.array(rows, float).T.copy(), strict=False)),
         found.status,
         found.status_time,
         found.steps,
         found.longest,
-        accuracy,
-        profiles=profiles_of(len(names), rows),
-        runtime=runtime,
-        rejected=found.rejected,
-        ripple=found.ripple,
-        trace=trace,
+        told.accuracy,
+        notes=[*notes, *told.notes],
         judged=judge_limits,
+        profiles=profiles_of(len(names), rows),
+        runtime=found.used,
+        rejected=found.rejected,
+        heat=heat,
+        work=work,
+        unbalanced=unknown,
+        ripple=found.ripple,
+        trace=told.trace,
+        begin=partial(describe_start, told.start),
+        restarts=told.restarts,
     )
-    if plan.step is None and not system.sample_time():
-        result = _add_balances(result, plan, found)
-    if found.status is Status.OUT_OF_ENVELOPE:
-        gone = describe_exit(system, found.time, found.place, found.value)
-        result = replace(result, notes=[*result.notes, gone])
-    return result
 
 
-def _add_balances(result: Result, plan: MarchPlan, found: Marched) -> Result:
-    """Return a result with what became of heat and work, and a warning where some of it is missing."""
-    book, notes = plan.compiled.book, list(result.notes)
-    heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None
-    work = balance_work(book, found.accounts) if book.work else None
-    for words, one in (("heat", heat), ("work", work)):
-        residual = None if one is None else one.residual
-        if residual is not None and not residual <= plan.tolerance:
-            notes.append(
-                f"Warning: {residual:.1e} of the {words} is not accounted for, more than the "
-                f"tolerance of {plan.tolerance:.1e}."
-            )
-    return replace(result, heat=heat, work=work, unbalanced=list(book.unknown), notes=notes)
+def _warn_of_residuals(balances: Mapping[str, HeatBalance | WorkBalance | None], tolerance: float) -> list[str]:
+    """Return a warning for each balance of which too much is missing."""
+    residuals = {words: one.residual for words, one in balances.items() if one is not None}
+    return [
+        f"Warning: {residual:.1e} of the {words} is not accounted for, more than the tolerance of {tolerance:.1e}."
+        for words, residual in residuals.items()
+        if residual is not None and not residual <= tolerance
+    ]
 
 
 def check_run(duration: float, tolerance: float, step: float | None, samples: int) -> None:

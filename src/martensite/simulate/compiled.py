@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.parameters import Keyed, values_at
+from martensite.base.remembered import remember
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import Expr
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -50,6 +51,12 @@ class Compiled:
     def values(self, system: AbstractSystem) -> list[float]:
         """Return the parameter values of a system of this structure, in order."""
         return values_at(system, self.paths)
+
+
+@remember
+def name_outputs(system: AbstractSystem) -> tuple[str, ...]:
+    """Return the names of the outputs of a system, in order."""
+    return tuple(system.outputs())
 
 
 def compile_system(system: AbstractSystem) -> Compiled:
@@ -137,6 +144,7 @@ class CompiledMarch(Compiled):
         return {}
 
 
+@remember
 def compile_march(system: AbstractSystem) -> CompiledMarch:
     """Trace a system for marches whose drives are integrated over every step."""
     return _compile_march(Keyed(system))

@@ -66,7 +66,7 @@ def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) 
     for name, unit, *_ in system.drives():
         if name not in known and unit == "K":
             raise InputError(f"Drive `{name}` sets a temperature and needs a waveform.")
-        one = known.get(name, Constant(level=0.0))
+        one = known[name] if name in known else Constant(level=0.0)
         if isinstance(one, AbstractWaveform):
             require_unit(one, unit)
         found.append(one)

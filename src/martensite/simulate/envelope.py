@@ -15,6 +15,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.base.formats import typeset_unit
+from martensite.base.remembered import remember
 from martensite.simulate.compiled import ENVELOPE
 from martensite.simulate.marching import Exit, Row, RunLimits
 from martensite.simulate.track import Track
@@ -29,6 +30,7 @@ BEYOND = {
 }
 
 
+@remember
 def envelope_of(system: AbstractSystem) -> RunLimits:
     """Return the bounds of what `CompiledMarch.envelope` names."""
     low: list[float] = []

@@ -39,14 +39,14 @@ class TimeGrid:
     """Sample times, and the steps between them."""
 
     times: list[float]
-    sampled: list[Signals]
-    """Signals at the sample times."""
+    sampled: Any
+    """Signals at the sample times: a list of tuples, or an array (samples, drives)."""
     counts: list[int]
     """Steps in each interval between samples."""
     lengths: list[float]
     """Length of every step [s]."""
-    drives: list[Signals]
-    """Inputs of `CompiledMarch` from the drives in every step."""
+    drives: Any
+    """Inputs of `CompiledMarch` from the drives in every step: a list of tuples, or an array (steps, inputs)."""
     stored: Any = ...
     """Which of the samples a user asked for; the others are ends of steps, for measures."""
 
@@ -96,6 +96,10 @@ class TimeGrid:
             np.asarray(self.drives, float),
             np.asarray(self.lengths, float),
         )
+
+    def list_inputs(self) -> tuple[list[Signals], list[Signals]]:
+        """Return `sampled` and `drives` as lists of Python numbers."""
+        return _list_rows(self.sampled), _list_rows(self.drives)
 
     @property
     def longest(self) -> float:
@@ -174,6 +178,10 @@ class LaneGrid:
         return TimeGrid(self.times, sampled, counts, lengths[taken].tolist(), drives)
 
 
+def _list_rows(rows: Any) -> list[Signals]:
+    return rows.tolist() if hasattr(rows, "tolist") else rows
+
+
 def is_jump(before: Signals, after: Signals) -> bool:
     """Return whether a signal is another on both sides of a time."""
     return any(abs(a - b) > JUMP * max(abs(a), abs(b)) for a, b in zip(before, after, strict=True))
@@ -245,7 +253,7 @@ class Steps(NamedTuple):
                 shape = waveform.shape(0.0, self.times[-1])
                 columns.append([(*found, 0.0) for found in shape.many(self.begins, ends)])
         rows = [tuple(chain.from_iterable(row)) for row in zip(*columns, strict=True)]
-        sampled = rows_of(waveforms, [self.times] * len(waveforms), len(self.times))
+        sampled = rows_of(waveforms, self.times)
         return TimeGrid(list(self.times), sampled, self.counts, self.lengths, rows or [()] * count)
 
 
@@ -280,22 +288,23 @@ def grid_of_samples(
             f"A run of {duration:.6g} s in samples of {interval:.6g} s has {steps:,} steps, but "
             f"must have 1 to {MOST_STEPS:,}."
         )
+    import numpy as np
+
     pieces = min(samples - 1, steps)
-    ends = [round(steps * i / pieces) for i in range(pieces + 1)]
-    instants = [(k + JUST_AFTER) * interval for k in range(steps + 1)]
-    signals = rows_of(waveforms, [instants] * len(waveforms), steps + 1)
-    played = [
-        tuple(late if later else now for now, late, later in zip(*pair, ahead, strict=True))
-        for pair in pairwise(signals)
-    ]
-    kept = list(range(steps + 1)) if every and steps <= MOST_PERIODS else ends
+    ends = np.rint(steps * np.arange(pieces + 1) / pieces).astype(np.intp)
+    instants = ((np.arange(steps + 1) + JUST_AFTER) * interval).tolist()
+    signals = np.empty((steps + 1, len(waveforms)))
+    for drive, waveform in enumerate(waveforms):
+        signals[:, drive] = waveform.signals(instants)
+    whole = every and steps <= MOST_PERIODS
+    kept = np.arange(steps + 1) if whole else ends
     return TimeGrid(
-        [k * interval for k in kept],
-        [signals[k] for k in kept],
-        [b - a for a, b in pairwise(kept)],
+        (kept * interval).tolist(),
+        signals[kept],
+        np.diff(kept).tolist(),
         [interval] * steps,
-        played,
-        ... if kept is ends else ends,
+        np.where(np.array(ahead, np.bool_), signals[1:], signals[:-1]),
+        ends.tolist() if whole else ...,
     )
 
 
@@ -337,7 +346,7 @@ def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> St
     return Steps(times, counts, begins, lengths)
 
 
-def rows_of(waveforms: Sequence[AbstractWaveform], times: Sequence[Sequence[float]], count: int) -> list[Signals]:
-    """Return signals as `count` rows of one number per waveform, each read at separate times."""
-    columns = [wave.signals(at) for wave, at in zip(waveforms, times, strict=True)]
-    return list(zip(*columns, strict=True)) if columns else [()] * count
+def rows_of(waveforms: Sequence[AbstractWaveform], times: Sequence[float]) -> list[Signals]:
+    """Return a row of signals for every time [s]."""
+    columns = [wave.signals(times) for wave in waveforms]
+    return list(zip(*columns, strict=True)) if columns else [()] * len(times)

@@ -28,16 +28,17 @@ def march_floats(
     Raises:
         SolveError: its first state has no outputs.
     """
+    sampled, inputs = grid.list_inputs()
     try:
-        walk, observe = FloatWalk(functions, size, grid.sampled[0], start), functions["observe"]
-        rows = [observe(*walk.state, *grid.sampled[0])]
+        walk, observe = FloatWalk(functions, size, sampled[0], start), functions["observe"]
+        rows = [observe(*walk.state, *sampled[0])]
     except ArithmeticError as error:
         raise SolveError(
             f"The run fails at its start, 0 s: {error}; check for a length, width or range of 0."
         ) from None
-    steps = zip(grid.drives, grid.lengths, strict=True)
+    steps = zip(inputs, grid.lengths, strict=True)
     try:
-        for count, drives in zip(grid.counts, grid.sampled[1:], strict=True):
+        for count, drives in zip(grid.counts, sampled[1:], strict=True):
             for u, dt in islice(steps, count):
                 walk.advance(u, dt)
                 if border is not None and walk.stops(border.find_exit(walk.state, u)):
@@ -175,4 +176,4 @@ def judge_table(
         return Marched([], (), Status.OUT_OF_ENVELOPE, left)
     finite = bool(np.isfinite(table).all())
     status = classify_step(residual, crossing) if finite else Status.NOT_FINITE
-    return Marched(table.tolist(), (), status, math.nan, state=tuple(state))
+    return Marched(table, (), status, math.nan, state=tuple(state))

@@ -82,6 +82,8 @@ class MarchPlan:
     """State at the first of the times; as assembled, at rest, if none."""
     extremes: tuple[Row, Row] = ((), ())
     """Lowest and highest of what is judged before."""
+    drives: dict[float, list[Any]] = field(default_factory=dict[float, list[Any]], repr=False)
+    """End of the run, or of its last leg [s] -> segments of its drives as C takes them; shared by all passes."""
 
     @property
     def shortest(self) -> float:
@@ -134,10 +136,22 @@ class Marched:
     """Lowest and highest of what is judged, since the run of which this is a part began."""
     gap: Row = ()
     """Largest difference of the judged outputs to the pass before, until this leg began; empty for the first pass."""
-    gaps: list[Row] = field(default_factory=list[Row])
-    """Differences at every sample at which passes are compared."""
+    gaps: Any = ()
+    """Differences at every sample at which passes are compared, (samples, judged)."""
     used: str = ""
     """Runtime of the run, `C` or `floats`."""
+
+    def find_largest_gap(self, before: Row, samples: int | None = None) -> Row:
+        """Return the largest difference of every judged output to the pass before; empty if none is known.
+
+        Args:
+            before: largest differences before this run.
+            samples: number of compared samples that count; all if None.
+        """
+        if not len(self.gaps):
+            return before
+        largest = tuple(self.gaps[:samples].max(axis=0, initial=0.0).tolist())
+        return tuple(map(max, before, largest)) if before else largest
 
     @property
     def ends(self) -> list[float]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import ctypes
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from itertools import accumulate, islice, takewhile
+from itertools import accumulate, chain, islice, takewhile
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from martensite.simulate import adaptive
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.ledger import EMPTY, STORES, TURNED_OVER
 from martensite.simulate.marching import Marched, MarchPlan
-from martensite.simulate.native import spread_limits
+from martensite.simulate.native import spread, spread_column, spread_limits
 from martensite.simulate.track import Observe, record_width
 
 Numbers = NDArray[np.float64]
@@ -38,6 +38,8 @@ ROUNDS = 4096
 """Rounds of all lanes between two looks from Python."""
 FIRST_WINDOW, WINDOW = 256, 65_536
 """Segments of a drive that are known at once: at first, and at most."""
+WHOLE = 4096
+"""Segments of a drive up to which all are known at once, for all passes of a run."""
 MOST_SEGMENTS = 1 << 21
 """Segments of drives that runs in lanes know, at most."""
 FIRST_RECORD = 4096
@@ -87,45 +89,63 @@ class _March(ctypes.Structure):
 class _Window:
     """A drive as far as C knows it."""
 
-    def __init__(self, waveform: AbstractWaveform, until: float) -> None:
-        coming = waveform.segments(0.0)
-        self._coming: Iterator[Segment] = takewhile(lambda one: one.start <= until, coming)
-        self._table = np.empty((0, 4))
-        self._ended = False
+    def __init__(self, waveform: AbstractWaveform, until: float, whole: Numbers | None = None) -> None:
+        self._coming = _list_segments(waveform, until)
         tones = np.array([tuple(tone) for tone in waveform.tones()]).reshape(-1, 3)
         self._tones = np.ascontiguousarray(tones.T)
         self.tones = len(tones)
         self._fastest = float(tones[:, 1].max()) if len(tones) else 0.0
-        self._columns = np.empty((4, 0))
+        self._ended = whole is not None
+        self._columns = np.empty((4, 0)) if whole is None else whole
         self._size = FIRST_WINDOW
 
     def extend(self, since: float) -> None:
         """Know more, and forget what lies before `since` [s]."""
-        place = max(0, int(np.searchsorted(self._table[:, 0], since, side="right")) - 2)
-        more = np.array([tuple(segment) for segment in islice(self._coming, self._size)])
-        self._ended = len(more) < self._size
+        if self._ended:
+            return
+        place = max(0, int(np.searchsorted(self._columns[0], since, side="right")) - 2)
+        more = _tabulate_segments(islice(self._coming, self._size))
+        self._ended = more.shape[1] < self._size
         self._size = min(4 * self._size, WINDOW)
-        self._table = np.concatenate([self._table[place:], more.reshape(-1, 4)])
-        self._columns = np.ascontiguousarray(self._table.T)
+        self._columns = np.concatenate([self._columns[:, place:], more], axis=1)
 
     def extend_to_end(self, most: int) -> int:
         """Know all, if that is not many more than so many segments; how many are known."""
         self.extend(0.0)
-        while not self._ended and len(self._table) < most:
+        while not self._ended and self._columns.shape[1] < most:
             self.extend(0.0)
-        return len(self._table)
+        return self._columns.shape[1]
 
     def known_until(self) -> float:
         """Return the time [s] up to which it is known."""
-        return np.inf if self._ended else float(self._table[-1, 0])
+        return np.inf if self._ended else float(self._columns[0, -1])
 
     def fill(self, into: _Drive, locate: Callable[[NDArray[Any]], int]) -> None:
         """Tell C."""
         columns, tones = map(locate, self._columns), map(locate, self._tones)
-        into.count, into.tones = len(self._table), self.tones
+        into.count, into.tones = self._columns.shape[1], self.tones
         into.start, into.level, into.slope, into.bend = columns
         into.amplitude, into.rate, into.phase = tones
         into.fastest, into.whole = self._fastest, int(self._ended)
+
+
+def _list_segments(waveform: AbstractWaveform, until: float) -> Iterator[Segment]:
+    return takewhile(lambda one: one.start <= until, waveform.segments(0.0))
+
+
+def _tabulate_segments(segments: Iterable[Segment]) -> Numbers:
+    """Return starts, levels, slopes and bends of segments, (4, segments)."""
+    return np.ascontiguousarray(np.fromiter(chain.from_iterable(segments), float).reshape(-1, 4).T)
+
+
+def _list_drives(plan: MarchPlan) -> list[Numbers | None]:
+    """Return the segments of every drive of a plan up to its end, made once for all passes; None where too many."""
+    end, kept = plan.times[-1], plan.drives
+    if end not in kept:
+        kept.clear()  # another leg of the run
+        rows = (list(islice(_list_segments(one, end), WHOLE + 1)) for one in plan.waveforms)
+        kept[end] = [_tabulate_segments(row) if len(row) <= WHOLE else None for row in rows]
+    return kept[end]
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,28 +249,29 @@ class MarchArrays:
     def __init__(self, runs: Runs) -> None:
         plan, compiled = runs.plan, runs.plan.compiled
         self.runs, self.plan = runs, plan
-        self.p = np.empty((len(runs.values), runs.count))
-        for row, value in enumerate(runs.values):
-            self.p[row] = value
-        first = plan.first if runs.first is None else runs.first
-        self.first = np.array(np.broadcast_to(first, runs.count), float)
+        judged = len(compiled.convergence_scales)
+        self.p = spread_column(runs.values, runs.count)
+        self.first = spread(plan.first if runs.first is None else runs.first, (runs.count,))
         self.times = np.array([*plan.times, np.inf])
-        ranges = np.asarray(plan.ranges or np.zeros(len(compiled.convergence_scales)))
-        ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
-        self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.convergence_scales))), float)
+        ranges = plan.ranges or 0.0 if runs.ranges is None else runs.ranges
+        self.ranges = spread(ranges, (runs.count, judged))
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, RANGES + len(compiled.convergence_scales)))
+        self.numbers = np.zeros((runs.count, RANGES + judged))
         width = record_width(compiled.drives, sum(compiled.states_observed(runs.outputs)))
         known = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.count - 1)
         self.record = np.empty((max(FIRST_RECORD, 2 * known) if plan.recorded else 0, width))
         self.totals = np.full((runs.count, 3, len(runs.outputs)), np.nan) if plan.totalled else np.empty(0)
-        self.states = np.array(np.broadcast_to(plan.start or 0.0, (runs.count, compiled.size)), float)
-        self.extremes = np.empty((runs.count, 2, len(compiled.convergence_scales)))
+        self.states = spread(plan.start or 0.0, (runs.count, compiled.size))
+        self.extremes = np.empty((runs.count, 2, judged))
         self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
-        own = [plan.waveforms] if runs.own is None else runs.own
-        self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
+        end = plan.times[-1]
+        if runs.own is None:
+            rows = zip(plan.waveforms, _list_drives(plan), strict=True)
+            self.windows = [[_Window(waveform, end, whole) for waveform, whole in rows]]
+        else:
+            self.windows = [[_Window(waveform, end) for waveform in row] for row in runs.own]
         self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
         most = MOST_SEGMENTS
         for window in (window for row in self.windows for window in row):
@@ -342,7 +363,7 @@ def observe_in_c(runs: Runs) -> Observe:
     """Return the function that computes the kept outputs of recorded states, with the parameters of their runs."""
     library = _load_library(kernel_of(runs.plan, runs.outputs, runs.lanes, runs.own))
     count, outputs = runs.count, runs.outputs
-    table = np.array([np.broadcast_to(value, count) for value in runs.values], float).reshape(len(runs.values), count)
+    table = spread_column(runs.values, count)
 
     def observe(states: Numbers, signals: Numbers, run: NDArray[np.intp]) -> Numbers:
         rows = np.ascontiguousarray(np.concatenate([states, signals], axis=1))
@@ -355,8 +376,8 @@ def observe_in_c(runs: Runs) -> Observe:
     return observe
 
 
-def _get_address(array: NDArray[Any]) -> int:
-    return array.ctypes.data
+def _get_address(array: Any) -> int:
+    return ctypes.addressof(ctypes.c_char.from_buffer(array)) if array.size else 0  # `array.ctypes` is much slower
 
 
 def kernel_of(

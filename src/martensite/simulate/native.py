@@ -91,7 +91,7 @@ def march_inside(
     """
     bounded = limits is not None and len(compiled.envelope) > 0
     library = _load_library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)
-    parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
+    parameters = spread_column(values, lanes)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((len(compiled.report), lanes))
     left = np.empty(lanes)
@@ -104,9 +104,23 @@ def march_inside(
 
 def spread_limits(limits: Any, runs: int) -> Any:
     """Return the limits of every run, (2, envelope, runs), from these or from those of all, (2, envelope)."""
-    given = np.asarray(limits, float)
-    given = given if given.ndim == 3 else given[:, :, None]
-    return np.ascontiguousarray(np.broadcast_to(given, (*given.shape[:2], runs)))
+    given = np.array(limits, float)
+    return spread(given if given.ndim == 3 else given[:, :, None], (*given.shape[:2], runs))
+
+
+def spread_column(values: Sequence[Any], runs: int) -> Any:
+    """Return the parameters of all runs, (parameters, runs), from numbers or arrays."""
+    found = np.empty((len(values), runs))
+    for row, value in enumerate(values):
+        found[row] = value
+    return found
+
+
+def spread(values: Any, shape: tuple[int, ...]) -> Any:
+    """Return a new array of a shape, filled with values."""
+    found = np.empty(shape)
+    found[...] = values
+    return found
 
 
 def march_c(

@@ -8,11 +8,13 @@ repeats, pass by pass, the legs that follow in the run that kept it, in all bits
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise, zip_longest
+from itertools import chain, pairwise, zip_longest
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
@@ -50,6 +52,10 @@ class PassState(NamedTuple):
     residual: float = 0.0
 
 
+REST = PassState(())
+"""State of a pass of a run that begins by itself."""
+
+
 @dataclass(frozen=True)
 class Restart:
     """A time at which a run may be gone on with."""
@@ -79,7 +85,7 @@ def list_samples(duration: float, samples: int, begin: float) -> list[float]:
     Raises:
         InputError: it begins when it should have ended.
     """
-    whole = [duration * k / (samples - 1) for k in range(samples)]
+    whole: list[float] = (duration * np.arange(samples) / (samples - 1)).tolist()
     if begin == 0.0:
         return whole
     if not begin < duration * (1.0 - SAME):
@@ -188,20 +194,21 @@ class Relay:
         self.made.append((whole, legs))
         return whole
 
-    def _make_legs(self, plan: MarchPlan) -> tuple[list[Marched], list[Any]]:
+    def _make_legs(self, plan: MarchPlan) -> tuple[list[Marched], Any]:
         """Return the legs of a pass, and the rows of all of them."""
         before = self._begin(len(self.made))
-        at = before or PassState(())
-        legs, rows = list[Marched](), list[Any]()
+        at = before or REST
+        legs, parts = list[Marched](), list[Any]()
         for times, sampled in cut_times(plan.times, self.stops):
-            placed = {"start": at.state, "extremes": (at.low, at.high)}
-            legs.append(self.march(replace(plan, times=times, **placed)))
+            begins = len(times) == len(plan.times) and at == REST
+            placed = plan if begins else replace(plan, times=times, start=at.state, extremes=(at.low, at.high))
+            legs.append(self.march(placed))
             leg = legs[-1]
-            rows.extend(leg.rows[int(len(legs) > 1) : None if sampled or len(leg.rows) < len(times) else -1])
+            parts.append(leg.rows[int(len(legs) > 1) : None if sampled or len(leg.rows) < len(times) else -1])
             if len(leg.rows) < len(times) or leg.status.failed:
                 break
             at = at._replace(state=leg.state, low=leg.extremes[0], high=leg.extremes[1])
-        return legs, rows
+        return legs, join_rows(parts)
 
     def _begin(self, number: int) -> PassState | None:
         """Return the start of a pass, or of the finest pass before if there were fewer; None at the default start."""
@@ -221,10 +228,9 @@ class Relay:
         for number, (whole, legs) in enumerate(self.made):
             if whole.status.failed:
                 continue
-            before = self._begin(number) or PassState(())
+            before = self._begin(number) or REST
             parts, (low, high) = legs[: leg + 1], legs[leg].extremes
-            until = [gap for gap, when in zip(whole.gaps, compared[-len(whole.gaps) :], strict=False) if when <= time]
-            gap = tuple(map(max, zip(*filter(None, [before.gap, *until]), strict=True)))
+            gap = whole.find_largest_gap(before.gap, bisect_right(compared[-len(whole.gaps) :], time))
             worst = [max([getattr(before, n), *(getattr(p, n) for p in parts)]) for n in ("ripple", "residual")]
             found.append(PassState(legs[leg].state, low, high, gap, *worst))
         return found
@@ -232,6 +238,8 @@ class Relay:
 
 def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list[float], bool]]:
     """The samples of every leg [s], both ends included, and whether its end is a sample of the run."""
+    if not stops:
+        return [(list(times), True)]
     found = list[tuple[list[float], bool]]()
     for begin, end in pairwise([times[0], *stops, times[-1]]):
         inside = list(times[bisect_left(times, begin) : bisect_left(times, end)])
@@ -240,7 +248,14 @@ def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list
     return found
 
 
-def join_legs(legs: Sequence[Marched], rows: list[Any], before: PassState | None) -> Marched:
+def join_rows(parts: Sequence[Any]) -> Any:
+    """Return the rows of several legs together: an array, or a list of runs on floats."""
+    if all(isinstance(one, np.ndarray) for one in parts):
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return list(chain.from_iterable(parts))
+
+
+def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> Marched:
     """Return a pass from its legs, after what was before it; its energies are those of its legs."""
     last = legs[-1]
     if len(legs) == 1 and before is None:
@@ -263,6 +278,6 @@ def join_legs(legs: Sequence[Marched], rows: list[Any], before: PassState | None
         put_in=sum(one.put_in for one in legs),
         lost=sum(one.lost for one in legs),
         accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),
-        record=[row for one in legs for row in one.record],
+        record=join_rows([one.record for one in legs]),
         gap=before.gap if before else (),
     )
