@@ -30,7 +30,9 @@ from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.ends import AdiabaticEnds
 
 SWEEPS, HALF_SWEEPS, LAST_SWEEPS = 4, 20, 4
-"""Sweeps of a step; then sweeps at half of each change, which stop oscillations over a kink; then the last ones."""
+"""Sweeps of a step; then sweeps that may take half of each change, against oscillations over a kink; then the last."""
+FALLING = 0.25
+"""Ratio of a change to the previous change, up to which sweeps converge and take the whole change."""
 SETTLED = 1e-11
 """Change of a fraction in a sweep [-] that counts as zero."""
 
@@ -171,18 +173,18 @@ class AbstractCells(AbstractCut):
         guess = step.guess_without_transformation(start)
         shape = NestedShape(guess)
 
-        def turn(_: Scalar, turned: Scalar, *numbers: Scalar) -> list[Scalar]:
+        def turn(_: Scalar, turned: Scalar, last: Scalar, *numbers: Scalar) -> list[Scalar]:
             before = shape.rebuild(numbers)
             after = step.sweep(xp, start, before)
             pairs = zip(after.martensite, before.martensite, strict=True)
             moved = find_largest(xp, [xp.abs(a - b) for a, b in pairs])
-            halved = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
-            share = xp.where(halved, 0.5, 1.0)
+            middle = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
+            share = xp.where(xp.both(middle, moved > FALLING * last), 0.5, 1.0)
             now = [b + share * (a - b) for a, b in zip(flatten_numbers(after), numbers, strict=True)]
-            return [xp.where(moved > SETTLED, 1.0, 0.0), turned + 1.0, *now]
+            return [xp.where(moved > SETTLED, 1.0, 0.0), turned + 1.0, moved, *now]
 
         most = SWEEPS + HALF_SWEEPS + LAST_SWEEPS
-        _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten_numbers(guess))
+        _, _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, 0.0, *flatten_numbers(guess))
         return step.end(xp, start, shape.rebuild(numbers))
 
     @override
