@@ -11,7 +11,7 @@ PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 # Most compiled C of tests and pages runs once. tcc compiles it in a twentieth of the time of gcc; without tcc, and for
 # sources that tcc does not support, gcc compiles with -O0. Libraries are kept between runs. test-all optimises.
 C_QUICK ?= -O0
-QUICK_C = MARTENSITE_CFLAGS="$(C_QUICK)" MARTENSITE_CC="$$($(BIN)/python tests/quick_compiler.py)"
+QUICK_C = MARTENSITE_CFLAGS="$(C_QUICK)" MARTENSITE_QUICK_C=only
 # Many processes share the cores: each computes on one thread.
 export OPENBLAS_NUM_THREADS ?= 1
 # And many import the same: what Python compiles of it is kept, or each would compile it anew.

@@ -23,6 +23,9 @@ BESIDE = HERE.parents[1] / "shared" / "data"
 if "MARTENSITE_DATA" not in os.environ and BESIDE.is_dir():
     os.environ["MARTENSITE_DATA"] = str(BESIDE)
 
+# tests start no compiler in the background
+os.environ.setdefault("MARTENSITE_QUICK_C", "off")
+
 # a shell lets what it starts in the background ignore Ctrl-C, and so all that is started from there
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

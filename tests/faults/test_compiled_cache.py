@@ -32,7 +32,7 @@ pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C c
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of its own, and nothing said yet."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.delenv("MARTENSITE_CC", raising=False)
+    monkeypatch.setenv("MARTENSITE_QUICK_C", "off")
     monkeypatch.setattr(files, "_TOLD", set())
     return tmp_path / "cache"
 
@@ -181,22 +181,6 @@ def test_without_any_folder_a_batch_runs_on_floats(
     assert found.runtime == meant.runtime == "floats"
     assert (found["strain"] == meant["strain"]).all()
     assert "goes on on floats" in capsys.readouterr().err
-
-
-def test_a_quick_compiler_is_tried_first(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that fails, and vectors, which it may not know, are left to the usual compiler."""
-    quick, calls = tmp_path / "quick", tmp_path / "calls"
-    quick.write_text(f'#!/bin/sh\necho "$@" >> "{calls}"\nexec "{find_compiler()}" -DQUICK=1 "$@"\n')
-    quick.chmod(0o700)
-    source = "#ifndef QUICK\n#define QUICK 0\n#endif\nlong quick(void) { return QUICK; }\n"
-    vectors = "typedef double vector __attribute__((vector_size(16)));\n"
-    for command, text, meant in ((f"{quick} -O0", source, 1), (str(quick), source + vectors, 0), ("false", source, 0)):
-        monkeypatch.setenv("MARTENSITE_CC", command)
-        assert not is_compiled(text)
-        assert load_library(text).quick() == meant
-        assert is_compiled(text)
-    (called,) = calls.read_text().splitlines()
-    assert called.startswith("-O0 -shared")
 
 
 class Foreign(Constant):

@@ -16,12 +16,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from martensite.kernels.compiler import names_quick_compiler, read_source
+from martensite.kernels.compiler import read_source
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import FLAG, NUMBER, PYTHON_OPERATORS, SLOPES, Dialect, LoopText, RepeatText
 from martensite.kernels.program import Function, Program
+from martensite.kernels.quick_compiler import compiles_only_quickly
 from martensite.kernels.slopes import ZERO
 
 
@@ -227,7 +228,7 @@ WIDTHS = (4, 8, 16)
 
 def choose_width(count: int) -> int:
     """Return the number of directions to compute together, for a count of directions; 1 under a quick compiler."""
-    if names_quick_compiler():
+    if compiles_only_quickly():
         return 1
     return next((width for width in WIDTHS if width >= count), WIDTHS[-1])
 

@@ -27,6 +27,7 @@ from martensite.base.child_python import python_command
 from martensite.base.errors import CompileError
 from martensite.base.files import tell_once
 from martensite.base.lazy import write_install_line
+from martensite.kernels.quick_compiler import find_tcc, is_within_reach, read_mode
 
 FLAGS = (
     "-std=c99",
@@ -77,33 +78,42 @@ def _find_zig() -> str | None:
     return None
 
 
-def names_quick_compiler() -> bool:
-    """Return True if `MARTENSITE_CC` names a compiler that is tried first; it need not support vectors."""
-    return bool(os.environ.get("MARTENSITE_CC", "").strip())
-
-
 def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
     """Return the C of a file that lies in a room, below definitions of its constants."""
     text = (Path(__file__).parents[1] / room / name).read_text(encoding="utf-8")
     return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
 
-def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
+def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False) -> Any:
     """Compile C source, with more flags, to a shared library in the cache (by hash) and load it.
 
     An existing library is loaded if it is complete and built on this machine; else it is compiled again. If the cache
     is not writable, a folder of this process is used.
 
-    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler. `MARTENSITE_CC` names
-    a compiler with its flags, such as tcc, that is tried first: it is for runs too short to repay optimisation.
+    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
+
+    Args:
+        source: the C.
+        more: flags of the compiler beside the usual ones.
+        soon: if the optimised library is not there, take one of the quick compiler
+            (`martensite.kernels.quick_compiler`), and have the optimised one compiled in the background.
 
     Raises:
         CompileError: no compiler was found, it failed, or no folder is writable for its output.
     """
-    *quick, usual = _list_commands(source, more)
-    for command in quick:
-        with suppress(CompileError, OSError):
-            return _load_from(_locate_folder() / _name_library(command, source), command, source)
+    usual = _build_command(more)
+    with suppress(CompileError, OSError):
+        for command in _list_quick(source, usual, soon):
+            path = _locate_folder() / _name_library(usual, source)
+            if read_mode() == "first" and _is_whole(path):
+                break
+            quick = path.with_name(_name_library(command, source))
+            library = _load_from(quick, command, source)
+            if read_mode() == "first":
+                from martensite.kernels.compile_jobs import order_library
+
+                order_library(path, source, more, quick, __name__)
+            return library
     name, reasons = _name_library(usual, source), list[str]()
     for find_folder in (_locate_folder, _make_own_folder):
         try:
@@ -121,14 +131,28 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     )
 
 
-def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
+def is_compiled(source: str, more: tuple[str, ...] = (), *, soon: bool = False) -> bool:
     """Return whether `load_library` would find the library, so that nothing is compiled."""
     if find_compiler() is None:
         return False
     with suppress(OSError):
-        folder = _locate_folder()
-        return any(_is_whole(folder / _name_library(command, source)) for command in _list_commands(source, more))
+        folder, usual = _locate_folder(), _build_command(more)
+        commands = (usual, *_list_quick(source, usual, soon))
+        return any(_is_whole(folder / _name_library(command, source)) for command in commands)
     return False
+
+
+def compile_library(path: Path, source: str, more: tuple[str, ...]) -> None:
+    """Compile the optimised library of a source, unless it is there.
+
+    Raises:
+        CompileError: the compiler failed, or the library would not be used here under this name.
+    """
+    command = _build_command(more)
+    if path.name != _name_library(command, source):
+        raise CompileError("The compiler or its flags have changed.")
+    if not _is_whole(path):
+        _compile_source(command, source, path)
 
 
 def call_compiled(function: Any, *arguments: Any) -> None:
@@ -136,16 +160,13 @@ def call_compiled(function: Any, *arguments: Any) -> None:
     function(*(ctypes.c_long(one) if isinstance(one, int) else ctypes.c_void_p(one.ctypes.data) for one in arguments))
 
 
-_BEYOND_QUICK = ("vector_size", "_Pragma")
-"""Parts of GNU C that a small compiler may ignore without an error, with wrong results."""
-
-
-def _list_commands(source: str, more: tuple[str, ...]) -> list[tuple[str, ...]]:
-    """Return the commands to try: first the quick compiler, if one is named and supports the source."""
-    usual, quick = _build_command(more), tuple(shlex.split(os.environ.get("MARTENSITE_CC", "")))
-    if not quick or any(word in source for word in _BEYOND_QUICK):
-        return [usual]
-    return [(*quick, "-shared"), usual]
+def _list_quick(source: str, usual: tuple[str, ...], soon: bool) -> list[tuple[str, ...]]:
+    """Return the commands of the quick compiler for a source, best first; none where it is not to be used."""
+    mode = read_mode()
+    if not is_within_reach(source) or not (mode == "only" or (soon and mode == "first")):
+        return []
+    found = [command for command in (find_tcc(),) if command]
+    return found if mode == "only" or found else [(*usual, "-O0")]
 
 
 def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
@@ -236,3 +257,9 @@ def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
         digest.write_bytes(_digest(library.read_bytes()))
         keep_private(digest, _locate_digest(path))  # before the library, which is not loaded without its digest
         keep_private(library, path)
+
+
+if __name__ == "__main__":
+    from martensite.kernels.compile_jobs import do_jobs
+
+    do_jobs(compile_library)

@@ -72,9 +72,12 @@ class Program:
 
     def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
         """Return whether outputs depend on any of some inputs, by their full names."""
-        wanted = {self.graph.input(name, VARYING).index for name in inputs}
-        start = [node.index for node in outputs]
-        return any(index in wanted for index in self.graph.walk(start, self.graph.children))
+        return any(self.list_needed(outputs, inputs))
+
+    def list_needed(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> list[bool]:
+        """Return for each of some inputs, by full names, whether outputs depend on it."""
+        reached = set(self.graph.walk([node.index for node in outputs], self.graph.children))
+        return [self.graph.input(name, VARYING).index in reached for name in inputs]
 
     @cached_property
     def hoisted_nodes(self) -> list[Expr]:

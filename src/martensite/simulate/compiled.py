@@ -135,7 +135,7 @@ class CompiledMarch(Compiled):
         if known not in self._observed:
             function = self.program.functions["observe"]
             found = [function.outputs[i] for i in known]
-            self._observed[known] = [int(self.program.needs(found, [name])) for name in function.inputs[: self.size]]
+            self._observed[known] = list(map(int, self.program.list_needed(found, function.inputs[: self.size])))
         return self._observed[known]
 
     @cached_property

@@ -485,9 +485,15 @@ class MarchKernel:
 _LOADED: set[MarchKernel] = set()
 
 
+@cache_answers(4)
+def _write_source(kernel: MarchKernel) -> str:
+    """Return the C of a kernel, which is asked for before it is compiled, too."""
+    return kernel.source()
+
+
 @cache_answers(64)
 def _load_library(kernel: MarchKernel) -> Any:
-    library = load_library(kernel.source(), kernel.flags)
+    library = load_library(_write_source(kernel), kernel.flags, soon=kernel.lanes == 1)
     for name in ("march_on", "size_of_block"):
         getattr(library, name).restype = ctypes.c_long
     library.time_of.restype = ctypes.c_double
@@ -499,7 +505,7 @@ def tell_readiness(kernel: MarchKernel) -> str:
     """`loaded`, `compiled` but not loaded in this process yet, or `new`."""
     if kernel in _LOADED:
         return "loaded"
-    return "compiled" if is_compiled(kernel.source(), kernel.flags) else "new"
+    return "compiled" if is_compiled(_write_source(kernel), kernel.flags, soon=kernel.lanes == 1) else "new"
 
 
 def _format_list(numbers: Sequence[float]) -> str:

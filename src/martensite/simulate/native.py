@@ -59,7 +59,7 @@ def _write_kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes
 
 @cache_answers(64)
 def _load_library(compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool, bounded: bool) -> Any:
-    return load_library(march_source(compiled, lanes, outputs, own, bounded))
+    return load_library(march_source(compiled, lanes, outputs, own, bounded), soon=lanes == 1)
 
 
 def march_lanes(
