@@ -19,7 +19,7 @@ from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.parameters import Number, param
-from martensite.control.checks.base import Looked
+from martensite.control.checks.base import CheckResult
 from martensite.control.checks.reading import Overheat, SensorLost
 from martensite.control.controllers.pid import Pid
 from martensite.control.controllers.relay import OnOff
@@ -385,15 +385,15 @@ class Undecided(Overheat):
 
     alarm = 0
 
-    def look(self, xp: Any, memory: Any, *given: Any) -> Looked:
-        return Looked(True, True, (*memory, 1.0))
+    def look(self, xp: Any, memory: Any, *given: Any) -> CheckResult:
+        return CheckResult(True, True, (*memory, 1.0))
 
 
 class Sleeping(SensorLost):
     """Never trips, and decides by a value."""
 
-    def look(self, xp: Any, memory: Any, wanted: Any, readings: Any, dt: Any) -> Looked:
-        return Looked(False, bool(readings[self.reading] > 0.0), ())
+    def look(self, xp: Any, memory: Any, wanted: Any, readings: Any, dt: Any) -> CheckResult:
+        return CheckResult(False, bool(readings[self.reading] > 0.0), ())
 
 
 class Leaky(Guard):

@@ -19,7 +19,7 @@ from builders import example, problem_a
 
 from martensite.base.errors import ParameterError
 from martensite.control.checks import base as checks_base
-from martensite.control.checks.base import CHECKS, Checks, Looked, alarm_names
+from martensite.control.checks.base import CHECKS, CheckResult, Checks, alarm_names
 from martensite.control.checks.reading import Overheat
 from martensite.control.faults.base import FAULTS
 from martensite.control.faults.plant import SupplySag
@@ -321,7 +321,7 @@ class Mute(Stuck):
 class Nervous(Overheat):
     """Trips a little below its limit, and only then."""
 
-    def look(self, xp: Any, memory: Any, *given: Any) -> Looked:
+    def look(self, xp: Any, memory: Any, *given: Any) -> CheckResult:
         looked = super().look(xp, memory, *given)
         return looked._replace(trips=given[0]["drive"] > 0.2)
 

@@ -18,7 +18,7 @@ from martensite.base.parameters import text as text
 from martensite.base.registry import Registry as Registry
 from martensite.control.checks.base import CHECKS as CHECKS
 from martensite.control.checks.base import AbstractCheck as AbstractCheck
-from martensite.control.checks.base import Looked as Looked
+from martensite.control.checks.base import CheckResult as CheckResult
 from martensite.control.controllers.base import CONTROLLERS as CONTROLLERS
 from martensite.control.controllers.base import AbstractController as AbstractController
 from martensite.control.faults.base import FAULTS as FAULTS

@@ -1,17 +1,16 @@
-"""The check of an observer that says how far it can be trusted."""
+"""Check of the confidence of an observer."""
 
 from martensite.base.parameters import Number, param, text
-from martensite.control.checks.base import CHECKS, Column, Looked, Named
+from martensite.control.checks.base import CHECKS, CheckResult, Column, Named
 from martensite.control.checks.reading import AbstractReadingCheck
 from martensite.kernels.namespace import Namespace, Scalar
 
 
 @CHECKS.register("low-confidence")
 class LowConfidence(AbstractReadingCheck):
-    """An observer that has not trusted its own estimates for a while.
+    """Cut signals if an observer has had low confidence in its estimates for too long.
 
-    The confidence is an estimate between 1 and 0, such as that of the observer `model-bank`. NaN counts as no
-    confidence. Controllers may get slower by the same reading; this cuts where they would only stop.
+    The confidence is an estimate between 0 and 1, such as the confidence of the observer `model-bank`. NaN counts as 0.
     """
 
     alarm, size = 9, 1
@@ -21,12 +20,11 @@ class LowConfidence(AbstractReadingCheck):
     longest: Number = param("s", "time for which it may be lower", low=0.0, default=0.5, typical="0.1 s")
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
-        """For how long it has been lower."""
+        """Return the time of low confidence, 0 s."""
         return (0.0,)
 
-    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Check whether the confidence has been low for too long."""
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> CheckResult:
         fine = readings[self.reading] >= self.limit
         time = xp.where(fine, 0.0, memory[0] + dt)
         trips = time > self.longest
-        return Looked(trips, fine, (time,))
+        return CheckResult(trips, fine, (time,))

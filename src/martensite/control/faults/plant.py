@@ -1,4 +1,4 @@
-"""Faults of a plant, or of the driver before it: its twin in which parts of actuators are exchanged."""
+"""Faults of a plant or of its driver: the plant with parts of its actuators replaced."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -16,30 +16,29 @@ from martensite.signals.base import DRIVE
 
 
 def list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
-    """List the parts below a part with the prefix of their paths, including the dot; the whole first."""
+    """Yield the part and all parts below it, each with the prefix of its path, including the dot."""
     yield prefix, part
     for name, child in part.children():
         yield from list_placed(child, f"{prefix}{name}.")
 
 
 class AbstractPlantFault(AbstractFault):
-    """Interface of a fault of the actuator of one drive, or of all of them."""
+    """Interface of a fault of the actuator of one drive, or of all actuators."""
 
     drive: str = text("drive of the actuator; all actuators if empty", default="")
 
     def names(self) -> dict[str, str]:
-        """Return the drive, if one is named."""
         return {self.drive: "drive"} if self.drive else {}
 
     @abstractmethod
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return the parts that are exchanged in an actuator, by path, such as `source.supply`."""
+        """Return the replaced parts of an actuator by path, such as `source.supply`."""
 
     def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
-        """Return the plant with the fault in it; its numbers may be traced.
+        """Return the plant with the fault; its values may be traced.
 
         Raises:
-            ParameterError: the drive is that of a mechanism, not of an actuator.
+            ParameterError: the drive does not belong to an actuator.
         """
         at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
         if self.drive and self.drive not in at:
@@ -47,50 +46,46 @@ class AbstractPlantFault(AbstractFault):
                 f"A fault of an actuator needs the drive of one, not `{self.drive}`. {suggest_name(self.drive, at)}"
             )
         places = {id(one): prefix for prefix, one in list_placed(plant, "")}
-        found: dict[str, Any] = {}
+        replaced: dict[str, Any] = {}
         for name, one in at.items():
             if self.drive in ("", name):
-                found |= {places[id(one)] + path: value for path, value in self.exchange(xp, one, active).items()}
-        return plant.rebuilt(found)
+                replaced |= {places[id(one)] + path: value for path, value in self.exchange(xp, one, active).items()}
+        return plant.rebuilt(replaced)
 
 
 @FAULTS.register("ambient-step")
 class AmbientStep(AbstractPlantFault):
-    """Surroundings that are warmer by some kelvin."""
+    """Step of the ambient temperature."""
 
     by: Number = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return the temperature around it."""
         return {"environment.temperature": one.environment.temperature + xp.where(active, self.by, 0.0)}
 
 
 class Multiplied(AbstractCooling):
-    """A heat-loss model, multiplied."""
+    """A heat-loss model with a multiplied film coefficient."""
 
     cooling: AbstractCooling = part("the heat-loss model")
-    factor: Number = param("1", "what it is multiplied by", low=0.0)
+    factor: Number = param("1", "factor of the film coefficient", low=0.0)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h [W/(m² K)], multiplied."""
         return self.factor * self.cooling.film(xp, temperature, ambient, shape)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Return the pumped heat [W] as without the fault: a draught does not change it."""
         return self.cooling.pump_heat(xp, temperature, ambient, shape)
 
 
 @FAULTS.register("draught")
 class Draught(AbstractPlantFault):
-    """Air that moves more, or less, than it should.
+    """Air that moves faster or slower than in the model.
 
-    A factor above 1 is a draught, one below 1 is air that is shut in: the dangerous one of the two.
+    A factor above 1 is a draught, a factor below 1 is enclosed air, which is the more dangerous case.
     """
 
     factor: Number = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return its film coefficient, multiplied."""
         times = Multiplied(cooling=one.environment.cooling, factor=1.0)
         return {"environment.cooling": times.rebuilt({"factor": xp.where(active, self.factor, 1.0)})}
 
@@ -102,12 +97,10 @@ class AbstractContact(AbstractSource):
 
     @property
     def sets_temperature(self) -> bool:  # type: ignore[override]
-        """Return whether the source sets the temperature; a chamber has no circuit."""
         return self.source.sets_temperature
 
     @property
     def supplied_by(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Return the parameters of the source that are its supply: a fault of that still finds them."""
         return tuple(f"source.{name}" for name in self.source.supplied_by)
 
 
@@ -117,111 +110,99 @@ class Interrupted(AbstractContact):
     contact: Number = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the current [A] of the source, if the contact is closed."""
         return self.contact * self.source.current(xp, drive, resistance)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the current of the supply [A]."""
         return self.contact * self.source.supply_current(xp, drive, resistance)
 
 
 @FAULTS.register("open-circuit")
 class OpenCircuit(AbstractPlantFault):
-    """A broken circuit.
+    """A broken electrical circuit, as at a crimp or plug.
 
-    What the source does is as before; the element gets nothing of it and cools. Its force and length are left as they
-    are: it is the electrical circuit that is open, as at a crimp or a plug. A fault that ends is a loose contact.
+    The element gets no power and cools; its force and length are unchanged. A fault that ends is a loose contact.
     """
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return the source, behind an open contact."""
         behind = Interrupted(source=one.source, contact=1.0)
         return {"source": behind.rebuilt({"contact": xp.where(active, 0.0, 1.0)})}
 
 
 class Resisted(AbstractContact):
-    """A source behind a contact that has a resistance."""
+    """A source behind a contact with a resistance."""
 
     contact: Number = param("ohm", "resistance of the contact", low=0.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the current [A] through the element and the contact in a row."""
         return self.source.current(xp, drive, resistance + self.contact)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the current of the supply [A]."""
         return self.source.supply_current(xp, drive, resistance + self.contact)
 
 
 @FAULTS.register("contact-resistance")
 class ContactResistance(AbstractPlantFault):
-    """A crimp or a plug that has got a resistance, in a row with the element.
+    """Resistance of a crimp or plug in series with the element.
 
-    A source of voltage delivers less, one of current the same; what the contact takes does not heat the element. The
-    meter measures only the element, as with separate leads.
+    A voltage source delivers less power, a current source the same. The heat of the contact does not heat the
+    element. The
+    meter measures the element alone, as with separate leads.
     """
 
     resistance: Number = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return the source, behind a contact with a resistance."""
         behind = Resisted(source=one.source, contact=0.0)
         return {"source": behind.rebuilt({"contact": xp.where(active, self.resistance, 0.0)})}
 
 
 @FAULTS.register("stuck-on")
 class StuckOn(AbstractFault):
-    """A switch or a driver that ignores its command and gives a fixed signal.
+    """A switch or driver that ignores its command and gives a fixed signal, such as a shorted transistor.
 
-    Such as a transistor that has failed closed. It stands behind the supervisor: what a guard decides does not arrive,
-    and only a second switch in the supply can cut.
+    It acts behind the supervisor: only a second switch in the supply could cut it.
     """
 
     drive: str = text("drive that does not obey; all drives if empty", default="")
-    level: Number = param(DRIVE, "signal that arrives whatever is wanted", default=1.0, typical=1.0)
+    level: Number = param(DRIVE, "signal that arrives at the source", default=1.0, typical=1.0)
 
     def names(self) -> dict[str, str]:
-        """Return the drive, if one is named."""
         return {self.drive: "drive"} if self.drive else {}
 
     def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
-        """Return the fixed signal of the fault."""
         return xp.where(active, self.level, signal) if self.drive in ("", drive) else signal
 
 
 @FAULTS.register("supply-sag")
 class SupplySag(AbstractPlantFault):
-    """A supply that gives way.
+    """A supply voltage that is too low.
 
-    The parameters of a source that are the voltage of its supply (`supplied_by`) are multiplied: the `supply` of a
-    switch, the `voltage_limit` of the other sources. A switch delivers less at once, by the square of the share. A
-    source with a limit feels the sag only as far as it needs the voltage, and not at all if no limit was given. A
-    chamber has no supply.
+    The supply parameters of the source (`supplied_by`) are multiplied: `supply` of a switch, `voltage_limit` of other
+    sources. The power of a switch falls with the square of the fraction. A source with a limit is affected only where
+    it
+    needs the voltage, and not without a limit. A chamber has no supply.
     """
 
-    share: Number = param("1", "share of the voltage that is left", low=0.0, high=10.0, typical=0.7)
+    share: Number = param("1", "fraction of the voltage that is left", low=0.0, high=10.0, typical=0.7)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return the voltage of its supply."""
         return _scale_supply(xp, one, self.share, active)
 
 
 @FAULTS.register("supply-surge")
 class SupplySurge(AbstractPlantFault):
-    """A supply whose voltage is too high, as from a charger or a regulator that has failed.
+    """A supply voltage that is too high, for example from a failed regulator.
 
-    The same parameters as of a sag are multiplied. A switch delivers the square of the share: more than a bound on the
-    temperature was told (`martensite.control.checks.thermal_bound`), so that only what is measured reveals it.
+    It multiplies the same parameters as `supply-sag`. The power of a switch rises with the square of the factor and may
+    exceed the power that a `thermal-bound` assumes; only measurements reveal it.
     """
 
     share: Number = param("1", "voltage over that without the fault", low=1.0, high=10.0, typical=1.3)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Return the voltage of its supply."""
         return _scale_supply(xp, one, self.share, active)
 
 
 def _scale_supply(xp: Namespace, one: Actuator, share: Scalar, active: Flag) -> dict[str, Any]:
-    """Return the parameters that are the voltage of a supply, multiplied."""
     left = xp.where(active, share, 1.0)
     return {f"source.{n}": one.source.value_of(n) * left for n in one.source.supplied_by}

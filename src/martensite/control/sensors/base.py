@@ -1,12 +1,10 @@
-"""The contract of a sensor: a true signal in, what it says of it out.
+"""Interface of a sensor: a true signal in, a reading out.
 
-A sensor has an analogue part and a digital one. `step` is the analogue part: what is felt of the truth, with its lag,
-and noise on top. The digital part, the same for all, rounds to the nearest step of the resolution and stops at the ends
-of the range. `reading` is both. All are straight-line kernels over a namespace; to differentiation rounding is not
-there. What only rearranges readings in time, such as another sample time, a delay or lost samples, goes around a sensor
-(`martensite.control.loop.parts`).
+`step` is the analogue part of a sensor: lag and noise. The digital part (`digits`) rounds to the resolution and limits
+to the range. `reading` is both. All are straight-line kernels over a namespace; differentiation ignores rounding. The
+bench adds sample time, delay and lost samples (`martensite.control.loop.parts`).
 
-Noise is given, not drawn: one standard normal number per reading, so that a run is the same for the same numbers.
+Each reading takes one given standard normal number, so that runs are reproducible.
 """
 
 from __future__ import annotations
@@ -36,21 +34,19 @@ class AbstractSensor(Parametrised):
     """Interface of a sensor. Subclasses declare `noise` and `resolution` in their own unit."""
 
     unit: ClassVar[str | None] = "1"
-    """SI unit of its readings; None if it is that of the first signal it looks at."""
+    """SI unit of the readings; None for the unit of the first measured signal."""
     sees: ClassVar[tuple[str, ...]] = ()
-    """Names of the true signals that it measures, in the order in which `step` takes them."""
+    """Names of the true signals that it measures, in the order of `step`."""
 
     noise: Scalar = 0.0
-    """Standard deviation of the noise of a reading."""
     resolution: Scalar = 0.0
-    """Least step of a reading; 0 if it is not rounded."""
 
     def limits(self) -> tuple[Scalar, Scalar] | None:
-        """Return the lowest and highest reading; None if it says anything."""
+        """Return the lowest and highest reading; None for an unlimited range."""
         return None
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
-        """Return whether there is a valid input; without a valid input, the last reading is held."""
+        """Return whether the input is valid; otherwise the last reading is held."""
         return True
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
@@ -63,19 +59,19 @@ class AbstractSensor(Parametrised):
 
         Args:
             xp: namespace.
-            state: what it remembered `dt` ago.
-            truth: true signals now, held since then.
-            noise: a standard normal number.
-            dt: time since the reading before [s]; 0 for the first one.
+            state: memory `dt` ago.
+            truth: true signals now, constant during `dt`.
+            noise: standard normal number.
+            dt: time since the last reading [s]; 0 for the first.
         """
 
     def reading(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """Return the reading and the memory: `step`, rounded and within the range."""
+        """Return the rounded reading within the range, and the new memory."""
         value, after = self.step(xp, state, truth, noise, dt)
         return self.digits(xp, value), after
 
     def digits(self, xp: Namespace, value: Scalar) -> Scalar:
-        """Return the nearest step of the resolution, if there is one, within the range."""
+        """Return a value, rounded to the resolution and limited to the range."""
         least, limits = self.resolution, self.limits()
         some = least > 0.0
         steps = xp.nearest(value / xp.where(some, least, 1.0))
@@ -84,7 +80,7 @@ class AbstractSensor(Parametrised):
 
 
 class Probe:
-    """A sensor in use: what it remembers, and its noise. Readings are made one by one."""
+    """A sensor with its memory and noise, read sample by sample."""
 
     def __init__(self, sensor: AbstractSensor, rng: np.random.Generator) -> None:
         self.sensor, self._rng = sensor, rng
@@ -92,7 +88,7 @@ class Probe:
         self._noise: list[float] = []
 
     def read(self, truth: Column, dt: float) -> float:
-        """Return the reading `dt` [s] after the one before; the first is made at rest."""
+        """Return the reading `dt` [s] after the last one; the first reading is in the steady state."""
         if self._state is None:
             self._state, dt = self.sensor.rest(floats, truth), 0.0
         if not self._noise:
@@ -103,13 +99,19 @@ class Probe:
 
 
 def simulate_readings(sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator) -> Numbers:
-    """Simulate the readings of a sensor for a whole record, from rest.
+    """Simulate the readings of a sensor for a record that begins in the steady state.
 
-    The truth, of shape (samples, signals), is in the order of `sees`, at an interval [s]; noise is drawn in portions of
-    `DRAWN` numbers.
+    Args:
+        sensor: the sensor.
+        truth: true signals in the order of `sees`, of shape (samples, signals).
+        interval: sample time [s].
+        rng: generator of the noise.
+
+    Returns:
+        The readings, of shape (samples,).
 
     Raises:
-        InputError: there are not as many signals as the sensor looks at.
+        InputError: the number of signals does not fit the sensor.
     """
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""Sensors of a place: a linear position sensor, an encoder, and one that says any output exactly."""
+"""Sensors of a position: linear sensor, encoder, and an exact sensor of any output."""
 
 import math
 
@@ -13,13 +13,15 @@ class PositionSensor(AbstractSensor):
 
         p⁺ = max(y - w/2, min(y + w/2, p)),    reading = round((p + b + v t + σ n)/q) q
 
-    p is the position of its slider, y that of what carries it along, and w the backlash between the two: after a turn
+    p is the position of the slider, y the position of the moving part, and w the backlash between them: after a
+    reversal
     the slider stays until the play is used up (Krasnosel'skii and Pokrovskii 1989). It starts in the middle of the
-    play. b is the offset of the zero, which drifts at the rate v, a given number and not a random walk, so that a run
-    tells what a drift of that size does.
+    play. b
+    is the offset of the zero, which drifts at the constant rate v.
 
-    The defaults are those of a magnetic encoder of 12 bits over poles of 2 mm, q = 2 mm/4096, without play, offset and
-    drift; the noise is assumed.
+    The defaults belong to a magnetic encoder of 12 bits over poles of 2 mm, q = 2 mm/4096, without play, offset and
+    drift;
+    the noise is assumed.
     """
 
     cites = ("copaci2019", "krasnoselskii1989")
@@ -33,11 +35,9 @@ class PositionSensor(AbstractSensor):
     drift: Number = param("m/s", "change of the offset with time", default=0.0)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """In the middle of the play, and no time gone by."""
         return truth[0], 0.0
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """Return the position of the slider with offset and noise [m]."""
         half, time = 0.5 * self.backlash, state[1] + dt
         place = xp.maximum(truth[0] - half, xp.minimum(truth[0] + half, state[0]))
         value = place + (self.offset + self.drift * time)
@@ -50,12 +50,13 @@ class EncoderSensor(AbstractSensor):
 
         q = s/(4 N),    reading = round((y - y_0)/q) q
 
-    N lines over the span s give 4 N counts, because every line has an edge up and one down on each of the two tracks. A
-    rotary one has N lines per turn, s = 2π, and reads an angle; a linear one has one line per pitch, N = 1 and s the
-    pitch, and reads a length. It knows no absolute place: either it was taken to a reference mark, y_0 = 0, or it
-    counts from where it was switched on. It has no noise, and no count is lost however fast it moves.
+    N lines over the span s give 4 N counts: each line has a rising and a falling edge on each of two tracks. A rotary
+    encoder has N lines per turn, s = 2π, and reads an angle that continues beyond one turn. A linear encoder has one
+    line
+    per pitch, N = 1 and s the pitch, and reads a length. It is incremental: y_0 is a reference mark, y_0 = 0, or the
+    position at switch-on. It has no noise and loses no count at any speed.
 
-    Unrolled angles are counted on beyond a turn. The defaults are assumed.
+    The defaults are assumed.
     """
 
     unit = None
@@ -68,31 +69,24 @@ class EncoderSensor(AbstractSensor):
 
     @property
     def resolution(self) -> Scalar:  # type: ignore[override]
-        """Return a count [rad or m]."""
         return 0.5 * math.pi / self.lines if self.motion == "rotary" else 0.25 * self.pitch
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """Return the position where it is switched on."""
         return truth[:1] if self.zero == "start" else ()
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """Return the way from its zero, not counted yet."""
         return (truth[0] - state[0] if self.zero == "start" else truth[0]), state
 
 
 @SENSORS.register("ideal")
 class IdealSensor(AbstractSensor):
-    """Says one output exactly, in the unit of that output.
+    """Exact reading of any output, in the unit of the output.
 
-        reading = y
-
-    y is any one output; mounted on a bench it has a sample time and a delay like any other sensor, so that the cost of
-    these alone can be seen.
+    Sample time and delay of the bench apply, so that their effect alone can be seen.
     """
 
     unit = None
     sees = ("position",)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """Return the truth."""
         return truth[0], ()

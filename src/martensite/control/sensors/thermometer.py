@@ -1,4 +1,4 @@
-"""Thermometers of a wire, which see what is around it as well: a thermocouple, an infrared thermometer."""
+"""Thermometers of a wire that also sense the ambient temperature: thermocouple and infrared thermometer."""
 
 import math
 
@@ -12,15 +12,15 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 @SENSORS.register("thermocouple")
 class ThermocoupleSensor(AbstractSensor):
-    """A bead that is attached to the wire, more or less well.
+    """A thermocouple bead attached to the wire.
 
         T_f = T_a + a (T - T_a),    τ dT_s/dt = T_f - T_s,    reading = round((T_s + b + σ n)/q) q
 
-    The bead takes heat from the wire and loses some through its own leads, so that it stays at T_f, below the wire: the
-    stem error (1 - a) (T - T_a), with the share a of good attachment, 1 for a bead at the temperature of the wire. It
-    follows with the time constant τ of the bead. b is an error of the cold junction. The voltage is taken to be
-    linearised by the instrument, and the heat that the bead takes from a thin wire is not taken from it: on a wire as
-    thin as the leads it should be.
+    The bead loses heat through its leads, so that its steady state T_f is below the wire temperature by the stem error
+    (1 - a) (T - T_a). The attachment a is 1 for a bead at the wire temperature. τ is the time constant of the bead, b
+    the
+    error of the cold junction. The instrument linearises the voltage. The heat that the bead takes from the wire is
+    neglected, which is wrong for a wire as thin as the leads.
 
     All defaults are assumed.
     """
@@ -28,44 +28,44 @@ class ThermocoupleSensor(AbstractSensor):
     unit = "K"
     sees = ("temperature", "ambient")
 
-    attachment: Number = param("1", "share of the wire's rise that the bead takes", above=0.0, high=1.0, default=0.9)
+    attachment: Number = param(
+        "1", "temperature rise of the bead over that of the wire", above=0.0, high=1.0, default=0.9
+    )
     lag: Number = param("s", "time constant of the bead", low=0.0, default=0.3)
     offset: Number = param(DEGREES, "error of the cold junction", default=0.0)
     noise: Number = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
     resolution: Number = param(DEGREES, "least step of a reading", low=0.0, default=0.25)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """Return the temperature of the bead."""
         return (self._bead(truth),)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """Return the temperature of the bead with noise [K]."""
         felt = follow_lag(xp, state[0], self._bead(truth), self.lag, dt)
         return felt + self.offset + self.noise * noise, (felt,)
 
     def _bead(self, truth: Column) -> Scalar:
-        """T_f [K]."""
         wire, around = truth
         return around + self.attachment * (wire - around)
 
 
 @SENSORS.register("infrared")
 class InfraredSensor(AbstractSensor):
-    """A thermometer that sees a share of the wire and follows with a lag.
+    """An infrared thermometer that sees the wire and its background, with a lag.
 
-        T_f = T_a + κ (T - T_a)                    mixed linearly
-        T_f⁴ = T_a⁴ + κ (T⁴ - T_a⁴)                mixed as radiation
+        T_f = T_a + κ (T - T_a)                    linear mixing
+        T_f⁴ = T_a⁴ + κ (T⁴ - T_a⁴)                mixing of radiation
         τ dT_s/dt = T_f - T_s,    reading = round((T_s + σ n)/q) q,  within its range
 
-    What it sees is a mixture of the wire, at T, and of what is behind it, at T_a. κ = (f + f' t) ε/ε_s is what counts
-    of the wire: f is its share of the field of view, which may drift with time, as it does when a wire moves in it; ε
-    is the emissivity of the wire, a grey body that reflects the rest from surroundings at T_a; ε_s is the emissivity
-    that the thermometer is set to. It follows with the lag τ. Radiation is total radiation of a grey body: that a
-    thermometer sees a band of wavelengths only is left out, and so are its own temperature and the window.
+    The field of view holds the wire at T and a background at T_a. κ = (f + f' t) ε/ε_s is the weight of the wire: f
+    is its
+    fraction of the field of view, which drifts if the wire moves; ε is the emissivity of the wire, a grey body that
+    reflects the ambient radiation at T_a; ε_s is the emissivity setting. Radiation is the total radiation of a grey
+    body:
+    the band of wavelengths, the temperature of the thermometer and its window are neglected.
 
-    The paper says of its thermometer that its reading "is an average between SMA wire temperature and the temperature
-    of the ambient around the SMA wire", without the share; f, τ and the noise are assumed. By default the wire is black
-    and the mixture linear.
+    The paper states that the reading "is an average between SMA wire temperature and the temperature of the ambient
+    around the SMA wire", without the fraction; f, τ and the noise are assumed. By default the wire is black and the
+    mixing linear.
     """
 
     cites = ("copaci2019",)
@@ -73,12 +73,12 @@ class InfraredSensor(AbstractSensor):
     sees = ("temperature", "ambient")
 
     mixing: str = option(
-        "what is averaged over the field of view: temperature, or radiation", "linear", "radiance", default="linear"
+        "average over the field of view: of temperature (linear) or radiation", "linear", "radiance", default="linear"
     )
-    factor: Number = param("1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6)
-    drift: Number = param("1/s", "change of that share with time", default=0.0)
+    factor: Number = param("1", "fraction of the wire in the field of view", above=0.0, high=1.0, default=0.6)
+    drift: Number = param("1/s", "change of that fraction with time", default=0.0)
     emissivity: Number = param("1", "emissivity of the wire", above=0.0, high=1.0, default=1.0)
-    setting: Number = param("1", "emissivity that it is set to", above=0.0, high=1.0, default=1.0)
+    setting: Number = param("1", "emissivity setting of the thermometer", above=0.0, high=1.0, default=1.0)
     lag: Number = param("s", "time constant", above=0.0, default=0.25)
     noise: Number = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
     resolution: Number = param(DEGREES, "least step of a reading", low=0.0, default=0.02)
@@ -86,34 +86,29 @@ class InfraredSensor(AbstractSensor):
     highest: Number = param("K", "highest reading", default=math.inf)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless there is a range."""
         if not self.lowest < self.highest:
             raise ParameterError(
                 f"The range of a thermometer must not be empty, but goes from {self.lowest:g} K to {self.highest:g} K."
             )
 
     def limits(self) -> tuple[Scalar, Scalar]:
-        """Return its range."""
         return self.lowest, self.highest
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """Return the temperature seen, and no time gone by."""
         return self._filtered_temperature(xp, truth, 0.0), 0.0
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """Return the lagged temperature with noise [K]; the lag is exact for a truth that is held."""
         time = state[1] + dt
         felt = follow_lag(xp, state[0], self._filtered_temperature(xp, truth, time), self.lag, dt)
         return felt + self.noise * noise, (felt, time)
 
     def _filtered_temperature(self, xp: Namespace, truth: Column, time: Scalar) -> Scalar:
-        """T_f [K]."""
         wire, behind = truth
-        share = (self.factor + self.drift * time) * (self.emissivity / self.setting)
+        fraction = (self.factor + self.drift * time) * (self.emissivity / self.setting)
         if self.mixing == "linear":
-            return behind + share * (wire - behind)
-        back = _raise_fourth(behind)
-        return xp.sqrt(xp.sqrt(back + share * (_raise_fourth(wire) - back)))
+            return behind + fraction * (wire - behind)
+        background = _raise_fourth(behind)
+        return xp.sqrt(xp.sqrt(background + fraction * (_raise_fourth(wire) - background)))
 
 
 def _raise_fourth(x: Scalar) -> Scalar:

@@ -1,7 +1,7 @@
-"""The guard that a loop has if nothing else is said: bounds on the temperature that limit and do not cut.
+"""Default guard of a loop: temperature bounds that limit signals and do not cut.
 
-One for every element that a controller heats, at the `temperature_limit` of the element, in the surroundings and with
-the cooling of its environment (`martensite.control.supervisors.from_plant`). Where there can be none, that is said.
+Every element that a controller heats gets a bound at its `temperature_limit`, with the ambient temperature and the
+cooling of its environment (`martensite.control.supervisors.from_plant`).
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ ANSWER = "limit"
 
 
 def list_heated(plant: AbstractSystem, controllers: Mapping[str, AbstractController]) -> dict[str, Actuator]:
-    """Return the actuators that a controller heats, by their drive."""
+    """Return the actuators that a controller heats, by drive."""
     at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
     return {drive: one for drive, one in at.items() if drive in controllers and not one.source.sets_temperature}
 
 
 def find_full_signal(one: Actuator, controller: AbstractController | None) -> float:
-    """Return the largest signal of an actuator, in the unit of its source: 1 for a duty, else that of its controller.
+    """Return the largest signal of an actuator: 1 for a duty cycle, else the largest signal of its controller.
 
     Raises:
-        InputError: its controller has no largest signal.
+        InputError: the controller has no largest signal.
     """
     if one.source.unit == "1":
         return 1.0
@@ -49,12 +49,15 @@ def find_default_bounds(
     least_cooling: float = 1.0,
     full: float | None = None,
 ) -> tuple[dict[str, ThermalBound], list[str]]:
-    """Return bounds by the name of the check, and sentences on elements that have none; numbers as for `guard_for`."""
-    found, said, heated = dict[str, ThermalBound](), list[str](), list_heated(plant, controllers)
-    for drive, one in heated.items():
+    """Return the bounds by the name of the check, and remarks on elements without a bound.
+
+    The options are those described at `guard_for`.
+    """
+    bounds, remarks = dict[str, ThermalBound](), list[str]()
+    for drive, one in list_heated(plant, controllers).items():
         limit = one.element.limits.temperature_limit if temperature_limit is None else temperature_limit
         if not math.isfinite(limit):
-            said.append(
+            remarks.append(
                 f"No guard: the element at `{drive}` has no `temperature_limit`; give one in its `limits`, or write "
                 f'`from_plant = {{ temperature_limit = "110 degC" }}` in [supervisor].'
             )
@@ -63,7 +66,7 @@ def find_default_bounds(
             most = full or find_full_signal(one, controllers[drive])
             bound = find_bound(one, drive, limit, most, hottest, least_cooling)
         except InputError as error:
-            said.append(f"No guard of `{drive}`: {error}")
+            remarks.append(f"No guard of `{drive}`: {error}")
             continue
-        found[f"bound_{drive}"] = bound.with_parts(drives=() if len(plant.actuators()) == 1 else (drive,))
-    return found, said
+        bounds[f"bound_{drive}"] = bound.with_parts(drives=() if len(plant.actuators()) == 1 else (drive,))
+    return bounds, remarks

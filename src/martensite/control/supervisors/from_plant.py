@@ -1,8 +1,7 @@
-"""A guard from the data of a plant: bounds on the temperature of every element.
+"""Guard from the data of a plant: temperature bounds of all elements.
 
-The bound is for elements of one temperature: a wire, a coil, and bundles and chains of them, with
-power, heat capacity and heat loss of the whole. A ribbon or an axial wire has many temperatures;
-the whole, with wires that carry no current in it, says nothing of the hottest of them.
+The bounds are for elements of one temperature: wires, coils, bundles and chains. Ribbons and axial wires have many
+temperatures, so that a bound of the mean does not cover their hottest point.
 """
 
 import math
@@ -20,11 +19,10 @@ from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.ends import AbstractEnds, AdiabaticEnds
 
 GRID = 201
-"""Temperatures and resistances among which the worst is searched."""
 SHARES = tuple(10.0 ** (-0.25 * k) for k in range(13))
-"""Shares of the full signal among which the worst is searched."""
+"""Fractions of the full signal in the search of the worst case."""
 STRAINS = (0.0, 0.1)
-"""Between which a resistance is searched for its extremes."""
+"""Strains between which the resistance is searched for its extremes."""
 
 
 def guard_for(
@@ -42,35 +40,35 @@ def guard_for(
     """Build a guard that bounds the temperature of every element of a plant without a sensor.
 
     Args:
-        system: the plant; its elements have one temperature, such as `wire` or a bundle of them.
-        temperature_limit: highest temperature [K]; by default that of the limits of each element.
-        hottest: hottest surroundings [K]; by default the ambient temperature of each.
-        least_cooling: least film coefficient over that of the environment, such as 0.5 for air that may be shut in.
-        full: largest signal, in the unit of the sources; by default 1, for sources that take a duty.
-        band: how far below the limit signals come back [K], where the answer is `resume`.
-        answer: `latch`, `resume`, or `limit`: the signal is lowered to what keeps the bound.
+        system: plant whose elements have one temperature, such as `wire` or a bundle.
+        temperature_limit: highest temperature [K]; default: the limit of each element.
+        hottest: highest ambient temperature [K]; default: the ambient temperature of each element.
+        least_cooling: smallest film coefficient over the coefficient of the environment, such as 0.5 in enclosed air.
+        full: largest signal, in the unit of the sources; default: 1, for sources with a duty cycle.
+        band: distance below the limit at which signals come back [K], for the answer `resume`.
+        answer: `latch`, `resume`, or `limit`, which lowers the signal so that the bound holds.
         hold: shortest time of a cut [s].
         checks: further checks by name.
 
     Raises:
         InputError: the limit or the full signal is missing, or an element has several temperatures.
     """
-    found: dict[str, AbstractCheck] = dict(checks or {})
+    bounds: dict[str, AbstractCheck] = dict(checks or {})
     for port, one in system.actuators().items():
         drive = system.drive_at(port)
         limit = one.element.limits.temperature_limit if temperature_limit is None else temperature_limit
         if not math.isfinite(limit):
             raise InputError(f"The element at `{drive}` has no `temperature_limit`; give one to the guard.")
         cut = () if len(system.actuators()) == 1 else (drive,)
-        given = find_bound(one, drive, limit, _find_full_signal(one, full), hottest, least_cooling)
-        found[f"bound_{drive}"] = given.with_parts(drives=cut, band=band)
-    return Guard(checks=Checks(**found), answer=answer, hold=hold)
+        bound = find_bound(one, drive, limit, _find_full_signal(one, full), hottest, least_cooling)
+        bounds[f"bound_{drive}"] = bound.with_parts(drives=cut, band=band)
+    return Guard(checks=Checks(**bounds), answer=answer, hold=hold)
 
 
 def find_bound(
     one: Actuator, drive: str, limit: float, full: float, hottest: float | None = None, least_cooling: float = 1.0
 ) -> ThermalBound:
-    """Return the bound on the temperature of the actuator with this drive, at a limit [K]; see `guard_for`."""
+    """Return the temperature bound of the actuator of a drive, at a limit [K]; options as for `guard_for`."""
     ambient = one.environment.temperature if hottest is None else hottest
     return ThermalBound(
         drive=drive,
@@ -85,9 +83,9 @@ def find_bound(
 
 
 def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
-    """Return the power [W] at full signal of the line, or parabola, that bounds the power of all signals.
+    """Return the power at full signal of the line or parabola that bounds the power of all signals [W].
 
-    Into an element up to `hottest` [K], at any resistance; also of a source that reaches a limit before.
+    The bound holds for all resistances of the element up to `hottest` [K] and for sources with a limit.
 
     Raises:
         InputError: the source heats without a signal.
@@ -113,7 +111,7 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
 
 
 def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float:
-    """Return the least heat loss per kelvin [W/K] between the surroundings and a limit [K], ends left out."""
+    """Return the smallest heat loss per kelvin between ambient and limit [K], without the ends [W/K]."""
     element = _remove_ends(_require_lumped(actuator.element))
     around = Environment(temperature=ambient, cooling=actuator.environment.cooling)
     warm = _build_grid(ambient, limit)[1:]
@@ -130,7 +128,7 @@ def _find_full_signal(actuator: Actuator, full: float | None) -> float:
 
 
 def _require_lumped(element: AbstractElement) -> AbstractLumped:
-    """Return the element, if it has one temperature."""
+    """Return the element; raise `InputError` if it has several temperatures."""
     if not isinstance(element, AbstractLumped):
         raise InputError(
             f"The bound of a guard is known for elements of one temperature, such as `wire`, not "
@@ -140,7 +138,6 @@ def _require_lumped(element: AbstractElement) -> AbstractLumped:
 
 
 def _remove_ends(element: AbstractElement) -> AbstractElement:
-    """Return the element, and those that it is made of, with ends that lose nothing."""
     parts = dict(element.children())
     inner = {n: _remove_ends(one) for n, one in parts.items() if isinstance(one, AbstractElement)}
     ends = {n: AdiabaticEnds() for n, one in parts.items() if isinstance(one, AbstractEnds)}

@@ -1,17 +1,16 @@
-"""Highest temperature of an element for any wanted signals, with a guard and without.
+"""Highest temperature of an element for all signals, with and without a guard.
 
-With the largest power P̂, the heat capacity C without latent heat, the least conductance G and the surroundings T_a of
-the plant (`martensite.control.supervisors.from_plant`), no signal leads beyond
+With the largest power P̂, the heat capacity C without latent heat, the least conductance G and the ambient temperature
+T_a of the plant (`martensite.control.supervisors.from_plant`), the temperature never exceeds
 
     T_a + P̂/G                                  without a guard
-    T_lim                                      by a bound that is told no less than this
-    T_r + P̂/C (τ + d + 4 σ_d + t_s + 2 t)      by a measured temperature: lag, delay, jitter, sample time, period
+    T_lim                                      with a `thermal-bound` of at least these values
+    T_r + P̂/C (τ + d + 4 σ_d + t_s + 2 t)      with a measured temperature: lag, delay, jitter, sample time, period
 
-T_r is the temperature that reads as the limit at rest, at the least with noise of 4 σ and rounding. While it is read as
-less, T - T_r grows at P̂/C at most: with a lag, to P̂ τ/C. All of them are for elements of one temperature, sensors that
-work and readings on a straight line with it. A switch that closes for a share D of a period t heats by up to P̂ t/(4 C)
-above its mean. While martensite is left an element may still reach the end of its transformation: the checks bound it
-to that at its `stress_limit`, if it has one, where it is higher.
+T_r is the temperature that reads as the limit in the steady state with noise of 4 σ and rounding. Below it, T - T_r
+grows at P̂/C at most: with a lag, to P̂ τ/C. The formulas hold for elements of one temperature, and for working sensors
+with a linear reading. A switch with duty cycle D and period t exceeds its mean by up to P̂ t/(4 C). While martensite is
+left, the checks bound an element only to the end of its transformation at its `stress_limit`, if that is higher.
 """
 
 from __future__ import annotations
@@ -32,29 +31,28 @@ from martensite.kernels import floats
 from martensite.physics.laws.base import Fractions
 
 STRAIGHT = 1e-6
-"""Departure of a reading from a straight line that counts as zero, as a fraction of its change."""
+"""Relative deviation from a straight line below which a reading is linear."""
 SPAN = 100.0
-"""Temperatures between which readings are looked at [K]."""
+"""Range of temperatures above ambient in which readings are compared [K]."""
 ROUNDED = 1e-9
 SLOW, LEFT = 1e3, 1e-3
-"""Duration of a heating in which rates have settled [s], and martensite fraction that counts as zero."""
+"""Duration of a heating that is slow for all rates [s], and martensite fraction that counts as zero."""
 BEYOND, HALVINGS = 300.0, 10
-"""Range above a limit in which the end of a transformation is searched [K], and number of halvings."""
+"""Range above a limit in which the end of a transformation is searched [K], and number of bisections."""
 
 
 class WorstCase(NamedTuple):
-    """Highest temperatures [K] of the element of a drive, under all signals."""
+    """Highest temperatures of the element of a drive under all signals [K]."""
 
     guarded: float
-    """With the guard; as without where no check bounds it."""
+    """Temperature with the guard; equal to `free` if no check bounds it."""
     check: str
-    """Name of the check that bounds it; empty for none."""
+    """Name of the check that bounds the temperature; empty without such a check."""
     free: float
-    """Without a guard."""
 
 
 def find_worst_case(bench: Bench, drive: str, full: float) -> WorstCase:
-    """Return the worst case of one drive, whose largest signal is given in the unit of its source.
+    """Return the worst case of a drive; `full` is its largest signal in the unit of its source.
 
     Raises:
         InputError: the element has several temperatures, or its source heats without a signal.
@@ -67,16 +65,16 @@ def find_worst_case(bench: Bench, drive: str, full: float) -> WorstCase:
     rows = [(free, "")]
     guard = bench.supervisor
     for name, check in guard.checks.members().items() if isinstance(guard, Guard) else ():
-        found = bound_by_check(bench, one, port, check, most)
-        if found is not None and isinstance(guard, Guard):
-            least = find_transformation_end(one, found), most.settled_bound(floats, guard.safe)
-            rows.append((max(found, *least), name))
+        bound = bound_by_check(bench, one, port, check, most)
+        if bound is not None and isinstance(guard, Guard):
+            least = find_transformation_end(one, bound), most.settled_bound(floats, guard.safe)
+            rows.append((max(bound, *least), name))
     guarded, name = min(rows)
     return WorstCase(guarded + pulses, name, free + pulses)
 
 
 def bound_by_check(bench: Bench, one: Actuator, port: str, check: AbstractCheck, most: ThermalBound) -> float | None:
-    """Return the highest temperature [K] that a check admits, if it bounds it; `most` is its worst case."""
+    """Return the highest temperature that a check allows [K], or None; `most` is the bound without a limit."""
     if most.drive not in (check.cuts() or (most.drive,)):
         return None
     if isinstance(check, ThermalBound):
@@ -96,7 +94,7 @@ def bound_by_check(bench: Bench, one: Actuator, port: str, check: AbstractCheck,
 
 
 def find_transformation_end(one: Actuator, least: float) -> float:
-    """Return the temperature [K] above which an element is austenite at its stress limit; at least the given one."""
+    """Return the temperature above which an element is austenite at its stress limit, at least `least` [K]."""
     law, stress, cold = one.element.law, one.element.limits.stress_limit, one.environment.temperature
     if not math.isfinite(stress):
         return least
@@ -114,22 +112,24 @@ def find_transformation_end(one: Actuator, least: float) -> float:
     return high
 
 
-def _is_covered(told: ThermalBound, own: ThermalBound) -> bool:
-    """Return whether a bound assumes no less heat than the plant can bring."""
-    more = told.power >= own.power * (1.0 - ROUNDED) and told.ambient >= own.ambient - ROUNDED
-    slower = told.capacity <= own.capacity * (1.0 + ROUNDED) and told.conductance <= own.conductance * (1.0 + ROUNDED)
-    return more and slower and told.rises == own.rises
+def _is_covered(assumed: ThermalBound, own: ThermalBound) -> bool:
+    """Return whether a bound assumes at least the heat of the plant."""
+    more = assumed.power >= own.power * (1.0 - ROUNDED) and assumed.ambient >= own.ambient - ROUNDED
+    slower = assumed.capacity <= own.capacity * (1.0 + ROUNDED) and assumed.conductance <= own.conductance * (
+        1.0 + ROUNDED
+    )
+    return more and slower and assumed.rises == own.rises
 
 
 def _find_felt_temperature(mounted: MountedSensor, limit: float, ambient: float) -> float | None:
-    """Return the highest temperature [K] at rest that may read as a limit; None if that is not known."""
+    """Return the highest steady temperature that may read as a limit [K]; None if it is unknown."""
     sensor: Any = mounted.sensor
 
     def read(temperature: float) -> float:
         truth = [temperature, *(ambient for _ in mounted.sees()[1:])]
         return float(sensor.step(floats, sensor.rest(floats, truth), truth, -WORST, 0.0)[0]) - 0.5 * sensor.resolution
 
-    low, middle, high = (read(ambient + share * SPAN) for share in (0.0, 0.5, 1.0))
+    low, middle, high = (read(ambient + fraction * SPAN) for fraction in (0.0, 0.5, 1.0))
     bent = abs(low + high - 2.0 * middle) > STRAIGHT * abs(high - low)
     drifts, top = getattr(sensor, "drift", 0.0) != 0.0, sensor.limits()
     if bent or high <= low or drifts or (top is not None and top[1] <= limit):
