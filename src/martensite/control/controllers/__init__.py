@@ -1,1 +1,1 @@
-"""Controllers: what turns a reference and readings into the signal of a drive."""
+"""Controllers compute the signal of a drive from a reference and readings."""

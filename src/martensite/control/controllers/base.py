@@ -1,16 +1,15 @@
-"""The contract of a controller: a reference and readings in, the signal of a drive out.
+"""Interface of a controller: a reference and readings in, the signal of a drive out.
 
-A controller is a straight-line kernel with a memory of numbers: `rest` before the first sample, `answer` in every
-sample. On a bench (`martensite.control.loop`) it is traced together with the plant, the sensors and the observers, so
-that the whole loop runs in C, in batches and with derivatives. The same controller is a drive like any other
-(`AbstractDrive`): called once per sample with the readings, it returns plain floats, in `simulate_controlled` or in
-your own program.
+A controller is a straight-line kernel with a memory: `rest` before the first sample, `answer` in every sample. A bench
+(`martensite.control.loop`) traces it together with plant, sensors and observers, so that the whole loop runs in C, in
+batches and with derivatives. A controller is also a drive (`AbstractDrive`) for `simulate_controlled` or your own
+program: called once per sample with the readings, it returns floats.
 
-Readings come by name: those of sensors, `estimated.NAME` of observers, and the age of each,
-`NAME.age` [s]. Without sensors they are the outputs of the system themselves.
+Readings have names: sensors, estimates `estimated.NAME` of observers, and the age of each reading, `NAME.age` [s].
+Without sensors the readings are the outputs of the system.
 
-Filters of readings, the shaping of the reference, a manual mode and a slew limit stand around any controller
-(`martensite.control.controllers.conditioning`). The caller uses `begin` and `proceed`.
+Any controller can have a filter of its readings, a shaped reference, a manual mode and a slew limit
+(`martensite.control.controllers.conditioning`). Callers use `begin` and `proceed`, which include them.
 """
 
 from __future__ import annotations
@@ -40,16 +39,14 @@ CONTROLLERS: Registry[AbstractController] = Registry("controller", "martensite.c
 Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
 Answer: TypeAlias = tuple[Scalar, Column]
-"""The signal of a sample, and the memory for the next sample."""
 AROUND = "reading_filter", "shaping", "manual", "slew"
-"""Parts of any controller that stand around it."""
+"""Optional parts that surround any controller."""
 TIME_TOLERANCE = 1e-9
-"""Difference of times that is rounding [s]."""
+"""Rounding error of times [s]."""
 AHEAD = "ahead."
-"""Prefix of the names of references among the readings: `ahead.DRIVE.0` is the present value, higher numbers lie ahead.
-"""
+"""Prefix of readings with references: `ahead.DRIVE.0` is the present reference, higher numbers lie ahead."""
 PLANNED = "planned"
-"""Name of the reading with the signal that another controller has planned for a drive."""
+"""Name of the reading with the signal that another controller has planned."""
 
 
 class Called(NamedTuple):
@@ -64,24 +61,24 @@ class AbstractController(AbstractDrive):
     """Interface of a controller; a subclass adds `rest` and `answer`."""
 
     holds: ClassVar[bool] = True
-    """False for one that does not keep its reading at the reference, so that a loop has no sign."""
+    """False for a controller that does not keep its reading at the reference; its loop has no sign."""
     names_reading = ("measured",)
 
-    measured: str = text("name of the reading that shall follow the reference", typical="position")
-    reference: AbstractWaveform = part("what it shall follow, in its SI unit", WAVEFORMS)
-    reading_filter: ReadingFilter | None = part("low pass of what it reads", default=None)
-    shaping: ReferenceShaping | None = part("limits of the rate of the reference, by a confidence too", default=None)
-    manual: ManualMode | None = part("a signal by hand, and when", default=None)
+    measured: str = text("name of the reading that must follow the reference", typical="position")
+    reference: AbstractWaveform = part("reference of the reading, in its SI unit", WAVEFORMS)
+    reading_filter: ReadingFilter | None = part("low pass of the readings", default=None)
+    shaping: ReferenceShaping | None = part("limits of the rate of the reference, also by a confidence", default=None)
+    manual: ManualMode | None = part("manual signal, and its times", default=None)
     slew: SignalSlew | None = part("largest rates of the signal", default=None)
     integrals: ClassVar[tuple[int, ...]] = ()
-    """Places in its memory of integrals that a slew limit holds."""
+    """Places of integrals in the memory, which a slew limit holds."""
 
     def reads(self) -> tuple[str, ...]:
-        """Return the names of all readings it needs."""
+        """Return the names of the readings that the controller needs."""
         return (self.measured,)
 
     def needs(self) -> tuple[str, ...]:
-        """Return the names of all readings that it or what stands around it needs."""
+        """Return the names of the readings that the controller and its optional parts need."""
         confidence = (self.shaping.confidence,) if self.shaping is not None and self.shaping.confidence else ()
         return tuple(dict.fromkeys((*self.reads(), *self.filtered(), *confidence)))
 
@@ -95,7 +92,7 @@ class AbstractController(AbstractDrive):
         return type(self).reference_unit is AbstractController.reference_unit
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
-        """SI unit of the reference: that of the reading that shall follow it.
+        """Return the SI unit of the reference, by default the unit of the measured reading.
 
         Args:
             readings: SI units of all readings, by name.
@@ -104,22 +101,22 @@ class AbstractController(AbstractDrive):
         return readings[self.measured]
 
     def describe(self, period: float) -> str:
-        """Describe features such as the anti-windup, for `check` and summaries; the sample period is in seconds."""
+        """Describe features such as the anti-windup for a sample period [s]."""
         return ""
 
     def list_previews(self) -> dict[str, tuple[float, ...]]:
-        """Return the times [s] by which the controller looks ahead at references, by drive, its own drive included.
+        """Return the times ahead at which the controller reads references [s], by drive.
 
-        Their values are among the readings: `ahead.DRIVE.1`, `ahead.DRIVE.2`, … .
+        The readings `ahead.DRIVE.1`, `ahead.DRIVE.2`, … hold their values.
         """
         return {}
 
     def led_drives(self) -> tuple[str, ...]:
-        """Return the drives whose controllers, of kind `follower`, get their signals from this one."""
+        """Return the drives whose `follower` gets its signal from this controller."""
         return ()
 
     def share_signals(self, memory: Column) -> dict[str, Scalar]:
-        """Return the signals of the drives that it leads, from what it remembers after a sample."""
+        """Return the signals of the led drives from the memory after a sample."""
         return {}
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -128,18 +125,18 @@ class AbstractController(AbstractDrive):
 
     @abstractmethod
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the memory for the next sample.
+        """Return the signal and the new memory of a sample.
 
         Args:
             xp: namespace.
-            memory: from the sample before, or from `rest`.
-            reference: what the reading shall be now, in SI.
-            readings: by name, in SI.
-            dt: time since the sample before [s]; 0 for the first one.
+            memory: memory after the last sample, or from `rest`.
+            reference: set-point of the reading now, in SI.
+            readings: readings by name, in SI.
+            dt: time since the last sample [s]; 0 for the first.
         """
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """Return the outputs of the controller beside its signal, by name; empty by default.
+        """Return the outputs of the controller in addition to its signal, by name.
 
         Args:
             unit: SI unit of its reference.
@@ -148,19 +145,19 @@ class AbstractController(AbstractDrive):
         return {}
 
     def observe(self, xp: Namespace, memory: Column) -> Column:
-        """Return their values after a sample, from what it remembers, in the order of `list_outputs`."""
+        """Return the values of `list_outputs` from the memory after a sample."""
         return ()
 
     def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
-        """Return the sentences about what it failed to do in a run, by the last values of its `list_outputs`."""
+        """Return warnings about a run from the last values of `list_outputs`."""
         return []
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """Return the memory after a sample with a different signal; the integral is set to give that signal."""
+        """Return the memory with an integral that gives the applied signal."""
         return memory
 
     def begin(self, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None = None) -> Answer:
-        """Return the signal of the first sample, and what is remembered, with what stands around the controller."""
+        """Return signal and memory of the first sample, with all optional parts."""
         if not self.conditioned:
             return self.answer(xp, tuple(self.rest(xp, reference, readings)), reference, readings, 0.0)
         return begin_control(self, xp, reference, readings, hand)
@@ -174,25 +171,24 @@ class AbstractController(AbstractDrive):
         dt: Scalar,
         hand: ManualInput | None = None,
     ) -> Answer:
-        """Return the signal of another sample, and what is remembered, with what stands around the controller."""
+        """Return signal and memory of a later sample, with all optional parts."""
         if not self.conditioned:
             return self.answer(xp, memory, reference, readings, dt)
         return continue_control(self, xp, memory, reference, readings, dt, hand)
 
     @property
     def conditioned(self) -> bool:
-        """Return whether filters, a manual mode, a shaped reference or a slew limit surround the controller."""
+        """Return whether the controller has a filter, shaped reference, manual mode or slew limit."""
         return any(self.__dict__[name] is not None for name in AROUND)
 
     def init(self) -> Called | None:
-        """Nothing measured."""
         return None
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Return the signal at `time` [s] and the new memory; called once in every sample.
+        """Return the signal at `time` [s] and the new memory; called once per sample.
 
         Raises:
-            ParameterError: something that it reads is not measured.
+            ParameterError: a required reading is not measured.
         """
         require_readings(self, measurement)
         wanted = self.reference.value(time)
@@ -211,7 +207,6 @@ class SignalLimits(Parametrised):
     high: Number = param(DRIVE, "largest signal", default=1.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if there is nothing between the limits."""
         if not self.low < self.high:
             raise ParameterError(
                 "The least signal of a controller must be below the largest one, but they are "
@@ -220,21 +215,26 @@ class SignalLimits(Parametrised):
 
     @property
     def idle(self) -> float:
-        """Return the signal nearest to 0 within the limits: that before anything is controlled."""
+        """Return the signal within the limits that is nearest to 0."""
         return min(max(self.low, 0.0), self.high)
 
     def hold_integral(self, xp: Namespace, wanted: Scalar, push: Scalar, before: Scalar, after: Scalar) -> Scalar:
-        """Return the integral, held at `before` where the signal is beyond a limit and its error pushes it further."""
+        """Return `before` where the unlimited signal is beyond a limit and `push` drives it further, else `after`."""
         over, under = xp.both(wanted > self.high, push > 0.0), xp.both(wanted < self.low, push < 0.0)
         return xp.where(xp.either(over, under), before, after)
 
+    def hold_at_limit(self, xp: Namespace, signal: Scalar, push: Scalar, before: Scalar, after: Scalar) -> Scalar:
+        """Return `before` where a limited signal is at a limit and `push` drives it further, else `after`."""
+        over, under = xp.both(signal >= self.high, push > 0.0), xp.both(signal <= self.low, push < 0.0)
+        return xp.where(xp.either(over, under), before, after)
 
-def require_readings(controller: AbstractController, known: Collection[str]) -> None:
-    """Raise `ParameterError` if a controller reads what is not known."""
+
+def require_readings(controller: AbstractController, readings: Collection[str]) -> None:
+    """Raise `ParameterError` if a controller needs a reading that does not exist."""
     for name in controller.needs():
-        if name not in known:
+        if name not in readings:
             title = controller.registered_name or type(controller).__name__
             raise ParameterError(
                 f"Controller `{title}` cannot measure `{name}`: there is no such reading. "
-                f"{suggest_name(str(name), known)}"
+                f"{suggest_name(str(name), readings)}"
             )

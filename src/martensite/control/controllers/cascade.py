@@ -1,15 +1,14 @@
-"""A cascade: the controller of a position asks another one for a temperature.
+"""Cascade: the controller of a position commands the temperature of a second controller.
 
     T_r = T_0 + C_o(r - y)        within [T_0 + low, T_0 + high] of the outer limits
     u   = C_i(T_r - T)            within the inner limits
 
-Both are PID controllers (`martensite.control.controllers.pid`). The inner loop is fast and knows no
-hysteresis; limits of the outer one keep the element between two temperatures whatever the
-position does. y and T are readings by name: an estimate, `estimated.temperature`, will do.
+Both are PID controllers (`martensite.control.controllers.pid`). The inner loop is fast and has no hysteresis; the
+limits of the outer controller keep the element between two temperatures at any position. y and T are readings, for
+example the estimate `estimated.temperature`.
 
-Where the inner signal is at a limit and the error of the position asks for more of the same, the
-outer integral stays as it is; more temperature must mean more signal and more of what is
-measured, or the gains have the signs that make it so.
+Where the inner signal is at a limit and the outer error drives it further, the outer integral is held. A higher
+temperature must mean more signal and a larger reading; otherwise choose the signs of the gains accordingly.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 
 class CascadeMemory(NamedTuple):
-    """Memories of the two controllers, one after the other."""
+    """Memory of the outer, then of the inner controller."""
 
     outer: PidMemory
     inner: PidMemory
 
     @classmethod
     def of(cls, memory: Column) -> CascadeMemory:
-        """From a flat column."""
+        """Return the memory from a flat column."""
         return cls(PidMemory(*memory[:3]), PidMemory(*memory[3:]))
 
     def flat(self) -> Sequence[Scalar]:
@@ -41,7 +40,7 @@ class CascadeMemory(NamedTuple):
 
 
 class OuterPid(PidGains):
-    """PID controller whose signal is a temperature to be added."""
+    """PID controller whose signal is a temperature difference."""
 
     unit_of_signal = DEGREES
 
@@ -65,35 +64,28 @@ class Cascade(AbstractController):
     inner: InnerPid = part("of the temperature: gains in signal per kelvin, limits of the signal")
 
     def describe(self, period: float) -> str:
-        """Return the anti-windup and filters, in words."""
         return f"outer: {self.outer.describe(period)}; inner: {self.inner.describe(period)}"
 
     def reads(self) -> tuple[str, ...]:
-        """Return the position and temperature."""
         return self.measured, self.temperature
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """Nothing integrated."""
         outer = self.outer.law.rest(xp, reference, readings[self.measured])
         inner = self.inner.law.rest(xp, self.start, readings[self.temperature])
         return CascadeMemory(outer, inner).flat()
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the memory for the next sample."""
         before, position = CascadeMemory.of(memory), readings[self.measured]
         added, outer = self.outer.respond(xp, before.outer, reference, position, dt)
         signal, inner = self.inner.respond(xp, before.inner, self.start + added, readings[self.temperature], dt)
-        limits, gained = self.inner.law, outer.integral - before.outer.integral
-        over = xp.both(signal >= limits.high, gained > 0.0)
-        under = xp.both(signal <= limits.low, gained < 0.0)
-        integral = xp.where(xp.either(over, under), before.outer.integral, outer.integral)
+        old, new = before.outer.integral, outer.integral
+        integral = self.inner.law.hold_at_limit(xp, signal, new - old, old, new)
         return signal, CascadeMemory(outer._replace(integral=integral), inner).flat()
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """With an inner integral that gives the signal, and an outer one that asks for the temperature there is."""
         before, position, T = CascadeMemory.of(memory), readings[self.measured], readings[self.temperature]
         outer, inner = self.outer, self.inner
         above = xp.clip(T - self.start, outer.law.low, outer.law.high)
-        asked = outer.law.track(xp, outer.gains, before.outer, above, reference, position)
-        held = inner.law.track(xp, inner.gains, before.inner, signal, self.start + above, T)
-        return CascadeMemory(asked, held).flat()
+        outer_memory = outer.law.track(xp, outer.gains, before.outer, above, reference, position)
+        inner_memory = inner.law.track(xp, inner.gains, before.inner, signal, self.start + above, T)
+        return CascadeMemory(outer_memory, inner_memory).flat()

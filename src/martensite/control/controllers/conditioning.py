@@ -1,14 +1,14 @@
-r"""Conditioning around any controller: filters before it, a mode, a shaped reference, a slew limit behind it.
+"""Conditioning of any controller: reading filter, manual mode, shaped reference and slew limit.
 
-    readings → filter → controller, which follows the shaped reference → by hand or safe → slew → signal
+    readings → filter → controller with shaped reference → manual or safe signal → slew limit → signal
 
-Each is a part of the controller that is left out unless it is given, and then the program is without it.
+Each part is optional; a missing part is not in the program.
 
-- A reading is the median of its last three, then a low pass by backward differences of first order, T y' + y = x, or
-  of second order with a damping of 0.71, T² y''/2 + T y' + y = x.
-- In manual mode the operator sets the signal, and the memory of the controller is set so that it would return the
-  same signal (`track`). With an integral the change to automatic does not step the signal.
-- Where the slew limit acts an integral does not go on in the direction of what is cut off.
+- The filter takes the median of three readings, then a low pass by backward differences of first order,
+  T y' + y = x, or of second order with a damping of 0.71, T² y''/2 + T y' + y = x.
+- In manual mode the operator sets the signal, and the memory of the controller tracks it (`track`). With an integral
+  the change to automatic does not step the signal.
+- Where the slew limit acts, integrals do not grow in the direction of the limited part.
 
 Source: Åström and Hägglund (1995), chapter 3.
 """
@@ -42,111 +42,106 @@ class ManualInput(NamedTuple):
 
     signal: Scalar
     automatic: Scalar
-    """1 while the controller has the signal, 0 while the hand has."""
+    """1 in automatic, 0 in manual mode."""
 
 
 class ReadingFilter(Parametrised):
-    """A low pass for what a controller reads."""
+    """A low pass of readings."""
 
     time_constant: Number = param("s", "time constant T", above=0.0, typical="50 ms")
     order: str = option("order of the low pass", "1", "2", default="1")
-    median: str = option(
-        "whether the median of three readings goes before it", "without", "of-three", default="without"
-    )
-    readings: tuple[str, ...] = text("readings that it filters; the controlled one if none", default=())
+    median: str = option("median of three readings before the low pass", "without", "of-three", default="without")
+    readings: tuple[str, ...] = text("filtered readings; default: the controlled reading", default=())
 
     @property
     def kept(self) -> int:
-        """Return the numbers that it remembers of a reading."""
+        """Return the length of the memory of a reading."""
         return 1 + (self.order == "2") + 2 * (self.median == "of-three")
 
     def rest(self, reading: Scalar) -> Column:
-        """Return the memory of a filter whose reading has been constant for a long time."""
+        """Return the steady-state memory at a constant reading."""
         return (reading, *(0.0,) * (self.order == "2"), *(reading, reading) * (self.median == "of-three"))
 
     def filter(self, xp: Namespace, memory: Column, reading: Scalar, dt: Scalar) -> Column:
-        """Return the memory, the filtered reading first, after a reading `dt` [s] after the last one."""
-        T, value, found = self.time_constant, memory[0], reading
+        """Return the memory after a reading `dt` [s] after the last one; its first value is the filtered reading."""
+        T, before, value = self.time_constant, memory[0], reading
         past: Column = ()
         if self.median == "of-three":
             a, b = memory[-2:]
-            found = xp.maximum(xp.minimum(a, b), xp.minimum(xp.maximum(a, b), reading))
+            value = xp.maximum(xp.minimum(a, b), xp.minimum(xp.maximum(a, b), reading))
             past = reading, a
         if self.order == "1":
-            return (value + (found - value) * dt / (T + dt), *past)
-        rate = (2.0 * dt * (found - value) + T * T * memory[1]) / (T * T + 2.0 * dt * T + 2.0 * dt * dt)
-        return (value + dt * rate, rate, *past)
+            return (before + (value - before) * dt / (T + dt), *past)
+        rate = (2.0 * dt * (value - before) + T * T * memory[1]) / (T * T + 2.0 * dt * T + 2.0 * dt * dt)
+        return (before + dt * rate, rate, *past)
 
 
 class SignalSlew(Parametrised):
-    """Limit of the rate at which a signal changes; the signal begins at 0."""
+    """Limits of the rate of a signal that begins at 0."""
 
     rising: Number = param(SIGNAL_RATE, "largest rate at which it rises", above=0.0, default=math.inf)
     falling: Number = param(SIGNAL_RATE, "largest rate at which it falls", above=0.0, default=math.inf)
 
     def check(self) -> None:
-        """Raise `ParameterError` if nothing is limited."""
         if not (math.isfinite(self.rising) or math.isfinite(self.falling)):
             raise ParameterError("A slew limit needs a rate, `rising` or `falling`.")
 
         self.__dict__["_layout"] = math.isfinite(self.rising), math.isfinite(self.falling)
 
     def layout(self) -> tuple[int, ...]:
-        """Which of the two there are."""
         return self.__dict__["_layout"]
 
     def limit(self, xp: Namespace, before: Scalar, wanted: Scalar, dt: Scalar) -> Scalar:
-        """Return the allowed signal that is nearest to the wanted one, `dt` [s] after the last one."""
+        """Return the allowed signal nearest to the wanted one, `dt` [s] after the last one."""
         up, down = self.layout()
-        found = xp.minimum(wanted, before + self.rising * dt) if up else wanted
-        return xp.maximum(found, before - self.falling * dt) if down else found
+        limited = xp.minimum(wanted, before + self.rising * dt) if up else wanted
+        return xp.maximum(limited, before - self.falling * dt) if down else limited
 
 
 class ManualMode(Parametrised):
-    """A signal by hand, and when the controller has it instead."""
+    """A manual signal, and the time in which the controller has the signal instead."""
 
-    signal: AbstractWaveform = part("signal by hand", WAVEFORMS, default=Constant(level=0.0))
+    signal: AbstractWaveform = part("manual signal", WAVEFORMS, default=Constant(level=0.0))
     automatic_from: Number = param("s", "time from which the controller has the signal", low=0.0, default=0.0)
-    automatic_until: Number = param("s", "time until which it has", default=math.inf)
+    automatic_until: Number = param("s", "time until which the controller has the signal", default=math.inf)
 
     def check(self) -> None:
-        """Raise `ParameterError` if the controller never has the signal."""
         if not self.automatic_from < self.automatic_until:
             raise ParameterError("`automatic_from` must be before `automatic_until`.")
 
     @property
     def waveforms(self) -> tuple[AbstractWaveform, AbstractWaveform]:
-        """Return the manual signal, and 1 while the controller sets the signal."""
+        """Return the manual signal, and a waveform that is 1 in automatic mode."""
         return self.signal, Step(low=0.0, high=1.0, at=self.automatic_from, until=self.automatic_until)
 
 
 class Conditioned(NamedTuple):
-    """Memory of a controller and of its filters, shaping and slew limit."""
+    """Memory of a controller and of its optional parts."""
 
     filters: tuple[Column, ...]
     shaped: ShapedReference | None
     signal: Scalar
-    """The last one, if there is a slew limit."""
+    """Last signal, if there is a slew limit."""
     inner: Column
 
     def flatten(self, one: AbstractController) -> Column:
-        """Return all numbers."""
+        """Return the memory as a flat column."""
         last = () if one.slew is None else (self.signal,)
         return (*(number for row in self.filters for number in row), *(self.shaped or ()), *last, *self.inner)
 
 
 def split_memory(one: AbstractController, memory: Column) -> Conditioned:
-    """From all numbers of a controller."""
+    """Return the named memory of a controller from a flat column."""
     rest, shaped = iter(memory), one.shaping is not None
     filters = tuple(tuple(islice(rest, one.reading_filter.kept)) for _ in one.filtered()) if one.reading_filter else ()
-    found = ShapedReference(*islice(rest, len(ShapedReference._fields))) if shaped else None
-    return Conditioned(filters, found, 0.0 if one.slew is None else next(rest), tuple(rest))
+    reference = ShapedReference(*islice(rest, len(ShapedReference._fields))) if shaped else None
+    return Conditioned(filters, reference, 0.0 if one.slew is None else next(rest), tuple(rest))
 
 
 def begin_control(
     one: AbstractController, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None
 ) -> tuple[Scalar, Column]:
-    """Return the signal of the first sample, and all that is remembered: a shaped reference begins at the reading."""
+    """Return signal and memory of the first sample; a shaped reference begins at the reading."""
     start = readings[one.measured] if one.follows_reading else reference
     filters = tuple(one.reading_filter.rest(readings[name]) for name in one.filtered()) if one.reading_filter else ()
     shaped = None if one.shaping is None else one.shaping.begin(start)
@@ -164,22 +159,22 @@ def continue_control(
     dt: Scalar,
     hand: ManualInput | None,
 ) -> tuple[Scalar, Column]:
-    """Return the signal of another sample, `dt` [s] after the one before, and all that is remembered."""
-    held = split_memory(one, memory)
-    names, low_pass, filters = one.filtered(), one.reading_filter, held.filters
+    """Return signal and memory of a sample `dt` [s] after the last one."""
+    before = split_memory(one, memory)
+    names, low_pass, filters = one.filtered(), one.reading_filter, before.filters
     if low_pass is not None:
         rows = zip(names, filters, strict=True)
         filters = tuple(tuple(low_pass.filter(xp, memory, readings[name], dt)) for name, memory in rows)
         readings = {**readings, **{name: row[0] for name, row in zip(names, filters, strict=True)}}
-    shaped, target = held.shaped, reference
+    shaped, target = before.shaped, reference
     if one.shaping is not None and shaped is not None:
         shaped = one.shaping.move(xp, shaped, reference, readings, dt)
         target = shaped.value
-    wanted, after = one.answer(xp, held.inner, target, readings, dt)
+    wanted, after = one.answer(xp, before.inner, target, readings, dt)
     signal, taken = _override_signal(one, xp, wanted, readings, hand)
     if one.slew is not None:
-        signal = one.slew.limit(xp, held.signal, signal, dt)
-        after = _hold_integrals(one, xp, held.inner, after, wanted - signal)
+        signal = one.slew.limit(xp, before.signal, signal, dt)
+        after = _hold_integrals(one, xp, before.inner, after, wanted - signal)
     if taken is not None:
         tracked = one.track(xp, after, signal, target, readings)
         after = [xp.where(taken, new, old) for new, old in zip(tracked, after, strict=True)]
@@ -192,7 +187,7 @@ def continue_control(
 def _override_signal(
     one: AbstractController, xp: Namespace, wanted: Scalar, readings: Readings, hand: ManualInput | None
 ) -> tuple[Scalar, Flag | None]:
-    """Return the signal, and whether it is one that the controller does not have; None if it always has."""
+    """Return the signal, and whether it overrides the controller; None if it never does."""
     signal, taken = wanted, None
     if one.shaping is not None and one.shaping.below == "safe":
         taken = one.shaping.is_safe(xp, readings)
@@ -205,9 +200,9 @@ def _override_signal(
 
 
 def _hold_integrals(one: AbstractController, xp: Namespace, before: Column, after: Column, beyond: Scalar) -> Column:
-    """Return the memory without the growth of integrals in the direction of the part of the signal that is cut off."""
-    found = list(after)
+    """Return the memory without the growth of integrals in the direction of the limited part `beyond`."""
+    held = list(after)
     for place in one.integrals:
         gained = after[place] - before[place]
-        found[place] = xp.where(gained * beyond > 0.0, before[place], after[place])
-    return found
+        held[place] = xp.where(gained * beyond > 0.0, before[place], after[place])
+    return held

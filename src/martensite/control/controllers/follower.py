@@ -1,8 +1,7 @@
-"""A follower: the signal of a drive that the controller of another one plans.
+"""Follower: the signal of a drive that another controller plans.
 
-A controller that is good for several drives, such as `mpc`, has one of them itself and names the others as those that
-it `leads`. Each of these has a follower, so that every drive has one controller with its reference, its wanted signal
-and its place under the supervisor.
+A controller of several drives, such as `mpc`, has one drive itself and names the others in `leads`. Each of these has a
+follower, so that every drive has one controller with a reference, a wanted signal and a place under the supervisor.
 """
 
 import math
@@ -17,25 +16,22 @@ from martensite.signals.constant import Constant
 
 @CONTROLLERS.register("follower")
 class Follower(AbstractController):
-    """The signal that the controller of another drive has planned for this one."""
+    """The signal that the controller of another drive has planned."""
 
     holds = False
 
-    measured: str = text("reading that its reference is for, if its leader follows that", default="")
+    measured: str = text("reading that follows the reference, if its leader controls it", default="")
     reference: AbstractWaveform = part(
-        "what that reading shall be, in its SI unit", WAVEFORMS, default=Constant(level=0.0)
+        "reference of that reading, in its SI unit", WAVEFORMS, default=Constant(level=0.0)
     )
-    low: Number = param(DRIVE, "least signal that it passes on", default=-math.inf)
-    high: Number = param(DRIVE, "largest signal that it passes on; the guard by default asks for it", default=math.inf)
+    low: Number = param(DRIVE, "lower limit of the signal", default=-math.inf)
+    high: Number = param(DRIVE, "upper limit of the signal, which the default guard needs", default=math.inf)
 
     def reads(self) -> tuple[str, ...]:
-        """Return the name of the planned signal and of the reading that its reference is for."""
         return (PLANNED, self.measured) if self.measured else (PLANNED,)
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
-        """SI unit of that reading; of the signal, if there is none."""
         return readings[self.measured] if self.measured else signal
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal that was planned in this sample."""
         return xp.clip(readings[PLANNED], self.low, self.high), ()

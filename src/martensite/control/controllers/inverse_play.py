@@ -1,22 +1,21 @@
 """Feed-forward by the inverse of a Prandtl–Ishlinskii hysteresis.
 
-Slowly driven, an actuator is a static curve behind a sum of plays, without time:
+A slowly driven actuator is a static curve behind a sum of plays:
 
     y = N(w),    w = a_0 u + Σ a_i p_i(u),    p_i⁺ = max(u - r_i, min(u + r_i, p_i))
 
-with the signal u and the output y. Both have an inverse, and that of the sum is again a sum of
-plays, with thresholds and weights in closed form:
+with the signal u and the output y. Both have an inverse; the inverse of the sum is a sum of plays, with thresholds and
+weights in closed form:
 
     w = N⁻¹(r),    u_f = b_0 w + Σ b_i q_i(w)
 
-N is given by its values at knots, with lines between them that go on beyond; two knots are a gain
-and an offset. A reference as slow as the loop that was identified is then followed on a line. The
-inverse knows nothing of time: the lag of the heat, and the rate at which something cools, stay as
-they are, and so does every change of load or surroundings; that is for feedback.
+N is piecewise linear between knots, and linear beyond them; two knots are a gain and an offset. A reference that is as
+slow as the identified record is followed without hysteresis. Thermal lag, cooling rate, load and ambient temperature
+are left to the feedback.
 
-`martensite.control.synthesis.inverse_hysteresis` finds the numbers in a slow record.
+`martensite.control.synthesis.inverse_hysteresis` identifies the parameters from a slow record.
 
-Source: Kuhnen 2003 (the inverse); Krasnosel'skii and Pokrovskii 1989 (plays).
+Sources: Kuhnen (2003), inverse; Krasnosel'skii and Pokrovskii (1989), plays.
 """
 
 from itertools import accumulate, pairwise
@@ -32,7 +31,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 @CONTROLLERS.register("inverse-play")
 class InversePlay(AbstractController):
-    """The signal at which a hysteresis of plays and a curve gives the reference, and feedback."""
+    """Feed-forward by an inverse hysteresis of plays and a curve, with feedback."""
 
     cites = ("kuhnen2003", "krasnoselskii1989")
     integrals = (0,)
@@ -40,11 +39,10 @@ class InversePlay(AbstractController):
     thresholds: Any = part("thresholds r_1 < r_2 < … of the plays, in the unit of the signal", default=())
     weights: Any = part("weights a_0, a_1, …, one more than thresholds", default=(1.0,))
     knots: Any = part("levels of the sum of plays, rising", default=(0.0, 1.0))
-    outputs: Any = part("what is measured at these levels, rising or falling, in SI", default=(0.0, 1.0))
+    outputs: Any = part("readings at these levels, rising or falling, in SI", default=(0.0, 1.0))
     feedback: Correction = part("limits, and PID on the measured error", default=Correction())
 
     def check(self) -> None:
-        """Raise `ParameterError` if sum or curve have no inverse."""
         for name in ("thresholds", "weights", "knots", "outputs"):
             self.__dict__[name] = as_row("inverse-play", name, self.__dict__[name])
         self._check_plays()
@@ -59,7 +57,6 @@ class InversePlay(AbstractController):
             )
 
     def _check_plays(self) -> None:
-        """Raise `ParameterError` unless thresholds rise and loading never turns back."""
         r, a = (0.0, *self.thresholds.numbers), self.weights.numbers
         slopes = list(accumulate(a))
         rising = all(after > before for before, after in pairwise(r))
@@ -70,37 +67,29 @@ class InversePlay(AbstractController):
             )
 
     def describe(self, period: float) -> str:
-        """Return the anti-windup of the feedback, in words."""
         return self.feedback.describe(period)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """At rest under the idle signal: all plays there."""
         idle = self.feedback.limit_signal(xp, 0.0)
-        total: Scalar = 0.0
-        for weight in self.weights.numbers:
-            total = total + weight
-        level = idle * total
+        level = idle * sum(self.weights.numbers, 0.0)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         return [*correction, *[level] * len(self.thresholds.numbers)]
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the memory for the next sample."""
         correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         level = self._level(xp, reference)
         _, rows = _invert_plays(self.thresholds, self.weights)
         after = [xp.maximum(level - r, xp.minimum(level + r, q)) for (r, _), q in zip(rows, plays, strict=True)]
-        feed, found = self._feed(xp, level, after), readings[self.measured]
-        signal, correction = self.feedback.answer(xp, correction, feed, reference, found, dt)
+        feed, value = self._feed(xp, level, after), readings[self.measured]
+        signal, correction = self.feedback.answer(xp, correction, feed, reference, value, dt)
         return signal, [*correction, *after]
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """With the integral of the feedback that gives the signal."""
-        held, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
+        correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         feed = self._feed(xp, self._level(xp, reference), plays)
-        return [*self.feedback.track(xp, held, feed, signal, reference, readings[self.measured]), *plays]
+        return [*self.feedback.track(xp, correction, feed, signal, reference, readings[self.measured]), *plays]
 
     def _feed(self, xp: Namespace, level: Scalar, plays: Column) -> Scalar:
-        """Return the signal of the inverse, within the limits."""
         first, rows = _invert_plays(self.thresholds, self.weights)
         signal = first * level
         for (_, b), q in zip(rows, plays, strict=True):
@@ -108,18 +97,18 @@ class InversePlay(AbstractController):
         return self.feedback.limit_signal(xp, signal)
 
     def _level(self, xp: Namespace, output: Scalar) -> Scalar:
-        """N⁻¹: the level of the sum of plays at which the curve has an output."""
+        """Return N⁻¹, the sum of plays at an output."""
         x, y = self.knots.numbers, self.outputs.numbers
-        found = x[0] + (output - y[0]) * ((x[1] - x[0]) / (y[1] - y[0]))
+        level = x[0] + (output - y[0]) * ((x[1] - x[0]) / (y[1] - y[0]))
         way = xp.where(y[1] > y[0], 1.0, -1.0)
         for k in range(1, len(x) - 1):
             here = x[k] + (output - y[k]) * ((x[k + 1] - x[k]) / (y[k + 1] - y[k]))
-            found = xp.where(way * (output - y[k]) > 0.0, here, found)
-        return found
+            level = xp.where(way * (output - y[k]) > 0.0, here, level)
+        return level
 
 
 def _invert_plays(thresholds: NumberedGains, weights: NumberedGains) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
-    """b_0, and threshold and weight of every play of the inverse, by Kuhnen's equations."""
+    """Return b_0, and threshold and weight of every play of the inverse (Kuhnen 2003)."""
     first, *others = weights.numbers
     slope, before, place = first, 0.0, 0.0
     rows: list[tuple[Scalar, Scalar]] = []

@@ -1,25 +1,26 @@
-"""Model predictive control: plans are tried on the model, and the best plan is started.
+"""Model predictive control: plans are compared on the model, and the best plan is started.
 
 In every period:
 
-    1. the model goes on under the signals that were applied; what it says then is compared with
-       the reading of the same time, and a part of the difference becomes its offset d:
+    1. The model advances under the applied signals. A fraction of the difference between reading and model at the
+       time of the reading becomes the offset d:
+
            d_k = d_k-1 + K (y_k - ŷ_k - d_k-1)
-       With `tracking` the model also gets u + v, v being the answer of a PID law to y - ŷ: so it goes where the
-       readings are, on a plant that is heated or cooled otherwise too. A drive that is led pulls against it: u - v
-    2. plans start from the state of the model, and are compared on the reference ahead, which is
-       known, less d (`martensite.control.controllers.planning`); with the integral of v added to all signals,
-       an input disturbance (Pannocchia and Rawlings (2003))
-    3. the first signals of the best plan are applied until the next period, when all starts again
-       from this plan, moved on (receding horizon).
 
-In the first sample the model is at rest and nothing is planned yet. The horizon decides whether anything moves: a cold
-wire must be heated through its dead band, and cooled through that of the way back, before its stroke changes. A
-horizon that ends earlier sees only the cost of heating and no gain, and the best plan is not to move. `Mpc.for_system`
-measures on the model how long full signal and none need, and takes the sum; `cautions` says when a given horizon is
-too short.
+       With `tracking` the model gets u + v, where v is the answer of a PID law to y - ŷ, so that it follows the
+       readings also if heating or cooling differ. A led drive is antagonistic and gets u - v.
+    2. Plans start from the state of the model. Their cost compares them on the known reference ahead, less d
+       (`martensite.control.controllers.planning`), with the integral of v added to all signals as an input disturbance
+       (Pannocchia and Rawlings (2003)).
+    3. The first signals of the best plan are applied for a period; the next search starts from this plan, shifted
+       (receding horizon).
 
-Of several drives one controller has all: it has one of them itself, those that it leads have a `follower`. The
+In the first sample the model is in the steady state without a plan. The horizon must be long enough: a cold wire must
+be heated through its dead band, and cooled through the dead band of the return, before its stroke changes. With a
+shorter horizon the best plan is not to move. `Mpc.for_system` measures on the model how long full and zero signal
+need, and uses the sum; `cautions` reports a horizon that is too short.
+
+One controller plans several drives: it has one drive itself, and each drive in `leads` has a `follower`. The
 reference of the n-th follower is the set-point of the n-th reading in `also_measured`.
 """
 
@@ -38,7 +39,7 @@ from martensite.control.controllers.base import (
     Readings,
     SignalLimits,
 )
-from martensite.control.controllers.pid import KEPT, Correction, Gains, PidMemory
+from martensite.control.controllers.pid import KEPT, Correction, PidMemory
 from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.observers.base import ESTIMATED, list_several
@@ -55,53 +56,52 @@ class PlanMemory(NamedTuple):
     """Memory of a predictive controller."""
 
     state: Any
-    """State of the model now."""
     signals: tuple[Scalar, ...]
-    """Signals of its drives in the period that begins."""
+    """Signals of the drives in the next period."""
     planned: Planned
     offsets: tuple[Scalar, ...]
-    """Offsets d by reading: how far the readings are above the model."""
+    """Offsets d of the readings from the model."""
     past: tuple[tuple[Scalar, ...], ...]
-    """Outputs of the model in the last samples, latest first, by reading."""
+    """Outputs of the model in the last samples, newest first, by reading."""
     added: tuple[Scalar, ...] = ()
-    """Signal that `tracking` adds to the model, then the memory of its law; empty without tracking."""
+    """Signal that `tracking` adds in the model, then the memory of its law; empty without tracking."""
 
 
 @CONTROLLERS.register("mpc")
 class Mpc(AbstractController, SignalLimits):
-    """A predictive controller that carries a model and plans on it."""
+    """A predictive controller that plans on a model."""
 
     cites = ("diehl2005",)
 
-    model: AbstractSystem = part("the system as it is believed to be")
-    output: str = text("output of the model that is measured; none: called as the reading", default="")
-    leads: tuple[str, ...] = text("other drives of the model that it plans; each has a `follower`", default=())
+    model: AbstractSystem = part("model of the system")
+    output: str = text("measured output of the model; default: named as the reading", default="")
+    leads: tuple[str, ...] = text("other planned drives of the model, each with a `follower`", default=())
     also_measured: tuple[str, ...] = text(
-        "readings that shall follow the references of the first of these drives", default=()
+        "readings that follow the references of the first of these drives", default=()
     )
     period: Number = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
-    horizon: Number = param("s", "how far plans reach", above=0.0, typical="2 s")
-    blocks: int = part("parts of the horizon, each with a signal of its own", default=20)
-    rounds: int = part("how often plans are tried and bettered in a period", default=1)
-    price: Price = part("what a plan is charged for", default=Price())
+    horizon: Number = param("s", "horizon of the plans", above=0.0, typical="2 s")
+    blocks: int = part("parts of the horizon with constant signals", default=20)
+    rounds: int = part("rounds of the search in a period", default=1)
+    price: Price = part("prices of a plan", default=Price())
     correction: Number = param(
         "1",
-        "K: part of a difference between reading and model that is believed in a sample",
+        "K, fraction of the difference of reading and model that is corrected in a sample",
         low=0.0,
         high=1.0,
         default=0.8,
     )
     tracking: Correction | None = part(
-        "gains of a PID law on reading less model, whose signal the model gets besides", default=None
+        "gains of a PID law on reading less model, whose signal is added in the model", default=None
     )
     state: str = option(
-        "where temperature and fraction of the model come from: from its own course, or from "
+        "source of temperature and fraction of the model: the model itself, or "
         "the observer of a bench, as `estimated.temperature` and `estimated.martensite_fraction`",
         "model",
         "observer",
         default="model",
     )
-    kept: int = part("samples after which a late reading is compared no more", default=8)
+    kept: int = part("largest age of a reading that is compared, in samples", default=8)
 
     @classmethod
     def for_system(
@@ -115,34 +115,33 @@ class Mpc(AbstractController, SignalLimits):
         high: float = 1.0,
         output: str = "",
     ) -> Self:
-        """Return a controller whose horizon is what the model needs to warm up and to cool down.
+        """Return a controller whose horizon is the time in which the model warms up and cools down.
 
         Args:
-            model: the system as it is believed to be, with one drive.
-            measured: reading that shall follow the reference.
-            reference: what it shall follow, in its SI unit.
-            period: time from one sample to the next [s].
-            price: what a plan is charged for.
-            high: largest signal; the least one is 0.
-            output: output of the model that is measured, if it is called otherwise.
+            model: model of the system with one drive.
+            measured: reading that follows the reference.
+            reference: waveform of the reference, in SI.
+            period: sample period [s].
+            price: prices of a plan.
+            high: largest signal; the least is 0.
+            output: measured output of the model; default: named as the reading.
 
         Raises:
             ParameterError: the output does not exist, or full signal does not move it.
         """
-        found = measure_reach(model, _find_output(model, output or measured.removeprefix(ESTIMATED)), 0.0, high)
+        reach = measure_reach(model, _find_output(model, output or measured.removeprefix(ESTIMATED)), 0.0, high)
         return cls(
             model=model,
             measured=measured,
             output=output,
             reference=reference,
             period=period,
-            horizon=max(found.up + found.down, period),
+            horizon=max(reach.up + reach.down, period),
             high=high,
             price=price,
         )
 
     def check(self) -> None:
-        """Raise `ParameterError` where nothing could be planned; fix what decides the program's size."""
         super().check()
         self._check_drives()
         for output in self.followed_outputs:
@@ -177,11 +176,9 @@ class Mpc(AbstractController, SignalLimits):
             )
 
     def layout(self) -> tuple[int, ...]:
-        """Return the blocks, rounds, samples that are kept, steps of the model in a period and in a block."""
         return self.__dict__["_layout"]
 
     def cautions(self) -> list[str]:
-        """Return a caution if the horizon ends before full signal moves the output."""
         if self._leads:
             return []
         start = measure_reach(self.model, self.followed_outputs[0], self.low, self.high).start
@@ -202,66 +199,57 @@ class Mpc(AbstractController, SignalLimits):
 
     @property
     def _own(self) -> str:
-        """Return the drive that it has itself."""
         return next(drive.name for drive in self.model.drives() if drive.name not in self._leads)
 
     @property
     def _readings(self) -> tuple[str, ...]:
-        """Return the readings that shall follow a reference."""
         return (self.measured, *self._also)
 
     @property
     def followed_outputs(self) -> tuple[str, ...]:
-        """Return the outputs of the model that are measured."""
+        """Return the measured outputs of the model."""
         own = self.output or self.measured
         return tuple(name.removeprefix(ESTIMATED) for name in (own, *self._also))
 
     def reads(self) -> tuple[str, ...]:
-        """Return the names of all readings it needs."""
         hidden = [ESTIMATED + name for name in list_names(self.model)]
         return (*self._readings, *hidden) if self.state == "observer" else self._readings
 
     def led_drives(self) -> tuple[str, ...]:
-        """Return the drives whose followers get their signals."""
         return self._leads
 
     def list_previews(self) -> dict[str, tuple[float, ...]]:
-        """Return the ends of all blocks, for every reference that is followed."""
         length = self.horizon / self.blocks
         times = tuple(length * k for k in range(1, self.blocks + 1))
         return dict.fromkeys((self._own, *self._leads[: len(self._also)]), times)
 
     def share_signals(self, memory: Column) -> dict[str, Scalar]:
-        """Return the signals of the drives that it leads."""
         signals = self._name_signals(self.unflatten(memory))
         return {name: signals[name] for name in self._leads}
 
     # ------------------------------------------------------------ the kernel
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """Return the model at rest, nothing planned."""
         idle = (xp.clip(0.0, self.low, self.high),) * len(self.model.drives())
         state = self.model.init(xp, *idle)
-        said = self._observe(xp, state, idle)
-        plan, none = idle * self.blocks, (0.0,) * (len(idle) * self.blocks)
-        offsets = tuple(readings[name] - y for name, y in zip(self._readings, said, strict=True))
-        past = tuple((y,) * self.kept for y in said)
-        added = () if self.tracking is None else (0.0, *self.tracking.rest(xp, readings[self.measured], said[0]))
-        return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, none), offsets, past, added))
+        outputs = self._observe(xp, state, idle)
+        plan, zeros = idle * self.blocks, (0.0,) * (len(idle) * self.blocks)
+        offsets = tuple(readings[name] - y for name, y in zip(self._readings, outputs, strict=True))
+        past = tuple((y,) * self.kept for y in outputs)
+        added = () if self.tracking is None else (0.0, *self.tracking.rest(xp, readings[self.measured], outputs[0]))
+        return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, zeros), offsets, past, added))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the memory for the next sample."""
         before = self.unflatten(memory)
         if isinstance(dt, float | int) and dt == 0.0:
             return self._name_signals(before)[self._own], memory
-        known = self._correct_offsets(xp, self._go_on(xp, before, readings), readings)
-        planned = self._plan(xp, known, self._list_wanted(known, reference, readings))
-        signals = planned.plan[: len(known.signals)]
-        after = self._track_reading(xp, known._replace(signals=signals, planned=planned), readings, dt)
+        corrected = self._correct_offsets(xp, self._go_on(xp, before, readings), readings)
+        planned = self._plan(xp, corrected, self._list_wanted(corrected, reference, readings))
+        signals = planned.plan[: len(corrected.signals)]
+        after = self._track_reading(xp, corrected._replace(signals=signals, planned=planned), readings, dt)
         return self._name_signals(after)[self._own], flatten_numbers(after)
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Return the signal at `time` [s] and the new memory; called once in every period."""
         if self._leads:
             raise ParameterError("A controller that leads others runs on a bench, not as a separate drive.")
         (times,) = self.list_previews().values()
@@ -273,7 +261,6 @@ class Mpc(AbstractController, SignalLimits):
         return {drive.name: u for drive, u in zip(self.model.drives(), memory.signals, strict=True)}
 
     def _go_on(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
-        """Return the model at this sample, under the signals since the last one."""
         turns = self.layout()[3]
         signals: Column = memory.signals
         if memory.added:
@@ -282,32 +269,28 @@ class Mpc(AbstractController, SignalLimits):
         if self.state == "observer":
             hidden = [readings[ESTIMATED + name] for name in list_names(self.model)]
             state = place_hidden(xp, self.model, state, hidden, memory.signals)
-        said = self._observe(xp, state, memory.signals)
-        past = tuple((y, *old[:-1]) for y, old in zip(said, memory.past, strict=True))
+        outputs = self._observe(xp, state, memory.signals)
+        past = tuple((y, *old[:-1]) for y, old in zip(outputs, memory.past, strict=True))
         return memory._replace(state=state, past=past)
 
     def _observe(self, xp: Namespace, state: Any, signals: Column) -> list[Scalar]:
-        found = observe_model(xp, self.model, state, signals)
-        return [found[name] for name in self.followed_outputs]
+        outputs = observe_model(xp, self.model, state, signals)
+        return [outputs[name] for name in self.followed_outputs]
 
     def _correct_offsets(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
-        """With the offsets that the readings of this sample give."""
-        found: list[Scalar] = []
-        for name, past, offset in zip(self._readings, memory.past, memory.offsets, strict=True):
-            model = self._recall_model(xp, name, past, readings)
-            found.append(offset + self.correction * (readings[name] - model - offset))
-        return memory._replace(offsets=tuple(found))
+        rows = zip(self._readings, memory.past, memory.offsets, strict=True)
+        errors = ((d, readings[name] - self._recall_model(xp, name, past, readings)) for name, past, d in rows)
+        return memory._replace(offsets=tuple(d + self.correction * (error - d) for d, error in errors))
 
     def _recall_model(self, xp: Namespace, name: str, past: Column, readings: Readings) -> Scalar:
-        """Return the output of the model at the time when a reading was taken."""
         late = readings.get(f"{name}.age", 0.0) / self.period
         model = past[0]
-        for k, said in enumerate(past[1:], 1):
-            model = xp.where(late > k - 0.5, said, model)
+        for k, output in enumerate(past[1:], 1):
+            model = xp.where(late > k - 0.5, output, model)
         return model
 
     def _track_reading(self, xp: Namespace, memory: PlanMemory, readings: Readings, dt: Scalar) -> PlanMemory:
-        """With what the model gets besides the signals, within what changes any of them."""
+        """Return the memory with the signal that tracking adds, within the limits of all signals."""
         if self.tracking is None:
             return memory
         before = PidMemory(*memory.added[1:])
@@ -317,17 +300,15 @@ class Mpc(AbstractController, SignalLimits):
         for name in self._leads:
             low, high = xp.minimum(low, signals[name] - self.high), xp.maximum(high, signals[name] - self.low)
         law = self.tracking.law.rebuilt({"low": low, "high": high})
-        gains = Gains(self.tracking.Kp, self.tracking.Ki, self.tracking.Kd)
-        added, after = law.answer(xp, gains, before, readings[self.measured], model, dt)
+        added, after = law.answer(xp, self.tracking.gains, before, readings[self.measured], model, dt)
         return memory._replace(added=(added, *after))
 
     def _add_opposed(self, signals: Column, added: Scalar) -> list[Scalar]:
-        """Return the signals with one that its own drive gets more, and one that it leads less."""
+        """Return the signals with an addition to the own drive, and its opposite to the led drives."""
         rows = zip(self.model.drives(), signals, strict=True)
         return [u - added if drive.name in self._leads else u + added for drive, u in rows]
 
     def _list_wanted(self, memory: PlanMemory, reference: Scalar, readings: Readings) -> list[Scalar]:
-        """Return the references less offsets, now and at the end of every block."""
         rows: list[list[Scalar]] = []
         for (drive, times), offset in zip(self.list_previews().items(), memory.offsets, strict=True):
             now = reference if drive == self._own else readings[f"{AHEAD}{drive}.0"]
@@ -339,14 +320,14 @@ class Mpc(AbstractController, SignalLimits):
         blocks, rounds, _, _, turns = self.layout()
         length = self.horizon / blocks
         limits, count = (self.low, self.high), len(memory.signals)
-        kept = (memory.state, memory.signals, wanted)
+        start = (memory.state, memory.signals, wanted)
         shifts = self._add_opposed((0.0,) * count, memory.added[1]) if memory.added else ()
-        planner = Planner(self.model, self.followed_outputs, self.price, limits, blocks, turns, length, *kept, shifts)
+        planner = Planner(self.model, self.followed_outputs, self.price, limits, blocks, turns, length, *start, shifts)
         moved = (tuple(shift_plan(one, count, self.period / length)) for one in memory.planned)
         return planner.search(xp, rounds, Planned(*moved))
 
     def unflatten(self, memory: Column) -> PlanMemory:
-        """Return the memory by name."""
+        """Return the named memory from a flat column."""
         drives, readings = len(self.model.drives()), len(self._readings)
         plan = (0.0,) * (drives * self.blocks)
         past = ((0.0,) * self.kept,) * readings

@@ -1,30 +1,29 @@
-"""Plans of a predictive controller: what they cost, and how a good one is searched, as a kernel.
+"""Plans of a predictive controller: their cost and their search, as a kernel.
 
-A plan is a signal for every drive that is constant over each of N equal blocks of the horizon. Its cost is a mean over
-the horizon H,
+A plan is a signal for every drive that is constant over each of N equal blocks of the horizon H. Its cost is
 
     J = 1/H ∫ Σ ((r - y)/e)² + p P + w ((T - T_max)₊/1 K)² + w ((σ - σ_max)₊/1 MPa)² dt
         + c/N Σ ((u_j - u_j-1)/(u_high - u_low))²
 
-with references r, known beforehand, what the model says of them y, the error e that costs 1, the power P and its price
-p, the price w of an excess, and the price c of changes between the blocks; u_0 is the signal now.
+with known references r, outputs y of the model, the error e that costs 1, the power P and its price p, the price w of
+an excess, and the price c of changes between blocks; u_0 is the present signal.
 
-Search: in a round some plans go through the model: the best one so far; the same with one of its signals a little
-nearer to the middle of their range; plans that reach far, which is what a dead band needs (one drive with more or less,
-up to full or off, in a window of the horizon and else as planned; all drives off); and some along the direction that
-the round before has found. The best of all is the next to begin from. The direction is a Gauss-Newton step
+A round of the search rates several plans on the model: the best plan so far; plans with one signal moved a little
+towards the middle of its range; plans that reach far, as a dead band requires (one drive changed, up to full or off,
+in a window of the horizon; all drives off); and plans along the direction of the previous round. The best plan starts
+the next round. The direction is a Gauss-Newton step
 
     (DᵀD + C + λI) d = -½ ∂J/∂u,    D = ∂(mean errors and excesses of the blocks)/∂u
 
-by the differences between the plans, without signals that stand at a limit and are pushed against it. Differences, not
-derivatives: they see across a corner of the hysteresis.
+by differences between the plans, without signals that are pushed against a limit. Differences, unlike derivatives, see
+across a corner of the hysteresis.
 
-Source of the method: Diehl, Bock and Schlöder (2005), a real-time iteration, with plans that reach far beside it.
+Source: real-time iteration, Diehl, Bock and Schlöder (2005), extended by plans that reach far.
 """
 
 import math
 from collections.abc import Sequence
-from itertools import cycle
+from itertools import cycle, islice
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
@@ -39,22 +38,20 @@ KELVIN, MEGAPASCAL = 1.0, 1e6
 APART = 0.03
 """Step of a signal for slopes of the cost, as a fraction of the range."""
 ALONG = (0.1, 0.3, 0.6, 1.0, 1.5)
-"""Shares of a direction that are tried."""
+"""Fractions of the direction in the search."""
 WINDOWS = (
     *((0.0, 0.05), (0.0, 0.1), (0.0, 0.2), (0.0, 0.4), (0.0, 1.0)),
     *((0.05, 0.4), (0.1, 0.8), (0.2, 1.0), (0.4, 1.0), (0.6, 1.0)),
 )
-"""Shares of the horizon in which a drive gets more or less: a while from now on, or later."""
+"""Windows of the horizon in which a drive is changed, as fractions."""
 MORE = (-1.0, -0.3, -0.1, 0.1, 0.3, 1.0)
-"""Changes that are tried, as fractions of the range; limits turn a change by the whole range into full or zero signal.
-"""
+"""Changes of a signal as fractions of the range; limits turn the whole range into full or zero signal."""
 FEW_WINDOWS, MUCH_MORE = ((0.0, 0.1), (0.0, 0.3), (0.0, 1.0), (0.3, 1.0), (0.6, 1.0)), (-1.0, -0.3, 0.3, 1.0)
-"""Windows and changes for several drives: fewer, so that the computing time of a period grows slowly with their number.
-"""
+"""Windows and changes for several drives: fewer, to limit the computing time."""
 DAMPING = 1e-3
-"""λ, as a share of the mean of the diagonal."""
+"""λ as a fraction of the mean of the diagonal."""
 RANGE_TOLERANCE = 1e-9
-"""Part of the range that is rounding."""
+"""Fraction of the range that is rounding."""
 HUGE = 1e30
 """Cost of a plan under which the model fails."""
 
@@ -67,16 +64,14 @@ class Price(Parametrised):
     error: Number = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
     energy: Number = param("1/W", "price of electrical power", low=0.0, default=0.0)
     change: Number = param("1", "price of changes of the signal", low=0.0, default=0.01)
-    hottest: Number = param("K", "temperature that costs nothing yet", default=math.inf)
-    strongest: Number = param("Pa", "stress that costs nothing yet", default=math.inf)
-    excess: Number = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
+    hottest: Number = param("K", "highest temperature without a cost", default=math.inf)
+    strongest: Number = param("Pa", "highest stress without a cost", default=math.inf)
+    excess: Number = param("1", "price of an excess of 1 K or 1 MPa", low=0.0, default=1000.0)
 
     def layout(self) -> tuple[int, ...]:
-        """Return whether temperature and stress have a price."""
         return int(math.isfinite(self.hottest)), int(math.isfinite(self.strongest))
 
     def check(self) -> None:
-        """Keep what has a price: it decides on the size of the program."""
         self.__dict__["_bounded"] = self.layout()
 
 
@@ -85,23 +80,22 @@ class PlanCost(NamedTuple):
 
     total: Scalar
     linear: Scalar
-    """The part that no square makes: energy."""
+    """Cost of energy, which is not a square."""
     residuals: Numbers
-    """Means of errors and excesses over every block; their squares add up to about the rest, but for changes."""
+    """Means of errors and excesses of every block; the sum of their squares approximates the rest without changes."""
 
 
 class Planned(NamedTuple):
-    """Result of a search that the next search starts from, for all drives in every block."""
+    """Start of the next search, for all drives in every block."""
 
     plan: tuple[Scalar, ...]
-    """The best one."""
     origin: tuple[Scalar, ...]
     """Plan at which the direction begins."""
     direction: tuple[Scalar, ...]
 
 
 class Planner(NamedTuple):
-    """The plans of one sample: what they are tried on."""
+    """Data of the search in one sample."""
 
     model: AbstractSystem
     outputs: Sequence[str]
@@ -114,21 +108,20 @@ class Planner(NamedTuple):
     length: Scalar
     """Duration of a block [s]."""
     state: Any
-    """State of the model now."""
     signals: Sequence[Scalar]
     """Signals of the last period."""
     wanted: Sequence[Scalar]
-    """References less what the model is known to lack, now and at the end of every block, one after the other."""
+    """References less offsets, now and at the end of every block, in succession."""
     shifts: Sequence[Scalar] = ()
-    """Shift that is added to the signal of the model, by drive; zero if empty."""
+    """Signal that is added in the model, by drive; empty for zero."""
 
     @property
     def drives(self) -> int:
-        """Return the signals of a block."""
+        """Return the number of drives."""
         return len(self.signals)
 
     def search(self, xp: Namespace, rounds: int, begin: Planned) -> Planned:
-        """Return a better plan after some rounds."""
+        """Return the best plan after several rounds."""
         shape = NestedShape(begin)
 
         def turn(*numbers: Scalar) -> Numbers:
@@ -137,51 +130,54 @@ class Planner(NamedTuple):
         flat = flatten_numbers(begin)
         return shape.rebuild(turn(*flat) if rounds == 1 else xp.repeat(rounds, turn, *flat))
 
-    def improve(self, xp: Namespace, known: Planned) -> Planned:
-        """Improve the plan by one round."""
-        count = len(known.plan)
+    def improve(self, xp: Namespace, best_so_far: Planned) -> Planned:
+        """Return the result of one round."""
+        count = len(best_so_far.plan)
         middle = 0.5 * (self.limits[0] + self.limits[1])
-        apart = APART * (self.limits[1] - self.limits[0])
-        steps = [xp.where(u > middle, -apart, apart) for u in known.plan]
-        near = [[u + s if i == j else u for j, u in enumerate(known.plan)] for i, s in enumerate(steps)]
-        plans = [list(known.plan), *near, *self._reach_far(xp, known.plan), *self._follow_line(xp, known)]
+        step = APART * (self.limits[1] - self.limits[0])
+        steps = [xp.where(u > middle, -step, step) for u in best_so_far.plan]
+        near = [[u + s if i == j else u for j, u in enumerate(best_so_far.plan)] for i, s in enumerate(steps)]
+        plans = [
+            list(best_so_far.plan),
+            *near,
+            *self._reach_far(xp, best_so_far.plan),
+            *self._follow_line(xp, best_so_far),
+        ]
 
-        def tell(*plan: Scalar) -> Numbers:
+        def rate(*plan: Scalar) -> Numbers:
             cost = self.rate_plan(xp, plan)
             return [cost.total, cost.linear, *cost.residuals]
 
-        found = xp.each(tell, *zip(*plans, strict=True))
-        best = _choose_plan(xp, plans, found[0])
-        slopes = [[(column[1 + i] - column[0]) / steps[i] for column in found[1:]] for i in range(count)]
-        direction = self._find_direction(xp, known.plan, slopes, [column[0] for column in found[2:]])
-        return Planned(tuple(best), known.plan, tuple(direction))
+        costs = xp.each(rate, *zip(*plans, strict=True))
+        best = _choose_plan(xp, plans, costs[0])
+        slopes = [[(column[1 + i] - column[0]) / steps[i] for column in costs[1:]] for i in range(count)]
+        direction = self._find_direction(xp, best_so_far.plan, slopes, [column[0] for column in costs[2:]])
+        return Planned(tuple(best), best_so_far.plan, tuple(direction))
 
     def _reach_far(self, xp: Namespace, plan: Sequence[Scalar]) -> list[Numbers]:
-        """Return the plans in which one drive gets more, or less, for a while, and one in which all are off."""
-        found: list[Numbers] = [[self.limits[0]] * len(plan)]
+        plans: list[Numbers] = [[self.limits[0]] * len(plan)]
         for drive in range(self.drives):
             for first, last in self._list_windows():
                 for more in MORE if self.drives == 1 else MUCH_MORE:
                     changed = [xp.clip(u + more * self._range, *self.limits) for u in plan]
                     there = [first <= j // self.drives < last and j % self.drives == drive for j in range(len(plan))]
-                    found.append([v if x else u for x, u, v in zip(there, plan, changed, strict=True)])
-        return found
+                    plans.append([v if x else u for x, u, v in zip(there, plan, changed, strict=True)])
+        return plans
 
     def _list_windows(self) -> list[tuple[int, int]]:
-        """Return the first block of every window, and the one after its last, each window once."""
+        """Return the first block of every window and the block after its last, without repetition."""
         windows = WINDOWS if self.drives == 1 else FEW_WINDOWS
         ends = [(round(a * self.blocks), round(b * self.blocks)) for a, b in windows]
         return list(dict.fromkeys((a, max(b, a + 1)) for a, b in ends))
 
-    def _follow_line(self, xp: Namespace, known: Planned) -> list[Numbers]:
-        """Return the plans along the direction."""
-        rows = list(zip(known.origin, known.direction, strict=True))
-        return [[xp.clip(u + share * d, *self.limits) for u, d in rows] for share in ALONG]
+    def _follow_line(self, xp: Namespace, best_so_far: Planned) -> list[Numbers]:
+        rows = list(zip(best_so_far.origin, best_so_far.direction, strict=True))
+        return [[xp.clip(u + fraction * d, *self.limits) for u, d in rows] for fraction in ALONG]
 
     def _find_direction(
         self, xp: Namespace, plan: Sequence[Scalar], slopes: Sequence[Numbers], residuals: Numbers
     ) -> Numbers:
-        """Return the Gauss-Newton step, without signals at a limit; slopes are those of the energy, then residuals."""
+        """Return the Gauss-Newton step without signals at a limit; `slopes`: of the energy, then of the residuals."""
         count, kinds = len(plan), len(residuals) // self.blocks
         gradient, matrix = Numbers(), [[0.0] * count for _ in range(count)]
         for i, row in enumerate(slopes):
@@ -190,7 +186,7 @@ class Planner(NamedTuple):
             for j in range(i + 1):
                 matrix[i][j] = matrix[j][i] = multiply_inner(row[1 + before :], slopes[j][1 + before :])
         self._charge_changes(plan, gradient, matrix)
-        mean = sum_column([matrix[i][i] for i in range(count)]) / count
+        damping = DAMPING * (sum_column([matrix[i][i] for i in range(count)]) / count) + 1e-9
         low, high = self.limits[0] + RANGE_TOLERANCE * self._range, self.limits[1] - RANGE_TOLERANCE * self._range
         free = [
             xp.negate(xp.either(xp.both(u <= low, g > 0.0), xp.both(u >= high, g < 0.0)))
@@ -198,20 +194,16 @@ class Planner(NamedTuple):
         ]
         rows = [
             [
-                xp.where(xp.both(free[i], free[j]), matrix[i][j], 0.0) + (self._damp(mean) if i == j else 0.0)
+                xp.where(xp.both(free[i], free[j]), matrix[i][j], 0.0) + (damping if i == j else 0.0)
                 for j in range(count)
             ]
             for i in range(count)
         ]
-        (found,) = solve_linear(rows, [[xp.where(f, -g, 0.0) for f, g in zip(free, gradient, strict=True)]])
-        return [xp.where(xp.abs(d) < HUGE, d, 0.0) for d in found]
-
-    @staticmethod
-    def _damp(mean: Scalar) -> Scalar:
-        return DAMPING * mean + 1e-9
+        (direction,) = solve_linear(rows, [[xp.where(f, -g, 0.0) for f, g in zip(free, gradient, strict=True)]])
+        return [xp.where(xp.abs(d) < HUGE, d, 0.0) for d in direction]
 
     def _charge_changes(self, plan: Sequence[Scalar], gradient: Numbers, matrix: list[Numbers]) -> None:
-        """Add what changes of signals add to half the gradient and to the matrix."""
+        """Add the cost of changes to half the gradient and to the matrix."""
         weight = self.price.change / (self.blocks * self._range * self._range)
         for i, u in enumerate(plan):
             before = i - self.drives
@@ -240,12 +232,12 @@ class Planner(NamedTuple):
             state, ahead, wanted, before, residuals, (cost, energy, worst) = cut_pieces(numbers, parts)
             now = ahead[: self.drives]
             outputs = len(self.outputs)
-            found = self._go_block(xp, shape.rebuild(state), now, (wanted[:outputs], wanted[outputs : 2 * outputs]))
-            state, sums, (squares, power, failed) = cut_pieces(found, (size, kinds, 3))
+            result = self._go_block(xp, shape.rebuild(state), now, (wanted[:outputs], wanted[outputs : 2 * outputs]))
+            state, sums, (squares, power, failed) = cut_pieces(result, (size, kinds, 3))
             changes = [((u - v) / self._range) for u, v in zip(now, before, strict=True)]
             cost = cost + (squares + self.price.change * multiply_inner(changes, changes)) / self.blocks
-            share = 1.0 / math.sqrt(self.blocks)
-            residuals = [*residuals[kinds:], *(share * x for x in sums)]
+            scale = 1.0 / math.sqrt(self.blocks)
+            residuals = [*residuals[kinds:], *(scale * x for x in sums)]
             wanted = [*wanted[outputs:], *wanted[:outputs]]
             energy = energy + self.price.energy * power / self.blocks
             worst = xp.maximum(worst, failed)
@@ -253,8 +245,8 @@ class Planner(NamedTuple):
 
         given = [[u + d for u, d in zip(x, cycle(self.shifts))] if self.shifts else x for x in (plan, self.signals)]
         begin = [*flatten_numbers(self.state), *given[0], *self.wanted, *given[1]]
-        found = xp.repeat(self.blocks, block, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
-        *_, residuals, (cost, energy, worst) = cut_pieces(found, parts)
+        result = xp.repeat(self.blocks, block, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
+        *_, residuals, (cost, energy, worst) = cut_pieces(result, parts)
         total = cost + energy
         total = xp.where(xp.both(total < HUGE, worst <= SOLVED), total, HUGE)
         return PlanCost(total, energy, residuals)
@@ -262,48 +254,47 @@ class Planner(NamedTuple):
     def _go_block(
         self, xp: Namespace, state: Any, signals: Sequence[Scalar], wanted: tuple[Numbers, Numbers]
     ) -> Sequence[Scalar]:
-        """Return the state after a block, means of errors, excesses, squares and power, and the worst report."""
+        """Return state, means of errors and excesses, squares, power and worst residual after a block."""
         shape, size, kinds = NestedShape(state), len(flatten_numbers(state)), self._count_kinds()
         part = 1.0 / self.turns
 
         def step(*numbers: Scalar) -> Numbers:
-            flat, means, (squares, power, worst, share) = cut_pieces(numbers, (size, kinds, 4))
+            flat, means, (squares, power, worst, fraction) = cut_pieces(numbers, (size, kinds, 4))
             after, report = self.model.step(xp, shape.rebuild(flat), *signals, dt=self.length * part)
-            seen = dict(zip(self.model.outputs(), self.model.observe(xp, after, *signals), strict=True))
-            share = share + part
-            ahead = [a + share * (b - a) for a, b in zip(*wanted, strict=True)]
-            errors = [(y - seen[n]) / self.price.error for y, n in zip(ahead, self.outputs, strict=True)]
-            errors += self._list_excesses(xp, seen)
+            outputs = dict(zip(self.model.outputs(), self.model.observe(xp, after, *signals), strict=True))
+            fraction = fraction + part
+            ahead = [a + fraction * (b - a) for a, b in zip(*wanted, strict=True)]
+            errors = [(y - outputs[n]) / self.price.error for y, n in zip(ahead, self.outputs, strict=True)]
+            errors += self._list_excesses(xp, outputs)
             squares = squares + part * multiply_inner(errors, errors)
-            power = power + part * sum_column([seen[name] for name in self._list_outputs("power")])
+            power = power + part * sum_column([outputs[name] for name in self._list_outputs("power")])
             means = [x + part * e for x, e in zip(means, errors, strict=True)]
-            return [*flatten_numbers(after), *means, squares, power, xp.maximum(worst, report.residual), share]
+            return [*flatten_numbers(after), *means, squares, power, xp.maximum(worst, report.residual), fraction]
 
         begin = [*flatten_numbers(state), *[0.0] * (kinds + 4)]
-        found = step(*begin) if self.turns == 1 else xp.repeat(self.turns, step, *begin)
-        return found[:-1]
+        result = step(*begin) if self.turns == 1 else xp.repeat(self.turns, step, *begin)
+        return result[:-1]
 
     def _count_kinds(self) -> int:
         hot, strong = self.price.__dict__["_bounded"]
         return len(self.outputs) + hot * len(self._list_outputs("hottest")) + strong * len(self._list_outputs("stress"))
 
-    def _list_excesses(self, xp: Namespace, seen: dict[str, Scalar]) -> Numbers:
-        """Return the excesses over bounds that have a price, times the square root of the price."""
+    def _list_excesses(self, xp: Namespace, outputs: dict[str, Scalar]) -> Numbers:
+        """Return the excesses over priced bounds, times the square root of the price."""
         hot, strong = self.price.__dict__["_bounded"]
-        weight, found = xp.sqrt(self.price.excess), Numbers()
+        weight, excesses = xp.sqrt(self.price.excess), Numbers()
         bounds = ((hot, "hottest", self.price.hottest, KELVIN), (strong, "stress", self.price.strongest, MEGAPASCAL))
         for bounded, kind, bound, unit in bounds:
             if bounded:
-                found += [weight * xp.maximum(seen[n] - bound, 0.0) / unit for n in self._list_outputs(kind)]
-        return found
+                excesses += [weight * xp.maximum(outputs[n] - bound, 0.0) / unit for n in self._list_outputs(kind)]
+        return excesses
 
     def _list_outputs(self, kind: str) -> list[str]:
-        """Return the outputs of all ports that are called so."""
         return [self.model.label(port, kind) for port in self.model.actuators()]
 
 
 def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar]) -> Numbers:
-    """Return the plan of least cost, the first of several; what a plan has of the first one is not chosen again."""
+    """Return the first plan of least cost; values that equal the first plan need no choice."""
     least, chosen = costs[0], 0.0
     for k, cost in enumerate(costs[1:], 1):
         better = cost < least
@@ -317,14 +308,11 @@ def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar
 
 def cut_pieces(numbers: Sequence[Scalar], sizes: Sequence[int]) -> list[Any]:
     """Return the numbers in pieces of these sizes."""
-    found, start = list[Any](), 0
-    for size in sizes:
-        found.append(list(numbers[start : start + size]))
-        start += size
-    return found
+    rest = iter(numbers)
+    return [list(islice(rest, size)) for size in sizes]
 
 
-def shift_plan(plan: Sequence[Scalar], drives: int, share: Scalar) -> Numbers:
-    """Return a plan as it looks a share of a block later; its last signals stay."""
+def shift_plan(plan: Sequence[Scalar], drives: int, fraction: Scalar) -> Numbers:
+    """Return a plan shifted by a fraction of a block; its last signals stay."""
     after = [*plan[drives:], *plan[-drives:]]
-    return [(1.0 - share) * u + share * v for u, v in zip(plan, after, strict=True)]
+    return [(1.0 - fraction) * u + fraction * v for u, v in zip(plan, after, strict=True)]

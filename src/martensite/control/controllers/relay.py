@@ -1,4 +1,4 @@
-"""Controllers that switch between levels, and one that passes its reference on."""
+"""Controllers that switch between levels, and a controller that passes on its reference."""
 
 from collections.abc import Mapping
 
@@ -13,26 +13,25 @@ from martensite.signals.levels import HIGH, MARGIN, TARGET_LEVEL
 
 @CONTROLLERS.register("on-off")
 class OnOff(AbstractController):
-    """A switch that keeps a measured quantity near its target.
+    """A switch that keeps a reading near its target.
 
-        off if y ≥ r,     on if y < r - band,     else as before
+        off if y ≥ r,     on if y < r - band,     else unchanged
 
-    with the target r, the reference, which may move. A late reading overshoots: with a delay t_d of its sensor and a
-    period T of sampling, what moves at the rate v does so by about v (t_d + T).
+    r is the reference, which may move. With a sensor delay t_d and a sample period T, a reading with rate v
+    overshoots by
+    about v (t_d + T).
 
-    A quantity that falls when the signal is on is controlled with `high` below `low`.
+    If the reading falls while the signal is on, choose `high` below `low`.
     """
 
-    band: Number = param(DIFFERENCE, "how far below the target it is on again", low=0.0, default=0.0, typical=MARGIN)
+    band: Number = param(DIFFERENCE, "distance below the target to switch on", low=0.0, default=0.0, typical=MARGIN)
     high: Number = param(DRIVE, "signal while it is on", typical=HIGH)
     low: Number = param(DRIVE, "signal while it is off", default=0.0)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """Off."""
         return (0.0,)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and whether it is on (1) or off (0)."""
         value, (before,) = readings[self.measured], memory
         kept = xp.where(value < reference, before, 0.0)
         on = xp.where(value < reference - self.band, 1.0, kept)
@@ -47,25 +46,25 @@ class TwoLevel(AbstractController):
             u_L   if 0 < e < φ
             u_0   if e ≤ 0,            e = r - y
 
-    Near the target the lower level brings the element there slowly, so that a relay, whose signal never settles, swings
-    less about it. The switching is without memory: it chatters at the rate at which it is sampled. With `sign` = -1 it
-    acts on -e: the second of two elements that pull against each other gets the same controller with the other sign,
-    and is off while the first is on.
+    Near the target the lower level reduces the oscillation of the relay. The switching has no memory and chatters at
+    the
+    sample rate. With `sign` = -1 the relay acts on -e: the second of two antagonistic elements gets the same controller
+    with the other sign, and is off while the first is on.
 
-    Source: the variable structure control of Grant and Hayward (1997) for two antagonistic groups of fibres, where u_H
-    and u_L are currents; original not seen.
+    Source: variable structure control of Grant and Hayward (1997) for two antagonistic groups of fibres, where u_H
+    and u_L
+    are currents; original not seen.
     """
 
     cites = ("grant1997",)
 
     far: Number = param(DIFFERENCE, "error φ from which it is full", above=0.0, typical=MARGIN)
     high: Number = param(DRIVE, "signal u_H far from the target", typical=HIGH)
-    near: Number = param(DRIVE, "signal u_L near it", typical=TARGET_LEVEL)
+    near: Number = param(DRIVE, "signal u_L near the target", typical=TARGET_LEVEL)
     low: Number = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)
-    sign: str = option("sign of the errors that it acts on", "1", "-1", default="1")
+    sign: str = option("sign of the error", "1", "-1", default="1")
 
     def check(self) -> None:
-        """Raise `ParameterError` unless the level near the target lies between the others."""
         least, most = sorted((self.low, self.high))
         if not least <= self.near <= most:
             raise ParameterError(
@@ -73,7 +72,6 @@ class TwoLevel(AbstractController):
             )
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample."""
         error = reference - readings[self.measured]
         error = error if self.sign == "1" else -error
         on = xp.where(error >= self.far, self.high, self.near)
@@ -82,12 +80,13 @@ class TwoLevel(AbstractController):
 
 @CONTROLLERS.register("direct")
 class Direct(AbstractController):
-    """A straight line from the reference to the signal.
+    """A line from the reference to the signal.
 
         u = K r + u_0
 
-    For tests of a plant, for records to identify from, and as what a controller with feedback is compared with. The
-    reference has the unit of the signal; limits are those of the source.
+    It serves tests of a plant, records for identification, and comparisons with feedback. The reference has the unit
+    of the
+    signal; the limits are the limits of the source.
     """
 
     holds = False
@@ -97,13 +96,10 @@ class Direct(AbstractController):
     offset: Number = param(DRIVE, "signal without a reference", default=0.0)
 
     def reads(self) -> tuple[str, ...]:
-        """Nothing."""
         return ()
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
-        """Return the unit of the signal."""
         return signal
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample."""
         return self.gain * reference + self.offset, ()

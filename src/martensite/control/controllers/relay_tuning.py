@@ -1,20 +1,20 @@
-r"""A controller that tunes itself: a relay first, then the PID controller that its limit cycle asks for.
+"""Self-tuning controller: a relay test, then a PID controller with gains from the limit cycle.
 
     tuning   u = bias + d while y < r_0 - ε until y ≥ r_0 + ε, then bias - d
              K_u = 4 d/(π √(a² - ε²)),    P_u,    a = half the range of y in a cycle
     tuned    u = PID, K_p = c_1 K_u,    T_i = c_2 P_u,    T_d = c_3 P_u
 
-`skipped` cycles of coming up are not counted; K_u and P_u are means over the next `cycles`, unless their lengths
-scatter by more than a tenth: then counting restarts. It goes over to the PID controller without a bump: the integral
-begins such that the first signal is the mean of the relay's, which is what holds r_0. A wire that heats faster than it
-cools spends more time at the lower signal, and the describing function is an average over both: with `balance` the
-bias moves, while cycles are skipped, to the mean signal of the last one, so that both take as long.
+The first `skipped` cycles are ignored. K_u and P_u are means over the next `cycles`; if their lengths scatter by more
+than a tenth, counting restarts. The change to PID is bumpless: the integral starts such that the first signal is the
+mean signal of the relay. A wire that heats faster than it cools spends more time at the lower signal, while the
+describing function averages over both. With `balance` the bias moves, during the skipped cycles, to the mean signal of
+the last cycle, so that both times become equal.
 
-There are no gains before the test is over, and none at all where no limit cycle appears in `timeout`: the signal is the
-idle one for good, and `tuning` is -1. What a supervisor cuts makes no cycle either.
+Before the end of the test there are no gains. Without a limit cycle within `timeout` the signal stays idle, and
+`tuning` is -1. Signals that a supervisor cuts make no cycle.
 
-Rules and the describing function: `martensite.design`, relay test. Sources: Åström and Hägglund (1984), with
-Ziegler and Nichols (1942), Tyreus and Luyben (1992), Seborg et al. (2011, no overshoot).
+Rules and describing function: `martensite.control.rules.relay`. Sources: Åström and Hägglund (1984), with Ziegler and
+Nichols (1942), Tyreus and Luyben (1992), Seborg et al. (2011, no overshoot).
 """
 
 import math
@@ -26,7 +26,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Number, option, param, part
 from martensite.base.units import DIFFERENCE, LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
-from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
+from martensite.control.controllers.pid import NO_MEMORY, Gains, PidLaw, PidMemory
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import NestedShape, choose_tuple, flatten_numbers
 from martensite.signals.base import DRIVE
@@ -39,30 +39,30 @@ RELAY_RULES: Mapping[str, Mapping[str, tuple[float, float, float]]] = {
 }
 """K_p/K_u, T_i/P_u and T_d/P_u by rule and form."""
 STEADY = 0.1
-"""Spread of the periods, in shares of their mean, above which a cycle is not steady."""
+"""Spread of the periods over their mean above which a cycle is not steady."""
 TUNING, TUNED, FAILED = 1.0, 0.0, -1.0
 
 
 def find_ultimate_gain(xp: Namespace, relay: Scalar, amplitude: Scalar, hysteresis: Scalar) -> Scalar:
-    """K_u by the describing function of a relay d with hysteresis ε, of a cycle that is a > ε wide to either side."""
+    """Return K_u by the describing function of a relay d with hysteresis ε, for an amplitude a > ε."""
     return 4.0 * relay / (math.pi * xp.sqrt(amplitude**2 - hysteresis**2))
 
 
 class RelayCycle(NamedTuple):
-    """Values of the current relay cycle."""
+    """The present relay cycle."""
 
     on: Scalar
-    """1 at the larger signal, 0 at the smaller one."""
+    """1 at the larger signal, 0 at the smaller."""
     length: Scalar
-    """Time since it was switched on [s]."""
+    """Duration of the cycle [s]."""
     heated: Scalar
-    """Time of the cycle at the larger signal [s]."""
+    """Time at the larger signal [s]."""
     lowest: Scalar
     highest: Scalar
 
 
 class RelaySums(NamedTuple):
-    """Sums over the cycles that count."""
+    """Sums over the counted cycles."""
 
     count: Scalar
     lengths: Scalar
@@ -72,19 +72,18 @@ class RelaySums(NamedTuple):
 
 
 class TuningMemory(NamedTuple):
-    """Memory of a controller that tunes itself."""
+    """Memory of a self-tuning controller."""
 
     stage: Scalar
-    """`TUNING`, `TUNED` or `FAILED`."""
     elapsed: Scalar
-    """Time of the test [s]."""
+    """Duration of the test [s]."""
     turns: Scalar
-    """Number of times that the relay was switched on."""
+    """Number of times that the relay has switched on."""
     bias: Scalar
     gain: Scalar
-    """K_u; 0 before it is known."""
+    """K_u; 0 if unknown."""
     period: Scalar
-    """P_u [s]"""
+    """P_u [s]."""
     cycle: RelayCycle
     sums: RelaySums
     pid: PidMemory
@@ -100,23 +99,22 @@ class RelayTuning(AbstractController):
     cites = ("astrom1984", "ziegler1942", "tyreus1992", "seborg2011")
     integrals = (-3,)
 
-    level: Number = param(LEVEL, "r_0, what the reading swings around during the test", typical=HIGH)
+    level: Number = param(LEVEL, "r_0, mean level of the reading during the test", typical=HIGH)
     bias: Number = param(DRIVE, "mean of the two signals of the relay", default=0.5)
-    amplitude: Number = param(DRIVE, "d, half their difference", above=0.0, default=0.5)
+    amplitude: Number = param(DRIVE, "d, half the difference of the two signals", above=0.0, default=0.5)
     hysteresis: Number = param(
         DIFFERENCE, "ε, half the band without switching: a few times the noise", low=0.0, default=0.0, typical=MARGIN
     )
-    action: str = option("what is measured rises with the signal, or falls", "rising", "falling", default="rising")
+    action: str = option("direction of the reading when the signal rises", "rising", "falling", default="rising")
     balance: str = option("whether the bias moves until both signals last as long", "off", "on", default="off")
     rule: str = option("which gains", *RELAY_RULES, default="tyreus-luyben")
     form: str = option("with a derivative part or without", "pi", "pid", default="pid")
     skipped: Number = param("1", "cycles that are not counted", low=1.0, default=3.0)
-    cycles: Number = param("1", "cycles that are", low=1.0, default=6.0)
-    timeout: Number = param("s", "time after which it gives up", above=0.0, default=120.0)
+    cycles: Number = param("1", "counted cycles", low=1.0, default=6.0)
+    timeout: Number = param("s", "largest duration of the test", above=0.0, default=120.0)
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
 
     def check(self) -> None:
-        """Raise `ParameterError` for a rule that has no such form, or a relay beyond the limits."""
         if self.form not in RELAY_RULES[self.rule]:
             raise ParameterError(f"Relay rule `{self.rule}` is for pid only.")
         low, high = self.bias - self.amplitude, self.bias + self.amplitude
@@ -127,7 +125,6 @@ class RelayTuning(AbstractController):
             )
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """Return the outputs for the stage of the test and the gains found."""
         per = signal if unit == "1" else f"{signal}/{unit}"
         return {
             "tuning": Output("1", "relay test: going on (1), over (0), without a cycle (-1)", "s"),
@@ -139,12 +136,10 @@ class RelayTuning(AbstractController):
         }
 
     def observe(self, xp: Namespace, memory: Column) -> Column:
-        """Return their values; 0 before they are known."""
-        held = self._name_memory(memory)
-        return [held.stage, held.gain, held.period, *self._find_gains(xp, held)]
+        parts = self._name_memory(memory)
+        return [parts.stage, parts.gain, parts.period, *self._find_gains(xp, parts)]
 
     def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
-        """Return a warning if the test has not finished."""
         if last["tuning"] == TUNED:
             return []
         if last["tuning"] == TUNING:
@@ -156,24 +151,22 @@ class RelayTuning(AbstractController):
         ]
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """Before the test."""
-        found = readings[self.measured]
-        away = self._place(found)
+        value = readings[self.measured]
+        away = self._place(value)
         on = xp.where(away < 0.0, 1.0, 0.0)
         cycle = RelayCycle(on, 0.0, 0.0, away, away)
-        pid = self.law.rest(xp, reference, found)
+        pid = self.law.rest(xp, reference, value)
         return flatten_numbers(TuningMemory(TUNING, 0.0, 0.0, self.bias, 0.0, 0.0, cycle, NOTHING, pid))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the memory for the next sample."""
-        before, found = self._name_memory(memory), readings[self.measured]
-        after, mean = self._advance_test(xp, before, self._place(found), dt)
+        before, value = self._name_memory(memory), readings[self.measured]
+        after, mean = self._advance_test(xp, before, self._place(value), dt)
         begins = xp.both(before.stage > 0.5, xp.both(after.stage < 0.5, after.stage > -0.5))
         gains = self._find_gains(xp, after)
-        fresh = self.law.rest(xp, reference, found)
-        fresh = fresh._replace(integral=mean - gains.Kp * (self.law.weight * reference - found))
+        fresh = self.law.rest(xp, reference, value)
+        fresh = fresh._replace(integral=mean - gains.Kp * (self.law.weight * reference - value))
         pid = choose_tuple(xp, begins, fresh, before.pid)
-        signal, pid = self.law.answer(xp, gains, pid, reference, found, dt)
+        signal, pid = self.law.answer(xp, gains, pid, reference, value, dt)
         relay = after.bias + self.amplitude * (2.0 * after.cycle.on - 1.0)
         signal = xp.where(after.stage > -0.5, signal, xp.clip(0.0, self.law.low, self.law.high))
         return xp.where(after.stage > 0.5, relay, signal), flatten_numbers(after._replace(pid=pid))
@@ -183,25 +176,24 @@ class RelayTuning(AbstractController):
 
         A relay test restarts, because its signals were not applied.
         """
-        held, found = self._name_memory(memory), readings[self.measured]
-        pid = self.law.track(xp, self._find_gains(xp, held), held.pid, signal, reference, found)
-        return flatten_numbers(held._replace(elapsed=0.0, turns=0.0, sums=NOTHING, pid=pid))
+        before, value = self._name_memory(memory), readings[self.measured]
+        pid = self.law.track(xp, self._find_gains(xp, before), before.pid, signal, reference, value)
+        return flatten_numbers(before._replace(elapsed=0.0, turns=0.0, sums=NOTHING, pid=pid))
 
-    def _place(self, found: Scalar) -> Scalar:
-        """Return how far a reading is beyond the level, in the direction of the signal."""
-        return found - self.level if self.action == "rising" else self.level - found
+    def _place(self, value: Scalar) -> Scalar:
+        """Return the distance of a reading beyond the level, in the direction of the signal."""
+        return value - self.level if self.action == "rising" else self.level - value
 
     def _find_gains(self, xp: Namespace, memory: TuningMemory) -> Gains:
-        """Return the gains in seconds; 0 before the test is over."""
         Kp, Ti, Td = RELAY_RULES[self.rule][self.form]
-        found = Kp * memory.gain
-        known = memory.period > 0.0
-        return Gains(found, found / (Ti * xp.where(known, memory.period, 1.0)), found * Td * memory.period)
+        gain = Kp * memory.gain
+        measured = memory.period > 0.0
+        return Gains(gain, gain / (Ti * xp.where(measured, memory.period, 1.0)), gain * Td * memory.period)
 
     def _advance_test(
         self, xp: Namespace, before: TuningMemory, away: Scalar, dt: Scalar
     ) -> tuple[TuningMemory, Scalar]:
-        """Return the test a sample later, and the mean signal of the cycles that count."""
+        """Return the test after a sample, and the mean signal of the counted cycles."""
         one = before.cycle
         kept = xp.where(away < self.hysteresis, one.on, 0.0)
         on = xp.where(away < -self.hysteresis, 1.0, kept)
@@ -218,7 +210,7 @@ class RelayTuning(AbstractController):
         return self._judge_cycles(xp, before, after)
 
     def _balance_relay(self, xp: Namespace, after: TuningMemory, whole: RelayCycle, turned: Flag) -> TuningMemory:
-        """With the bias at the mean signal of a whole cycle, as long as cycles are not counted."""
+        """Return the memory with the bias at the mean signal of a whole cycle, during skipped cycles."""
         if self.balance == "off":
             return after
         some = xp.where(whole.length > 0.0, whole.length, 1.0)
@@ -228,7 +220,7 @@ class RelayTuning(AbstractController):
         return after._replace(bias=xp.where(moves, mean, after.bias))
 
     def _judge_cycles(self, xp: Namespace, before: TuningMemory, after: TuningMemory) -> tuple[TuningMemory, Scalar]:
-        """Compute gain and period once there are enough cycles; restart counting where the cycles are not steady."""
+        """Compute gain and period after enough cycles; restart counting if they are not steady."""
         sums = after.sums
         count = xp.where(sums.count > 0.5, sums.count, 1.0)
         period, amplitude = sums.lengths / count, 0.5 * sums.ranges / count
@@ -240,18 +232,18 @@ class RelayTuning(AbstractController):
         gain = find_ultimate_gain(xp, self.amplitude, wide, self.hysteresis)
         gain = gain if self.action == "rising" else -gain
         stage = xp.where(tuned, TUNED, xp.where(late, FAILED, before.stage))
-        share = sums.heated / xp.where(sums.lengths > 0.0, sums.lengths, 1.0)
-        found = after._replace(
+        fraction = sums.heated / xp.where(sums.lengths > 0.0, sums.lengths, 1.0)
+        state = after._replace(
             stage=stage,
             gain=xp.where(tuned, gain, before.gain),
             period=xp.where(tuned, period, before.period),
             sums=choose_tuple(xp, enough, NOTHING, sums),
         )
-        return found, after.bias + self.amplitude * (2.0 * share - 1.0)
+        return state, after.bias + self.amplitude * (2.0 * fraction - 1.0)
 
     def _name_memory(self, memory: Column) -> TuningMemory:
-        cycle, pid = RelayCycle(*[0.0] * len(RelayCycle._fields)), PidMemory(*[0.0] * len(PidMemory._fields))
-        example = TuningMemory(TUNING, 0.0, 0.0, 0.0, 0.0, 0.0, cycle, NOTHING, pid)
+        cycle = RelayCycle(*[0.0] * len(RelayCycle._fields))
+        example = TuningMemory(TUNING, 0.0, 0.0, 0.0, 0.0, 0.0, cycle, NOTHING, NO_MEMORY)
         return NestedShape(example).rebuild(memory)
 
 

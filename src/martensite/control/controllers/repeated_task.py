@@ -1,19 +1,19 @@
-r"""Memory of a controller that learns along a repeated task: one repetition.
+"""Memory of a controller that learns along a repeated task.
 
     w_j(k) = v_j(k) + g e_j(k + λ)
     v_j+1(k) = (1 - φ) Σ_i c_i w_j(k + i),       c_i = C(2 h, h + i)/4^h,   i = -h … h
 
-v_j(k) is what was learned by the repetition j, at the point k = 0 … N - 1 of the task, and e the error. The lead λ
-makes up for how late the plant answers. The weights c are those of a binomial: a filter Q of no phase, which keeps what
-repeats slowly and forgets what the plant cannot follow; it passes cos^2h(ω/2) at ω per point. The share φ is forgotten
-in every repetition. Between points v is linear in time; errors count where they are at a point.
+v_j(k) is the signal learned by repetition j at the points k = 0 … N - 1 of the task, and e the error. The lead λ
+compensates for the delay of the plant. The binomial weights c are a zero-phase filter Q, which passes cos^2h(ω/2) at ω
+per point and removes what the plant cannot follow. The fraction φ is forgotten in every repetition. Between points v
+is linear in time; errors are sampled at the points.
 
-The memory is a line that moves on by one place at every point: values to come, those of the last points, and those
-that wait for their neighbours to be smoothed. One repetition follows the other without a gap.
+The memory is a line that moves by one place at every point: future values, values of the last points, and values that
+wait for their neighbours to be smoothed. Repetitions follow without a gap.
 
-It stops learning when it diverges: when the rms error of a repetition has risen by more than 2 % `PATIENCE` times in a
-row, and by more than the factor `growth` in all. Then the learned signal is used no more. A plant that changes does
-not do that: its error jumps once and is learned away.
+Learning stops if it diverges: if the rms error has risen by more than 2 % in `PATIENCE` successive repetitions, and by
+more than the factor `growth` in total. Then the learned signal is no longer used. After a change of the plant the
+error jumps once and is learned away, so that learning continues.
 """
 
 from __future__ import annotations
@@ -27,58 +27,58 @@ from martensite.base.parameters import Number, Parametrised, param, part
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 PATIENCE = 3
-"""Repetitions in a row, each worse than the one before, after which it may have diverged."""
+"""Successive repetitions with a growing error after which learning may have diverged."""
 RISE = 0.02
-"""Share by which an error must rise to be worse than the one before, and no scatter."""
+"""Relative rise of the error that exceeds scatter."""
 SLIGHT = 1e-6
-"""Part of the time between two points that is rounding."""
+"""Fraction of the time between two points that is rounding."""
 Line: TypeAlias = tuple[Scalar, ...]
 
 
 class TaskScore(NamedTuple):
-    """Score of how well a task is repeated."""
+    """Error of the repetitions."""
 
     squares: Scalar
-    """Squared error of this repetition so far, integrated over time."""
+    """Integral of the squared error of this repetition so far."""
     repetition: Scalar
-    """Whole ones so far."""
+    """Number of complete repetitions."""
     error: Scalar
-    """Rms of the last whole one."""
+    """Rms error of the last complete repetition."""
     streak: Scalar
-    """Repetitions in a row that were worse than the one before."""
+    """Number of successive repetitions with a growing error."""
     start: Scalar
-    """Error before they began."""
+    """Error before this streak."""
     learning: Scalar
-    """1, or 0 since it has diverged."""
+    """1; 0 after divergence."""
 
 
 class TaskMemory(NamedTuple):
-    """Memory of a task."""
+    """Memory of a repeated task."""
 
     elapsed: Scalar
     """Time since the last point [s]."""
     place: Scalar
-    """The last point, from 0."""
+    """Index of the last point."""
     ahead: Line
-    """v of this point and of those to come."""
+    """v of this point and of future points."""
     past: Line
-    """v of the points before, latest first."""
+    """v of past points, newest first."""
     waiting: Line
-    """w, not smoothed yet, latest first."""
+    """w before smoothing, newest first."""
     score: TaskScore
 
 
 class TaskMoment(NamedTuple):
-    """Place of a controller in its task at one sample."""
+    """State of the task in one sample."""
 
     due: Flag
-    """True if a point is due."""
+    """True at a point."""
     begins: Flag
-    """True if it is the first point of a repetition."""
+    """True at the first point of a repetition."""
     learned: Scalar
     """v at this time."""
     memory: TaskMemory
-    """With everything moved on, nothing learned yet."""
+    """Memory at this time, before the error is learned."""
 
 
 class RepeatedTask(Parametrised):
@@ -86,14 +86,13 @@ class RepeatedTask(Parametrised):
 
     period: Number = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     task: Number = param("s", "time from one repetition to the next", above=0.0, typical="10 s")
-    points: int = part("points of a repetition that are remembered", default=100)
-    lead: Number = param("s", "λ, how much later than the signal the plant answers", low=0.0, default=0.0)
+    points: int = part("stored points of a repetition", default=100)
+    lead: Number = param("s", "λ, delay of the plant", low=0.0, default=0.0)
     smoothing: int = part("h, half the width of the filter, in points", default=1)
-    forgetting: Number = param("1", "φ, share that is forgotten in a repetition", low=0.0, high=1.0, default=0.0)
-    growth: Number = param("1", "factor by which an error rises that diverges", low=1.0, default=2.0)
+    forgetting: Number = param("1", "φ, fraction that is forgotten in a repetition", low=0.0, high=1.0, default=0.0)
+    growth: Number = param("1", "growth of the error above which learning diverges", low=1.0, default=2.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` where a task has no such points; fix what decides the program's size."""
         for name, least in (("points", 4), ("smoothing", 0)):
             count = self.__dict__[name]
             if not isinstance(count, int) or count < least:
@@ -114,7 +113,6 @@ class RepeatedTask(Parametrised):
         self.__dict__["_layout"] = (self.points, lead, self.smoothing)
 
     def layout(self) -> tuple[int, ...]:
-        """Return the points of a repetition, of the lead and of half the filter."""
         return self.__dict__["_layout"]
 
     @property
@@ -123,14 +121,14 @@ class RepeatedTask(Parametrised):
         return self.task / self.points
 
     def begin_task(self) -> TaskMemory:
-        """Before the first point: nothing learned."""
+        """Return the memory before the first point."""
         points, lead, half = self.layout()
         ahead, past, waiting = ((0.0,) * count for count in (points - lead - half + 1, lead + half, 2 * half))
         score = TaskScore(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
         return TaskMemory(self.spacing, -1.0, ahead, past, waiting, score)
 
     def advance_task(self, xp: Namespace, before: TaskMemory, dt: Scalar) -> TaskMoment:
-        """Return the moment a time later [s]."""
+        """Return the state of the task after a time [s]."""
         elapsed = before.elapsed + dt
         due = elapsed >= (1.0 - SLIGHT) * self.spacing
         place = before.place + 1.0
@@ -160,25 +158,25 @@ class RepeatedTask(Parametrised):
         *,
         seam: bool = True,
     ) -> TaskMemory:
-        """Return the memory after a sample with this error.
+        """Return the memory after a sample with an error.
 
         Args:
             xp: namespace.
-            now: the moment.
+            now: state of the task.
             gain: g.
-            error: as it is.
-            counted: what of it shall be learned.
-            dt: time since the sample before [s].
-            seam: whether the first errors of a repetition come from the end of the one before.
+            error: measured error.
+            counted: part of the error that is learned.
+            dt: time since the last sample [s].
+            seam: whether the end of a repetition is learned for the start of the next.
         """
         score = self._judge(xp, now, error, dt)
         _, lead, half = self.layout()
         memory = now.memory
-        own = memory.place > lead - 0.5
-        own = xp.either(own, score.repetition > 0.5) if seam else own
-        counted = xp.where(own, score.learning * counted, 0.0)
-        known = (memory.ahead[0], *memory.past)
-        waiting = (known[lead] + gain * counted, *memory.waiting)
+        valid = memory.place > lead - 0.5
+        valid = xp.either(valid, score.repetition > 0.5) if seam else valid
+        counted = xp.where(valid, score.learning * counted, 0.0)
+        values = (memory.ahead[0], *memory.past)
+        waiting = (values[lead] + gain * counted, *memory.waiting)
         smooth = (1.0 - self.forgetting) * sum(c * w for c, w in zip(find_weights(half), waiting, strict=True))
         return memory._replace(
             ahead=(*memory.ahead[:-1], xp.where(now.due, smooth, memory.ahead[-1])),
@@ -187,7 +185,6 @@ class RepeatedTask(Parametrised):
         )
 
     def _judge(self, xp: Namespace, now: TaskMoment, error: Scalar, dt: Scalar) -> TaskScore:
-        """Return the score with one more sample, and at the end of a repetition with that."""
         before = now.memory.score
         squares = before.squares + error**2 * dt
         rms = xp.sqrt(squares / self.task)
@@ -201,12 +198,12 @@ class RepeatedTask(Parametrised):
 
 
 def find_weights(half: int) -> list[float]:
-    """c, the weights of a binomial filter."""
+    """Return the weights c of the binomial filter."""
     return [math.comb(2 * half, i) / 4.0**half for i in range(2 * half + 1)]
 
 
 def _choose_line(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:
-    """Select one of two lines, place by place; a long line in a loop, which a C compiler reads sooner."""
+    """Return one of two lines; an elementwise loop compiles faster than long C code."""
 
     def choose(a: Scalar, b: Scalar) -> tuple[Scalar]:
         return (xp.where(flag, a, b),)

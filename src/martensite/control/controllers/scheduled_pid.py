@@ -1,19 +1,18 @@
-"""A PID controller whose gains follow a schedule, others rising than falling.
+"""PID controller with a schedule of gains, which may differ for rising and falling references.
 
     K(σ) = K_j + (K_j+1 - K_j) (σ - σ_j)/(σ_j+1 - σ_j)       between two points of a table,
 
-and the nearest point beyond them, for K_p, K_i and K_d alike, where σ is the reference or any reading: a plant whose
-gain changes over its stroke gets a loop that does not. With two tables, `rising` counts from where the reference last
-rose and `falling` from where it last fell; before it has ever moved, the sign of the first error decides. It is the
-reference that decides and not the error, whose sign changes with every noise about the target. If the signal raises
-what is measured, rising is heating and falling is cooling, whose rate no signal can help.
+and constant beyond the table, for K_p, K_i and K_d, where σ is the reference or any reading. With two tables, `rising`
+applies after the reference has risen and `falling` after it has fallen; before its first move the sign of the error
+decides. The error itself would change sign with noise. If the signal raises the reading, falling is cooling, whose rate
+no signal can increase.
 
-The integral is a signal, not a sum of errors, so that nothing jumps with K_i. With `gain_change = "bumpless"` nothing
-jumps with K_p and K_d either: the integral, if there is one, takes the step that other gains would make,
+The integral is a signal, not a sum of errors, so that a change of K_i causes no jump. With `gain_change = "bumpless"`
+changes of K_p and K_d cause no jump either: the integral, if any, takes the step,
 
-    I = I_k-1 + (K_p' - K_p) (b r_k-1 - y_k-1) + (K_d' - K_d) D_k-1,        gains of the last sample with a prime
+    I = I_k-1 + (K_p' - K_p) (b r_k-1 - y_k-1) + (K_d' - K_d) D_k-1,        primes: gains of the last sample
 
-Equation, limits and anti-windup are those of `martensite.control.controllers.pid`.
+The law is in `martensite.control.controllers.pid`.
 """
 
 import math
@@ -34,14 +33,14 @@ from martensite.signals.levels import HIGH
 class GainsAt(Parametrised):
     """Gains at a point of the schedule."""
 
-    at: Number = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
+    at: Number = param(LEVEL, "value of the reference or of the reading", typical=HIGH)
     Kp: Number = param(GAIN, "proportional gain", typical=100.0)
     Ki: Number = param(INTEGRAL_GAIN, "integral gain", default=0.0)
     Kd: Number = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
 
 
 class GainSchedule(Members[GainsAt], init=False):
-    """Gains over what decides about them, by names of points, in ascending order."""
+    """Gains by named points, in ascending order."""
 
     noun, kind = "point", GainsAt
 
@@ -57,15 +56,15 @@ class GainSchedule(Members[GainsAt], init=False):
                 )
 
     def gains(self, xp: Namespace, at: Scalar) -> Gains:
-        """Return the gains at a value, piecewise linear."""
+        """Return the gains at a value by linear interpolation."""
         points = list(self.members().values())
         first = points[0]
-        found = Gains(first.Kp, first.Ki, first.Kd)
+        gains = Gains(first.Kp, first.Ki, first.Kd)
         for a, b in pairwise(points):
-            share = xp.clip((at - a.at) / (b.at - a.at), 0.0, 1.0)
+            fraction = xp.clip((at - a.at) / (b.at - a.at), 0.0, 1.0)
             steps = (b.Kp - a.Kp, b.Ki - a.Ki, b.Kd - a.Kd)
-            found = Gains(*(k + share * step for k, step in zip(found, steps, strict=True)))
-        return found
+            gains = Gains(*(k + fraction * step for k, step in zip(gains, steps, strict=True)))
+        return gains
 
 
 class ScheduledMemory(NamedTuple):
@@ -74,18 +73,16 @@ class ScheduledMemory(NamedTuple):
     integral: Scalar
     before: Scalar
     change: Scalar
-    """Filtered change, as in `PidMemory`."""
     reference: Scalar
-    """Reference of the last sample."""
     direction: Scalar
-    """1 since the reference rose, -1 since it fell."""
+    """1 after the reference rose, -1 after it fell."""
 
 
 SCHEDULED = len(ScheduledMemory._fields)
 
 
 class BumplessMemory(NamedTuple):
-    """Additional memory that prevents a step of the signal when the gains change."""
+    """Additional memory for a bumpless change of gains."""
 
     Kp: Scalar
     Kd: Scalar
@@ -95,22 +92,22 @@ class BumplessMemory(NamedTuple):
 
 @CONTROLLERS.register("scheduled-pid")
 class ScheduledPid(AbstractController):
-    """A PID controller with gains over a reading or the reference, rising and falling."""
+    """A PID controller with scheduled gains for rising and falling references."""
 
     cites = ("copaci2019",)
     names_reading = ("over", "measured")
     integrals = (0,)
 
-    over: str = text("name of the reading that decides; the reference if none", default="")
+    over: str = text("name of the reading that selects the gains; default: the reference", default="")
     rising: GainSchedule = part(
         "gains since the reference rose", typical={"low": {"at": "1 mm", "Kp": 100}, "high": {"at": "5 mm", "Kp": 100}}
     )
-    falling: GainSchedule | None = part("gains since it fell; as rising if none", default=None)
+    falling: GainSchedule | None = part("gains since the reference fell; default: as rising", default=None)
     gains_are: str = option(
         "gains of K_p + K_i/s + K_d s, or K_i and K_d of the discrete form C(z)", *GAINS_ARE, default=IN_SECONDS
     )
     gain_change: str = option(
-        "whether a change of gains steps the signal, or the integral takes the step",
+        "change of gains: steps the signal (direct), or the integral takes the step",
         "direct",
         "bumpless",
         default="direct",
@@ -118,54 +115,48 @@ class ScheduledPid(AbstractController):
     law: PidLaw = part("limits, set-point weights, filter and anti-windup", default=PidLaw())
 
     def describe(self, period: float) -> str:
-        """Return the anti-windup, and filter for the gains of the first point, in words."""
         first = self.rising.gains(floats, -math.inf)
         return self.law.describe(first, period, self.gains_are == PER_SAMPLE)
 
     def reads(self) -> tuple[str, ...]:
-        """Return the controlled reading and the reading that selects the gains."""
         return (self.measured, self.over) if self.over else (self.measured,)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """Nothing integrated, in the direction of the error."""
         value = readings[self.measured]
         direction = xp.where(reference < value, -1.0, 1.0)
-        held = ScheduledMemory(*self.law.rest(xp, reference, value), reference, direction)
+        state = ScheduledMemory(*self.law.rest(xp, reference, value), reference, direction)
         if self.gain_change == "direct":
-            return held
+            return state
         gains = self._gains(xp, readings[self.over] if self.over else reference, direction)
-        return (*held, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
+        return (*state, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the memory for the next sample."""
         before = ScheduledMemory(*memory[:SCHEDULED])
-        kept = xp.where(reference < before.reference, -1.0, before.direction)
-        direction = xp.where(reference > before.reference, 1.0, kept)
+        unchanged = xp.where(reference < before.reference, -1.0, before.direction)
+        direction = xp.where(reference > before.reference, 1.0, unchanged)
         at = readings[self.over] if self.over else reference
         gains, sampled = self._gains(xp, at, direction), self.gains_are == PER_SAMPLE
-        value, held = readings[self.measured], PidMemory(*before[:3])
+        value, pid = readings[self.measured], PidMemory(*before[:3])
         if self.gain_change == "bumpless":
-            held = self._take_step(xp, gains, held, BumplessMemory(*memory[SCHEDULED:]))
-        signal, after = self.law.answer(xp, gains, held, reference, value, dt, sampled)
-        found = ScheduledMemory(*after, reference, direction)
+            pid = self._take_step(xp, gains, pid, BumplessMemory(*memory[SCHEDULED:]))
+        signal, after = self.law.answer(xp, gains, pid, reference, value, dt, sampled)
+        state = ScheduledMemory(*after, reference, direction)
         if self.gain_change == "direct":
-            return signal, found
-        return signal, (*found, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
+            return signal, state
+        return signal, (*state, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
 
-    def _take_step(self, xp: Namespace, gains: Gains, held: PidMemory, last: BumplessMemory) -> PidMemory:
-        """With an integral, if there is one, that takes up what other gains change in the signal of the last sample."""
-        step = (last.Kp - gains.Kp) * last.proportional + (last.Kd - gains.Kd) * held.change
-        return held._replace(integral=held.integral + xp.where(xp.abs(gains.Ki) > 0.0, step, 0.0))
+    def _take_step(self, xp: Namespace, gains: Gains, pid: PidMemory, last: BumplessMemory) -> PidMemory:
+        """Return the memory whose integral, if any, takes the step of a change of gains."""
+        step = (last.Kp - gains.Kp) * last.proportional + (last.Kd - gains.Kd) * pid.change
+        return pid._replace(integral=pid.integral + xp.where(xp.abs(gains.Ki) > 0.0, step, 0.0))
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """With the integral that gives the signal."""
-        held = ScheduledMemory(*memory[:SCHEDULED])
-        gains = self._gains(xp, readings[self.over] if self.over else reference, held.direction)
+        state = ScheduledMemory(*memory[:SCHEDULED])
+        gains = self._gains(xp, readings[self.over] if self.over else reference, state.direction)
         pid = self.law.track(xp, gains, PidMemory(*memory[:3]), signal, reference, readings[self.measured])
-        return (*held._replace(integral=pid.integral), *memory[SCHEDULED:])
+        return (*state._replace(integral=pid.integral), *memory[SCHEDULED:])
 
     def _gains(self, xp: Namespace, at: Scalar, direction: Scalar) -> Gains:
-        """Return the given gains for a direction."""
         up = self.rising.gains(xp, at)
         if self.falling is None:
             return up

@@ -3,10 +3,9 @@
     u = u_0 + N (r - y_0) - Σ K_i (z_i - z_0i) + K_I I,    low ≤ u ≤ high
     I_k = I_k-1 + e_k T,    e = r - y
 
-The states z are readings: sensors, estimates of observers, `estimated.NAME`, or without sensors
-outputs of the plant. N says what the signal does ahead of the feedback where the reference leaves
-the level of the operating point. The integral stops where the signal is at a limit and the error
-would drive it further. `martensite.control.synthesis.lqr` finds all numbers.
+The states z are readings: sensors, estimates `estimated.NAME` of observers, or without sensors outputs of the plant. N
+is the feed-forward gain of the reference. The integral stops where the signal is at a limit and the error drives it
+further. `martensite.control.synthesis.lqr` computes all parameters.
 """
 
 from collections.abc import Sequence
@@ -22,18 +21,17 @@ from martensite.signals.base import DRIVE
 
 @CONTROLLERS.register("state-feedback")
 class StateFeedback(AbstractController, SignalLimits):
-    """A signal from all states, such as that of a linear-quadratic regulator."""
+    """State feedback, for example of a linear-quadratic regulator."""
 
-    states: tuple[str, ...] = text("readings that are the states; empty: that measured", default=())
+    states: tuple[str, ...] = text("readings that are the states; default: the measured reading", default=())
     gains: Any = part("gains K, one per state, in signal per SI unit", default=(0.0,))
     at: Any = part("states z_0 of the operating point, in SI", default=(0.0,))
     signal: Number = param(DRIVE, "signal u_0 of the operating point", default=0.0)
-    level: Number = param(LEVEL, "what is measured there, y_0", default=0.0)
+    level: Number = param(LEVEL, "reading y_0 of the operating point", default=0.0)
     prefilter: Number = param("1", "gain N of the reference", default=0.0)
     Ki: Number = param("1/s", "gain K_I of the integral of the error", default=0.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless there is a gain and a value for every state."""
         title = "state-feedback"
         for name in ("gains", "at"):
             row = self.__dict__[name] = as_row(title, name, self.__dict__[name])
@@ -46,36 +44,33 @@ class StateFeedback(AbstractController, SignalLimits):
 
     @property
     def named(self) -> tuple[str, ...]:
-        """Return the readings that are the states."""
-        given = (self.states,) if isinstance(self.states, str) else self.states
-        return given or (self.measured,)
+        """Return the names of the readings that are the states."""
+        states = (self.states,) if isinstance(self.states, str) else self.states
+        return states or (self.measured,)
 
     def reads(self) -> tuple[str, ...]:
-        """Return the measured reading and the states."""
         return self.measured, *self.named
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """Nothing integrated."""
         return (0.0,)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Return the signal of this sample, and the integral."""
         added = (reference - readings[self.measured]) * dt
         integral = memory[0] + added
         wanted = self.signal + self.prefilter * (reference - self.level) + self.Ki * integral
         rows = zip(self.named, self.gains.numbers, self.at.numbers, strict=True)
         for name, gain, value in rows:
             wanted = wanted - gain * (readings[name] - value)
-        kept = self.hold_integral(xp, wanted, self.Ki * added, memory[0], integral)
-        return xp.clip(wanted, self.low, self.high), (kept,)
+        held = self.hold_integral(xp, wanted, self.Ki * added, memory[0], integral)
+        return xp.clip(wanted, self.low, self.high), (held,)
 
 
 class NumberedGains(Parametrised):
-    """Numbers n1, n2, … in their order.
+    """A row of numbers n1, n2, …, such as gains or weights.
 
-    Gains of a state feedback or weights of a hysteresis come in any number. As a row they are leaves like all others,
-    `gains.n1`, `gains.n2`, …: they may differ from lane to lane and have derivatives, and two rows of one length share
-    a traced program.
+    As a row they are leaves, `gains.n1`, `gains.n2`, …: they may differ in a batch and have derivatives, and two rows
+    of
+    one length share a traced program.
     """
 
     def __init__(self, **numbers: float) -> None:
@@ -91,16 +86,14 @@ class NumberedGains(Parametrised):
 
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """Return one parameter per number."""
         return {name: _convert_number(place) for place, name in enumerate(self.__dict__, 1)}
 
     def layout(self) -> tuple[int, ...]:
-        """Return the number of gains."""
         return (len(self.__dict__),)
 
     @property
     def numbers(self) -> tuple[Scalar, ...]:
-        """Return all of them."""
+        """Return all numbers."""
         return tuple(self.__dict__.values())
 
 
@@ -109,7 +102,7 @@ def _convert_number(place: int) -> Declared:
 
 
 def as_row(owner: str, name: str, given: Any) -> NumberedGains:
-    """Return a row, of a sequence of numbers too; `ParameterError` if it is neither."""
+    """Return a row or a sequence of numbers as a row; raise `ParameterError` for anything else."""
     if isinstance(given, NumberedGains):
         return given
     if isinstance(given, str) or not isinstance(given, Sequence):

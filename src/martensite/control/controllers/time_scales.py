@@ -1,4 +1,4 @@
-"""Times that full and zero signal need to move a system: a measure for the horizon."""
+"""Times in which full and zero signal move a system, for the choice of a horizon."""
 
 from typing import NamedTuple
 
@@ -11,27 +11,27 @@ from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes, Numbers
 
 FIRST, DOUBLINGS = 64, 8
-"""Steps of the first look, and how often it is made twice as long."""
+"""Steps of the first simulation, and number of doublings."""
 BEGUN, HALF, MOST, SETTLED = 0.1, 0.5, 0.9, 0.01
 
 
 class TimeScales(NamedTuple):
-    """Times of a system [s]."""
+    """Response times of a system [s]."""
 
     start: float
-    """Until full signal, from rest, has made a tenth of the travel."""
+    """Until full signal has made a tenth of the travel from the steady state."""
     up: float
-    """Until it has made half of it."""
+    """Until it has made half of the travel."""
     down: float
-    """From nine tenths of it, until no signal has left half."""
+    """From nine tenths of the travel, until zero signal has left half."""
 
 
 def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
-    """Measure how long full and zero signal need to move an output.
+    """Measure the time in which full and zero signal move an output.
 
     Args:
-        system: a system with one drive.
-        output: what shall move.
+        system: system with one drive.
+        output: name of the output.
         low: least signal.
         high: largest signal.
 
@@ -47,29 +47,28 @@ def measure_reach(system: AbstractSystem, output: str, low: float, high: float) 
     top = float(up[-1])
     if not np.isfinite(top) or abs(top - rest) <= 1e-12 * max(abs(rest), 1e-9):
         raise ParameterError(f"The signal {high:g} does not move `{output}` of the model.")
-    share = (up - rest) / (top - rest)
+    fraction = (up - rest) / (top - rest)
     lanes.reset(low)
-    lanes.advance(np.full((_count_until(share >= MOST), 1, 1), high), dt)
+    lanes.advance(np.full((_count_until(fraction >= MOST), 1, 1), high), dt)
     down = (_settle_output(lanes, low, dt, index, top) - rest) / (top - rest)
     return TimeScales(
-        dt * _count_until(share >= BEGUN), dt * _count_until(share >= HALF), dt * _count_until(down <= HALF)
+        dt * _count_until(fraction >= BEGUN), dt * _count_until(fraction >= HALF), dt * _count_until(down <= HALF)
     )
 
 
 def _settle_output(lanes: Lanes, signal: float, dt: float, index: int, before: float) -> Numbers:
-    """Return an output under one signal until it hardly changes."""
-    found = np.array([before])
+    values = np.array([before])
     steps = FIRST
     for _ in range(DOUBLINGS):
         more = lanes.advance(np.full((steps, 1, 1), signal), dt)[:, index, 0]
-        found = np.concatenate([found, more])
-        steps = len(found)
+        values = np.concatenate([values, more])
+        steps = len(values)
         change = abs(more[-1] - more[0])
-        if change <= SETTLED * np.ptp(found) and np.ptp(found) > 0.0:
+        if change <= SETTLED * np.ptp(values) and np.ptp(values) > 0.0:
             break
-    return found[1:]
+    return values[1:]
 
 
 def _count_until(flags: NDArray[np.bool_]) -> int:
-    """After how many steps flags are up for the first time; all of them, if never."""
+    """Return the number of steps until the first flag; the length if there is none."""
     return 1 + int(np.argmax(flags)) if np.any(flags) else len(flags)
