@@ -1,1 +1,1 @@
-"""The virtual bench: a plant with its sensors, observers, controllers, supervisor, faults."""
+"""Virtual bench: a plant with sensors, observers, controllers, supervisor and faults."""

@@ -1,16 +1,16 @@
-"""The bench: a plant in its loops, as one system in discrete time.
+"""Bench: a plant in its loops, as one system in discrete time.
 
 In every period, from t_k to t_k+1 = t_k + T:
 
-    signals wanted at t_k → supervisor → plant goes on to t_k+1 → sensors → observers → controllers
+    signals wanted at t_k → supervisor → plant advances to t_k+1 → sensors → observers → controllers
 
-so that what a run shows at t_k belongs together: state, readings made then, the signals they led to. Controllers sample
-once per period; the plant goes in `substeps` steps meanwhile. The whole is one kernel: a bench is a system, and runs
-wherever a system runs, on floats, in C, in batches and with derivatives.
+so that a row of a run at t_k is consistent: state, readings of that time, and the signals that they cause. Controllers
+sample once per period; the plant advances in `substeps`. A bench is one kernel and a system, and runs on floats, in C,
+in batches and with derivatives.
 
-What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), `manual` and `automatic` of
-one that has a manual mode, the drives of the plant that no controller has, and for every sensor `noise.NAME` and
-`jitter.NAME`, standard normal numbers; what is not given is 0, so that a run without them is one without noise.
+The drives of a bench are `reference` of its controller (`reference.DRIVE` for several), `manual` and `automatic` of a
+manual mode, the drives of the plant without a controller, and for every sensor `noise.NAME` and `jitter.NAME`,
+standard normal numbers; the default 0 is a run without noise.
 """
 
 import math
@@ -41,118 +41,107 @@ from martensite.simulate.api import steps_in
 
 
 class Bench(AbstractSystemAround, init=False):
-    """A plant with everything around it."""
+    """A plant with its sensors, observers, controllers, supervisor and faults."""
 
     period: Number = param("s", "time from one sample to the next", above=0.0)
-    sensors: Sensors = part("sensors by name; without any, everything is known", default=Sensors())
+    sensors: Sensors = part("sensors by name; without sensors, the outputs of the plant are read", default=Sensors())
     observers: Observers = part("observers by name", default=Observers())
     controllers: Controllers = part("controllers by drive of the plant", default=Controllers())
-    supervisor: AbstractSupervisor | None = part("who has the last word", SUPERVISORS, default=None)
-    faults: FaultTable = part("what goes wrong, by name", default=FaultTable())
-    substeps: int = part("steps of the plant in a period; 0: as many as it needs", default=0)
+    supervisor: AbstractSupervisor | None = part("supervisor of all signals", SUPERVISORS, default=None)
+    faults: FaultTable = part("faults by name", default=FaultTable())
+    substeps: int = part("steps of the plant in a period; 0: automatic", default=0)
     switching: str = option(
-        "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the share that it says",
+        "a switch (`pwm-voltage`): averaged over the period, or closed for its duty cycle from the start",
         "averaged",
         "pulses",
         default="averaged",
     )
 
     def check(self) -> None:
-        """Raise `ParameterError` where names do not fit; fix what decides the program's size."""
         check_bench(self)
         pieces = self.substeps or steps_in(self.plant, self.period)
         every = self.faults.members().values()
-        kept = (
+        counts = (
             mounted.count_delayed(self.period, sum(fault.latest(name) for fault in every))
             for name, mounted in self.sensors.members().items()
         )
-        self.__dict__["_layout"] = (pieces, *kept)
+        self.__dict__["_layout"] = (pieces, *counts)
 
     def layout(self) -> tuple[int, ...]:
-        """Return the steps in a period, and readings that every sensor keeps."""
         return self.__dict__["_layout"]
 
     @property
     def turns(self) -> int:
-        """Return the steps of the plant in a period."""
+        """Return the number of steps of the plant in a period."""
         return self.layout()[0]
 
     def sample_time(self) -> float:
-        """Return the period [s]."""
         return self.period
 
     def description(self) -> str:
-        """Return a description such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
         kinds = [one.registered_name for one in self.controllers.members().values()]
         return f"{self.plant.description()}{', under ' if kinds else ''}{', '.join(kinds)}"
 
     def drives(self) -> list[DriveSignal]:
-        """Return the references, drives of the plant that are free, noise and jitter."""
         return names.list_drives(self)
 
     def outputs(self) -> dict[str, Output]:
-        """Return outputs of the plant, then readings, estimates, references, wanted signals, controllers, the alarm."""
         return names.list_outputs(self)
 
     def profile(self, state: BenchState) -> list[Column]:
-        """Nothing: that of the plant is not kept."""
         return []
 
     def init(self, xp: Namespace, *drives: Scalar) -> BenchState:
-        """Return the plant at rest under no signal of a controller; readings are those of rest."""
         given = period.sorted_inputs(self, drives)
         idle = period.collect_idle(self, given)
         plant = period.apply_faults(self, xp, 0.0)
         state = plant.init(xp, *idle.values())
-        known = period.collect_truth(self, xp, plant, state, idle)
+        readings = period.collect_truth(self, xp, plant, state, idle)
         rows = zip(self.sensors.members().values(), given.numbers, self.layout()[1:], strict=True)
-        sensors = tuple(one.rest(xp, known, noise, kept) for one, (noise, _), kept in rows)
-        known = period.collect_readings(self, sensors, known)
-        observers, controllers, held, _ = period.begin_loop(self, xp, known, given)
-        return BenchState(0.0, state, sensors, observers, controllers, held)
+        sensors = tuple(one.rest(xp, readings, noise, kept) for one, (noise, _), kept in rows)
+        readings = period.collect_readings(self, sensors, readings)
+        observers, controllers, supervisor, _ = period.begin_loop(self, xp, readings, given)
+        return BenchState(0.0, state, sensors, observers, controllers, supervisor)
 
     def step(self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar) -> tuple[BenchState, StepReport]:
-        """Advance by one period, whatever `dt`: the plant goes on, then everything samples."""
         given = period.sorted_inputs(self, drives)
         allowed = period.apply_supervisor(self, xp, state, given)
         signals = period.deliver_signals(self, xp, state.time, allowed.signals)
-        plant, pieces = (period.apply_faults(self, xp, state.time), period.split_period(self, xp, signals))
-        after, report = advance_steps(xp, plant, state.plant, pieces, self.turns)
+        plant = period.apply_faults(self, xp, state.time)
+        after, report = advance_steps(xp, plant, state.plant, period.split_period(self, xp, signals), self.turns)
         time = state.time + self.period
-        known = period.collect_truth(self, xp, period.apply_faults(self, xp, time), after, signals)
-        sensors = period.update_sensors(self, xp, state.sensors, known, given, time)
-        known = period.collect_readings(self, sensors, known)
-        observers = period.update_observers(self, xp, state.observers, known, allowed.signals)
-        known |= period.collect_estimates(self, observers)
-        controllers = period.update_controllers(self, xp, state.controllers, known, given)
-        memory = tuple(allowed.memory)
-        return BenchState(time, after, sensors, observers, controllers, memory), report
+        readings = period.collect_truth(self, xp, period.apply_faults(self, xp, time), after, signals)
+        sensors = period.update_sensors(self, xp, state.sensors, readings, given, time)
+        readings = period.collect_readings(self, sensors, readings)
+        observers = period.update_observers(self, xp, state.observers, readings, allowed.signals)
+        readings |= period.collect_estimates(self, observers)
+        controllers = period.update_controllers(self, xp, state.controllers, readings, given)
+        return BenchState(time, after, sensors, observers, controllers, tuple(allowed.memory)), report
 
     def observe(self, xp: Namespace, state: BenchState, *drives: Scalar) -> list[Scalar]:
-        """Everything, at a sample."""
         given = period.sorted_inputs(self, drives)
         allowed = period.apply_supervisor(self, xp, state, given)
         signals = period.deliver_signals(self, xp, state.time, allowed.signals)
         plant = period.apply_faults(self, xp, state.time)
         seen = plant.observe(xp, state.plant, *signals.values())
         readings = [one.reading for one in state.sensors]
-        guesses = [value for one in state.observers for value in one.estimates]
-        held = [one.wanted for one in state.controllers]
-        loops = [value for pair in zip(given.references, held, strict=True) for value in pair]
-        said = period.collect_controller_outputs(self, xp, state.controllers).values()
+        estimates = [value for one in state.observers for value in one.estimates]
+        controllers = [one.wanted for one in state.controllers]
+        loops = [value for pair in zip(given.references, controllers, strict=True) for value in pair]
+        own = period.collect_controller_outputs(self, xp, state.controllers).values()
         alarm = [] if self.supervisor is None else [allowed.alarm]
         shaped = period.collect_shaped(self, state.controllers)
-        return [*seen, *readings, *guesses, *loops, *shaped, *said, *alarm]
+        return [*seen, *readings, *estimates, *loops, *shaped, *own, *alarm]
 
 
 def check_bench(bench: Bench) -> None:
-    """Raise `ParameterError` for the first name of a bench that is not known where it is used."""
-    known, drives = names.list_truths(bench), [drive.name for drive in bench.plant.drives()]
+    """Raise `ParameterError` for a name that does not exist where it is used."""
+    truths, drives = names.list_truths(bench), [drive.name for drive in bench.plant.drives()]
     for name, mounted in bench.sensors.members().items():
         for seen in mounted.sees():
-            if seen not in known:
+            if seen not in truths:
                 raise ParameterError(
-                    f"Sensor `{name}` looks at `{seen}`, which the plant does not have. {suggest_name(seen, known)}"
+                    f"Sensor `{name}` looks at `{seen}`, which the plant does not have. {suggest_name(seen, truths)}"
                 )
     for name in bench.controllers.members():
         if name not in drives:
@@ -188,20 +177,20 @@ def _check_readings(bench: Bench) -> None:
 
 
 def _check_estimates(bench: Bench) -> None:
-    """Every estimate comes from one observer."""
-    found: dict[str, str] = {}
+    """Raise `ParameterError` unless every estimate comes from one observer."""
+    owners: dict[str, str] = {}
     for title, observer in bench.observers.members().items():
         for name in observer.estimates():
-            if name in found:
+            if name in owners:
                 raise ParameterError(
-                    f"Observers `{found[name]}` and `{title}` both estimate `{name}`; a bench has "
+                    f"Observers `{owners[name]}` and `{title}` both estimate `{name}`; a bench has "
                     f"one estimate of a name."
                 )
-            found[name] = title
+            owners[name] = title
 
 
 def _check_leaders(bench: Bench) -> None:
-    """Every follower has one leader, and who leads, or looks ahead, finds who it speaks of."""
+    """Raise `ParameterError` unless every follower has one leader, and every named drive a controller."""
     members, led = bench.controllers.members(), list[str]()
     for drive, one in members.items():
         for name in (*one.led_drives(), *one.list_previews()):
@@ -227,15 +216,16 @@ def _require_names(who: str, names: tuple[str, ...], readings: Mapping[str, obje
 
 
 def _check_faults(bench: Bench, drives: list[str]) -> None:
-    known = {"sensor": list(bench.sensors.members()), "drive": drives}
+    places = {"sensor": list(bench.sensors.members()), "drive": drives}
     for title, fault in bench.faults.members().items():
-        for name, what in fault.names().items():
-            if name not in known[what]:
-                raise ParameterError(f"Fault `{title}`: there is no {what} `{name}`. {suggest_name(name, known[what])}")
+        for name, kind in fault.names().items():
+            if name not in places[kind]:
+                raise ParameterError(
+                    f"Fault `{title}`: there is no {kind} `{name}`. {suggest_name(name, places[kind])}"
+                )
 
 
 def _check_switching(bench: Bench) -> None:
-    """Pulses are for one switch."""
     sources = [one.source for one in bench.plant.actuators().values()]
     one = len(bench.plant.drives()) == 1 and len(sources) == 1
     duty = one and isinstance(sources[0], AbstractSwitch) and sources[0].unit == "1"

@@ -1,4 +1,4 @@
-"""Findings of a check of loops that need no run: impossible signals, guard limits above those of the element."""
+"""Findings about loops that need no run: signals out of reach, and guard limits above element limits."""
 
 from __future__ import annotations
 
@@ -21,28 +21,26 @@ if TYPE_CHECKING:
     from martensite.physics.electrical.base import AbstractSource
 
 LIMITS, HOLDERS = ("low", "high"), ("", "law", "inner.law")
-"""Parameters that are the least and the largest signal, and the parts of controllers that hold them."""
+"""Parameters that are the least and largest signal, and the parts of controllers that have them."""
 ROUNDING, SHORT = 1e-9, 0.05
-"""Shares of a limit of the source that do not count: of a duty, and of a supply, since resistance changes."""
+"""Tolerances of the limits of a source: of a duty cycle, and of a supply, whose reach changes with the resistance."""
 
 
 @dataclass(frozen=True)
 class LoopFinding:
-    """One thing that a check finds in a loop."""
+    """One finding of a check of a loop."""
 
     test: str
-    """Name of the test."""
     where: str
-    """Path of the number that is to be looked at."""
+    """Path of the parameter."""
     sentence: str
     number: float
     """Measured value, in the SI `unit`."""
     allowed: float
-    """Upper limit of the value, or its lower limit."""
     unit: str
     remedy: str
     fault: bool
-    """True if the loop cannot do what it is for; else it is a caution."""
+    """True if the loop cannot work; False for a caution."""
 
     def __str__(self) -> str:
         """Return the sentence with its remedy."""
@@ -50,41 +48,45 @@ class LoopFinding:
 
 
 def check_signals(bench: Bench) -> list[LoopFinding]:
-    """Return the limits of the signals of a bench's controllers that the sources cannot give."""
-    found = list[LoopFinding]()
+    """Return the limits of controllers that the sources cannot reach."""
+    findings = list[LoopFinding]()
     for drive, controller in bench.controllers.members().items():
-        found.extend(_judge_span(f"controllers.{drive}", list_limits(controller)))
+        findings.extend(_judge_span(f"controllers.{drive}", list_limits(controller)))
         source, ohms = find_source(bench.plant, drive)
         if source is not None:
             for path, value in list_limits(controller).items():
-                found.extend(_judge_limit(f"controllers.{drive}.{path}", value, source, ohms))
-    return found
+                findings.extend(_judge_limit(f"controllers.{drive}.{path}", value, source, ohms))
+    return findings
 
 
 def _judge_span(where: str, limits: Mapping[str, float]) -> Iterator[LoopFinding]:
     level = max(limits.values(), default=0.0)
     if len(limits) > 1 and min(limits.values()) == level:
-        said = f"The least and the largest signal of `{where}` are both {level:.3g}: nothing is controlled."
-        yield LoopFinding("signal", where, said, 0.0, 0.0, "1", "Try a larger `high`.", fault=True)
+        sentence = f"The least and the largest signal of `{where}` are both {level:.3g}: nothing is controlled."
+        yield LoopFinding("signal", where, sentence, 0.0, 0.0, "1", "Try a larger `high`.", fault=True)
 
 
 def check_guard(bench: Bench) -> list[LoopFinding]:
-    """Return a fault for every limit of the guard of a bench that is above the limit of its element."""
+    """Return a fault for every limit of the guard above the limit of its element."""
     checks = bench.supervisor.checks.members() if isinstance(bench.supervisor, Guard) else {}
     return [
-        found for name, one in checks.items() for found in _judge_guard(bench, f"supervisor.checks.{name}.limit", one)
+        finding
+        for name, one in checks.items()
+        for finding in _judge_guard(bench, f"supervisor.checks.{name}.limit", one)
     ]
 
 
 def _judge_guard(bench: Bench, where: str, check: AbstractCheck) -> Iterator[LoopFinding]:
-    known = find_known_limit(bench, check.registered_name, vars(check))
-    if known is None or check.value_of("limit") <= known * (1.0 + ROUNDING):
+    most = find_known_limit(bench, check.registered_name, vars(check))
+    if most is None or check.value_of("limit") <= most * (1.0 + ROUNDING):
         return
     limit, unit = check.value_of("limit"), check.declarations["limit"].unit
-    own = write_quantity(known, unit, 4)
-    said = f"`{where}` is {write_quantity(limit, unit, 4)}, above the limit of the element, {own}: it is not protected."
+    own = write_quantity(most, unit, 4)
+    sentence = (
+        f"`{where}` is {write_quantity(limit, unit, 4)}, above the limit of the element, {own}: it is not protected."
+    )
     remedy = f'Try `limit = "{own}"`, or change the `limits` of the element.'
-    yield LoopFinding("guard", where, said, limit, known, unit, remedy, fault=True)
+    yield LoopFinding("guard", where, sentence, limit, most, unit, remedy, fault=True)
 
 
 def list_limits(controller: AbstractController) -> dict[str, float]:
@@ -97,13 +99,13 @@ def list_limits(controller: AbstractController) -> dict[str, float]:
 
 
 def find_source(plant: AbstractSystem, drive: str) -> tuple[AbstractSource | None, float]:
-    """Return the source that a drive of a plant is the signal of, and the resistance [ohm] of its element at rest."""
+    """Return the source of a drive, and the resistance of its element in the steady state [ohm]."""
     for port, one in plant.actuators().items():
         if plant.drive_at(port) == drive:
             signals = [one.environment.temperature if each.unit == "K" else 0.0 for each in plant.drives()]
             rest: Any = plant.observe(floats, plant.init(floats, *signals), *signals)
-            seen = dict(zip(plant.outputs(), rest, strict=True))
-            return one.source, float(seen[plant.label(port, "resistance")])
+            outputs = dict(zip(plant.outputs(), rest, strict=True))
+            return one.source, float(outputs[plant.label(port, "resistance")])
     return None, math.nan
 
 
@@ -114,12 +116,12 @@ def _judge_limit(where: str, value: float, source: AbstractSource, ohms: float) 
     idle, *sizes = (source.current(floats, u, ohms) ** 2 for u in (0.0, value, -value))
     heats = value < 0.0 and min(sizes) > idle
     if heats:
-        said = f"{words}: below 0 the element is heated again, and the loop turns its sign."
-        yield LoopFinding("signal", where, said, value, 0.0, unit, f"Try `{name} = 0`.", fault=True)
+        sentence = f"{words}: below 0 the element is heated again, and the loop turns its sign."
+        yield LoopFinding("signal", where, sentence, value, 0.0, unit, f"Try `{name} = 0`.", fault=True)
     for bound, beyond, side in ((reach.least, reach.least - value, "least"), (reach.most, value - reach.most, "most")):
         if beyond > slack * max(abs(bound), ROUNDING) and not heats:
             at = "" if unit == "1" else f" at {ohms:.3g} ohm"
-            said = f"{words}, but `{title}` can be given {write_quantity(bound, unit, 4)} at {side}{at}."
+            sentence = f"{words}, but `{title}` can be given {write_quantity(bound, unit, 4)} at {side}{at}."
             level = write_quantity(bound, unit, 3)
             remedy = f"Try `{name} = {level}`." if unit == "1" else f'Try `{name} = "{level}"`.'
-            yield LoopFinding("signal", where, said, value, bound, unit, remedy, fault=unit == "1")
+            yield LoopFinding("signal", where, sentence, value, bound, unit, remedy, fault=unit == "1")

@@ -1,4 +1,4 @@
-"""Signals of a controller whose readings and reference do not change, sample by sample."""
+"""Signals of a controller at constant readings and a constant reference."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from martensite.kernels.program import Program
 def iterate_signals(
     controller: AbstractController, readings: Mapping[str, float], reference: float, period: float, samples: int
 ) -> Iterator[float]:
-    """Yield the signals of a controller that starts at rest and reads the same in every sample.
+    """Yield the signals of a controller at constant readings, from its initial memory.
 
-    The second and all later samples are traced: a controller that carries a model, such as a feed-forward, takes
-    100 times as long on floats.
+    Samples after the first are traced: on floats a controller with a model, such as a feed-forward, is 100 times
+    slower.
 
     Args:
-        controller: answers without the slew limit and the manual signals around it.
+        controller: controller, without its slew limit and manual mode.
         readings: readings and previews of the reference by name, in SI.
         reference: reference in SI.
-        period: time between two samples [s].
+        period: sample period [s].
         samples: number of signals.
     """
     memory: Sequence[float] = controller.rest(floats, reference, readings)
@@ -31,8 +31,8 @@ def iterate_signals(
     if samples == 1:
         return
 
-    def answer(xp: Namespace, *held: Scalar) -> Sequence[Scalar]:
-        signal, after = controller.answer(xp, held, reference, readings, period)
+    def answer(xp: Namespace, *numbers: Scalar) -> Sequence[Scalar]:
+        signal, after = controller.answer(xp, numbers, reference, readings, period)
         return [signal, *after]
 
     program = Program()

@@ -1,12 +1,12 @@
-r"""Rule by which a loop reports, without knowing its output, that it may miss its reference.
+"""Rule by which a loop reports, without measuring its output, that it may miss its reference.
 
     expected = √(mean of (x̂ - r)² + s²) / span of r        miss: expected > 4 %, or any confidence < 0.8
 
-x̂ is the estimate that the loop follows, s its standard deviation and r the reference. Samples count once the estimates
-have settled: 30 s after the calibration of the observer, or from the start without a calibration.
+x̂ is the controlled estimate, s its standard deviation and r the reference. Samples count after the estimates have
+settled: 30 s after the calibration of the observer, or from the start without a calibration.
 
-Both bounds were chosen on 2000 random wires, for at least 97 % of those that miss by more than 5 % of the span
-(`benchmarks.unknown_wires`, which applies the same functions to many wires at once).
+Both bounds were chosen on 2000 random wires to detect at least 97 % of the wires that miss by more than 5 % of the span
+(`benchmarks.unknown_wires`).
 """
 
 from __future__ import annotations
@@ -20,18 +20,17 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 EXPECTED, TRUSTED = 0.04, 0.8
-"""Largest expected error over the span, and least confidence, of a loop that does not miss."""
+"""Largest expected error over the span, and least confidence, without a miss."""
 SETTLING = 30.0
 """Time after a calibration in which the estimates settle [s]."""
 
 
 class Expectation(NamedTuple):
-    """Expected error and confidence of a loop: two numbers, or two arrays with a number per batch element."""
+    """Expected error and confidence of a loop: numbers, or arrays over a batch."""
 
     error: Any
     """Expected rms error over the span of the reference; NaN if the reference is constant."""
     confidence: Any
-    """Least confidence."""
 
     @property
     def misses(self) -> Any:
@@ -40,12 +39,12 @@ class Expectation(NamedTuple):
 
 
 def expect_error(guess: Any, spread: Any, reference: Any, confidence: Any) -> Expectation:
-    """Return what a loop expects of itself over the samples that count.
+    """Return the expected error and confidence over the given samples.
 
     Args:
-        guess: estimates that the loop follows, shape (samples, ...).
+        guess: controlled estimates, shape (samples, ...).
         spread: their standard deviations, of the same shape or 0.
-        reference: the reference, of the same shape or one that broadcasts to it.
+        reference: reference, broadcast to this shape.
         confidence: confidence of the observer, shape (samples, ...).
     """
     size = np.sqrt(np.mean((guess - reference) ** 2 + np.square(spread), axis=0))
@@ -54,19 +53,19 @@ def expect_error(guess: Any, spread: Any, reference: Any, confidence: Any) -> Ex
 
 
 def find_settled(times: NDArray[np.float64], calibrating: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which samples count, by their times [s] and whether the observer calibrates at each of them."""
+    """Return which samples count, from their times [s] and the calibrating samples."""
     if not calibrating.any():
         return np.ones(len(times), bool)
     return times > times[calibrating][-1] + SETTLING
 
 
 def describe_expected_miss(result: Result, drive: str, name: str, reference: str) -> list[str]:
-    """Return a warning where a loop expects to miss its reference; none if its observer has no confidence.
+    """Return a warning if a loop expects to miss its reference; empty without a confidence.
 
     Args:
         result: run of the loop.
         drive: drive of its controller.
-        name: column of the estimate that the controller follows.
+        name: column of the controlled estimate.
         reference: column of the reference.
     """
     owner, columns = name.rpartition(".")[0], result.columns
@@ -80,13 +79,13 @@ def describe_expected_miss(result: Result, drive: str, name: str, reference: str
             f"Warning: The run ends before the estimates have settled, {SETTLING:g} s after the calibration: it does "
             f"not show whether `{drive}` misses its reference. Try a longer `duration`."
         ]
-    found = expect_error(*(np.array(columns[one])[settled] for one in names))
-    if not found.misses:
+    expectation = expect_error(*(np.array(columns[one])[settled] for one in names))
+    if not expectation.misses:
         return []
-    trusted = f"confidence down to {found.confidence:.2f}"
-    if np.isnan(found.error):
+    trusted = f"confidence down to {expectation.confidence:.2f}"
+    if np.isnan(expectation.error):
         return [f"Warning: `{drive}` may miss its reference: `{name}` has a {trusted}."]
     return [
         f"Warning: `{drive}` may miss its reference by more than 5 % of its span: by `{name}` it expects "
-        f"{100.0 * found.error:.1f} % rms, with a {trusted}."
+        f"{100.0 * expectation.error:.1f} % rms, with a {trusted}."
     ]

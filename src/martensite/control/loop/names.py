@@ -28,19 +28,19 @@ def list_references(bench: Bench) -> list[str]:
 
 
 class Preview(NamedTuple):
-    """A reference ahead, as a controller wants to know it."""
+    """A reference ahead of time that a controller reads."""
 
     name: str
-    """Name of the drive of the bench, such as `reference.ahead.2`."""
+    """Drive of the bench, such as `reference.ahead.2`."""
     drive: str
-    """Whose reference it is."""
+    """Drive of the controller that follows the reference."""
     number: int
     time: float
-    """Time by which it looks ahead [s]."""
+    """Time ahead [s]."""
 
 
 def list_previews(bench: Bench) -> list[Preview]:
-    """Return the references ahead that controllers need, each once."""
+    """Return the references ahead that controllers need, without repetition."""
     names = dict(zip(bench.controllers.members(), list_references(bench), strict=True))
     wanted = [item for one in bench.controllers.members().values() for item in one.list_previews().items()]
     return [
@@ -51,7 +51,7 @@ def list_previews(bench: Bench) -> list[Preview]:
 
 
 def name_loop_columns(bench: Bench, drive: str) -> tuple[str, str, str]:
-    """Return the outputs of a run that are reference, wanted signal and reading of a controller."""
+    """Return the columns of reference, wanted signal and reading of a controller."""
     members = bench.controllers.members()
     reference = list_references(bench)[list(members).index(drive)]
     measured = members[drive].measured
@@ -60,35 +60,32 @@ def name_loop_columns(bench: Bench, drive: str) -> tuple[str, str, str]:
 
 
 def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
-    """Return the names of the references of drives that run outside of a bench, by drive.
-
-    As on a bench: `reference` of a controller that is alone, `reference.DRIVE` beside others.
-    """
-    found = list(outside)
-    alone = len(found) == 1 and not bench.controllers.members()
-    return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
+    """Return the references of drives outside a bench, by drive: `reference` if single, else `reference.DRIVE`."""
+    names = list(outside)
+    alone = len(names) == 1 and not bench.controllers.members()
+    return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in names}
 
 
 def describe_controllers(bench: Bench) -> dict[str, str]:
-    """Describe features of controllers, such as anti-windup, and of the parts around them, by drive."""
-    found: dict[str, str] = {}
+    """Describe controllers and their optional parts, by drive."""
+    descriptions: dict[str, str] = {}
     for name, one in bench.controllers.members().items():
         around = ", ".join(part.replace("_", " ") for part in AROUND if one.__dict__[part] is not None)
         words = "; ".join(filter(None, (one.describe(bench.period), around and f"with {around}")))
         if words:
-            found[name] = f"`{one.registered_name}`: {words}"
-    return found
+            descriptions[name] = f"`{one.registered_name}`: {words}"
+    return descriptions
 
 
 def list_hands(bench: Bench) -> dict[str, tuple[str, str]]:
-    """Return names of what is set by hand, signal and mode, by the drive of the controllers that have a manual mode."""
+    """Return the names of manual signal and mode, by drive of the controllers with a manual mode."""
     rows = zip(bench.controllers.members().items(), list_references(bench), strict=True)
     ends = {drive: name.removeprefix(REFERENCE) for (drive, one), name in rows if one.manual is not None}
     return {drive: (MANUAL + end, AUTOMATIC + end) for drive, end in ends.items()}
 
 
 def list_drives(bench: Bench) -> list[DriveSignal]:
-    """Return the references, those ahead, drives of the plant that are free, noise and jitter."""
+    """Return the references, references ahead, manual inputs, free drives of the plant, noise and jitter."""
     taken = bench.controllers.members()
     rows = zip(list_references(bench), reference_units(bench), strict=True)
     followed = [DriveSignal(name, unit, False, True) for name, unit in rows]
@@ -102,35 +99,33 @@ def list_drives(bench: Bench) -> list[DriveSignal]:
 
 
 def hand_drives(bench: Bench) -> list[DriveSignal]:
-    """Return the signal and mode by hand, of every controller that has them."""
+    """Return the signal and mode of every manual mode."""
     units = {drive.name: drive.unit for drive in bench.plant.drives()}
-    found: list[DriveSignal] = []
-    for drive, (signal, mode) in list_hands(bench).items():
-        found += [DriveSignal(signal, units[drive], False, True), DriveSignal(mode, "1", False, True)]
-    return found
+    rows = [(DriveSignal(u, units[drive], False, True), mode) for drive, (u, mode) in list_hands(bench).items()]
+    return [one for signal, mode in rows for one in (signal, DriveSignal(mode, "1", False, True))]
 
 
 def reference_units(bench: Bench) -> list[str]:
-    """SI units of the references, in the order of the controllers."""
-    known = {name: output.unit for name, output in list_readings(bench).items()}
+    """Return the SI units of the references, in the order of the controllers."""
+    readings = {name: output.unit for name, output in list_readings(bench).items()}
     signals = {drive.name: drive.unit for drive in bench.plant.drives()}
     members = bench.controllers.members().items()
-    return [one.reference_unit(known, signals[name]) for name, one in members]
+    return [one.reference_unit(readings, signals[name]) for name, one in members]
 
 
 def list_readings(bench: Bench) -> dict[str, Output]:
-    """List the readings and estimates that controllers may use, and the age of readings."""
-    found = {
+    """Return the readings and estimates for controllers, and the ages of readings."""
+    readings = {
         name: Output(_find_unit(bench, one), f"reading of {name}", f"y_{name}")
         for name, one in bench.sensors.members().items()
     }
-    found = found or dict(bench.plant.outputs())
-    ages = {name + AGE: Output("s", f"age of {name}", "t") for name in found}
-    return found | list_estimates(bench) | ages
+    readings = readings or dict(bench.plant.outputs())
+    ages = {name + AGE: Output("s", f"age of {name}", "t") for name in readings}
+    return readings | list_estimates(bench) | ages
 
 
 def list_estimates(bench: Bench) -> dict[str, Output]:
-    """List the estimates of the observers."""
+    """Return the estimates of the observers."""
     return {
         ESTIMATED + name: output._replace(long_name=f"estimated {output.long_name}")
         for one in bench.observers.members().values()
@@ -139,30 +134,32 @@ def list_estimates(bench: Bench) -> dict[str, Output]:
 
 
 def list_outputs(bench: Bench) -> dict[str, Output]:
-    """List outputs of the plant, then readings, estimates, references, wanted signals, controllers, the alarm."""
-    known = list_readings(bench)
-    measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
-    found = bench.plant.outputs() | measured | list_estimates(bench)
+    """Return the outputs: plant, readings, estimates, references, wanted signals, controllers, and alarm."""
+    readings = list_readings(bench)
+    measured = {MEASURED + name: readings[name] for name in bench.sensors.members()}
+    outputs = bench.plant.outputs() | measured | list_estimates(bench)
     signals = {drive.name: drive.unit for drive in bench.plant.drives()}
     members = bench.controllers.members().items()
     rows = zip(list_references(bench), reference_units(bench), members, strict=True)
     for name, unit, (drive, one) in rows:
-        found[name] = reference_output(unit, one.measured or drive)
-        found[wanted_name(name)] = wanted_output(signals[drive], drive)
-    found |= list_shaped(bench)
-    found |= list_controller_outputs(bench)
+        outputs[name] = reference_output(unit, one.measured or drive)
+        outputs[wanted_name(name)] = wanted_output(signals[drive], drive)
+    outputs |= list_shaped(bench)
+    outputs |= list_controller_outputs(bench)
     if bench.supervisor is not None:
-        found[ALARM] = Output("1", "alarm of the supervisor", "a")
-    return found
+        outputs[ALARM] = Output("1", "alarm of the supervisor", "a")
+    return outputs
 
 
 def list_controller_outputs(bench: Bench) -> dict[str, Output]:
-    """List the outputs of controllers: `controller.NAME`, with several controllers `controller.DRIVE.NAME`."""
-    found: dict[str, Output] = {}
-    for drive in bench.controllers.members():
-        own = _list_own(bench, drive)
-        found |= {name: own[key] for key, name in name_controller_outputs(bench, drive).items()}
-    return found
+    """Return the outputs of controllers: `controller.NAME`, or `controller.DRIVE.NAME` for several."""
+    return {
+        name: output
+        for drive in bench.controllers.members()
+        for name, output in zip(
+            name_controller_outputs(bench, drive).values(), _list_own(bench, drive).values(), strict=True
+        )
+    }
 
 
 def name_controller_outputs(bench: Bench, drive: str) -> dict[str, str]:
@@ -179,7 +176,7 @@ def _list_own(bench: Bench, drive: str) -> dict[str, Output]:
 
 
 def list_shaped(bench: Bench) -> dict[str, Output]:
-    """List the shaped references: `shaped`, or `shaped.DRIVE` with several controllers."""
+    """Return the shaped references: `shaped`, or `shaped.DRIVE` for several controllers."""
     members = bench.controllers.members().items()
     rows = zip(list_references(bench), reference_units(bench), members, strict=True)
     return {
@@ -190,31 +187,30 @@ def list_shaped(bench: Bench) -> dict[str, Output]:
 
 
 def reference_output(unit: str, followed: str) -> Output:
-    """Return the output for a reference."""
+    """Return the output of a reference."""
     return Output(unit, f"reference of {followed}", "r")
 
 
 def wanted_output(unit: str, drive: str) -> Output:
-    """Return the output for the signal of a controller."""
+    """Return the output of the signal of a controller."""
     return Output(unit, f"signal that {drive} shall have", "u")
 
 
 def wanted_name(reference: str) -> str:
-    """Return the name of the signal that a controller wants, by that of its reference."""
+    """Return the name of the wanted signal of a controller from its reference."""
     return WANTED + reference.removeprefix(REFERENCE)
 
 
 def list_truths(bench: Bench) -> dict[str, Output]:
-    """List the outputs that sensors may measure: outputs of the plant, and the ambient temperature."""
-    found = dict(bench.plant.outputs())
+    """Return the outputs that sensors may measure: outputs of the plant, and the ambient temperature."""
+    outputs = dict(bench.plant.outputs())
     for port in bench.plant.actuators():
         name = bench.plant.label(port, AMBIENT)
-        found[name] = Output("K", "temperature of the surroundings", "T_a")
-    return found
+        outputs[name] = Output("K", "temperature of the surroundings", "T_a")
+    return outputs
 
 
 def _find_unit(bench: Bench, mounted: MountedSensor) -> str:
-    """Return the unit of the readings of a sensor: its own, or that of what it looks at."""
     if mounted.sensor.unit is not None:
         return mounted.sensor.unit
     return list_truths(bench)[mounted.sees()[0]].unit

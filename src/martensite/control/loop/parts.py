@@ -1,4 +1,4 @@
-"""Parts of a bench, by name, and their memories."""
+"""Parts of a bench by name, and their memories."""
 
 from __future__ import annotations
 
@@ -19,77 +19,77 @@ from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 PERIOD_TOLERANCE = 1e-9
-"""Part of a period that is rounding."""
+"""Fraction of a period that is rounding."""
 WORST = 4.0
-"""Jitters beyond which no reading is later."""
+"""Largest jitter over its standard deviation."""
 NEVER = 1e9
-"""Age of a reading that was never made [s]."""
+"""Age before the first reading [s]."""
 
 
 class Sensed(NamedTuple):
     """Memory of a sensor on a bench."""
 
     inner: tuple[Scalar, ...]
-    """Memory of the sensor itself."""
     held: Scalar
     """Last reading of the sensor."""
     elapsed: Scalar
-    """Time since it was made [s]."""
+    """Time since the last reading [s]."""
     past: tuple[Scalar, ...]
-    """Readings of this and the last periods, latest first."""
+    """Readings of this and the last periods, newest first."""
     ages: tuple[Scalar, ...]
-    """Their ages then [s]."""
+    """Ages of these readings when they were stored [s]."""
     travels: tuple[Scalar, ...]
-    """Remaining travel times of the readings [s]."""
+    """Delays of these readings [s]."""
     reading: Scalar
-    """Last reading that has arrived."""
+    """Newest reading that has arrived."""
     age: Scalar
-    """And how old it is [s]."""
+    """Its age [s]."""
 
 
 class MountedSensor(Parametrised):
-    """A sensor in its place.
+    """A sensor on a bench.
 
-        truth → lag and noise → rounding → held until the next sample → late by delay + jitter n
+        truth → lag and noise → rounding → held until the next sample → delay + jitter n
 
-    Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its readings, a whole
-    number of periods of the bench in the end: a reading is taken in the first period after that time. While the sensor
-    has no valid input, the last reading is held. Each reading travels for `delay` + `jitter` n, with an independent
-    standard normal number n that is limited to ±4; a negative travel time is 0. In every period the newest reading
-    that has arrived is used. A reading that is overtaken on its way is lost.
+    Lag, noise and rounding belong to the sensor. `sample_time` is rounded up to whole periods of the bench. Without a
+    valid
+    input the last reading is held. Each reading is late by `delay` + `jitter` n, at least 0, with an independent
+    standard
+    normal number n that is limited to ±4. In every period the newest reading that has arrived is used; a reading that
+    is
+    overtaken is lost.
     """
 
     sensor: AbstractSensor = part("the sensor", SENSORS)
-    of: str | tuple[str, ...] = text("outputs that it looks at; its own choice if none", default=())
-    sample_time: Number = param("s", "time between its readings", low=0.0, default=0.0)
-    delay: Number = param("s", "how late a reading arrives", low=0.0, default=0.0)
+    of: str | tuple[str, ...] = text("measured outputs; default: those of the sensor", default=())
+    sample_time: Number = param("s", "time between readings", low=0.0, default=0.0)
+    delay: Number = param("s", "delay of a reading", low=0.0, default=0.0)
     jitter: Number = param("s", "standard deviation of the delay", low=0.0, default=0.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless it is told as many outputs as the sensor looks at."""
-        wanted, given = self.sensor.sees, self.sees()
-        if len(given) != len(wanted):
+        wanted, outputs = self.sensor.sees, self.sees()
+        if len(outputs) != len(wanted):
             raise ParameterError(
                 f"Sensor `{self.sensor.registered_name}` looks at {' and '.join(wanted)}: `of` "
-                f"must name {len(wanted)}, but is {', '.join(given)}."
+                f"must name {len(wanted)}, but is {', '.join(outputs)}."
             )
 
     def sees(self) -> tuple[str, ...]:
-        """Return the outputs that it looks at."""
-        given = (self.of,) if isinstance(self.of, str) else self.of
-        return given or self.sensor.sees
+        """Return the measured outputs."""
+        outputs = (self.of,) if isinstance(self.of, str) else self.of
+        return outputs or self.sensor.sees
 
     def count_delayed(self, period: float, later: float = 0.0) -> int:
-        """Return the readings to be kept for the delay, and for a fault that makes it longer [s]."""
+        """Return the number of readings to store for the delay, and for a fault that adds `later` [s]."""
         return 1 + math.ceil((self.delay + WORST * self.jitter + later) / period - PERIOD_TOLERANCE)
 
-    def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, kept: int) -> Sensed:
-        """Return the first reading, made at rest; it has been the same for long."""
-        seen = [truth[name] for name in self.sees()]
-        inner = self.sensor.rest(xp, seen)
-        value, inner = self.sensor.reading(xp, inner, seen, noise, 0.0)
-        age = xp.where(self.sensor.valid(xp, seen), 0.0, NEVER)
-        past, ages, travels = ((one,) * kept for one in (value, age, self.delay))
+    def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, count: int) -> Sensed:
+        """Return the memory in the steady state, with a first reading."""
+        signals = [truth[name] for name in self.sees()]
+        inner = self.sensor.rest(xp, signals)
+        value, inner = self.sensor.reading(xp, inner, signals, noise, 0.0)
+        age = xp.where(self.sensor.valid(xp, signals), 0.0, NEVER)
+        past, ages, travels = ((one,) * count for one in (value, age, self.delay))
         return Sensed(tuple(inner), value, age, past, ages, travels, value, age)
 
     def step(
@@ -101,13 +101,13 @@ class MountedSensor(Parametrised):
         period: Scalar,
         disturbed: Disturbed,
     ) -> Sensed:
-        """Return the memory a period [s] later, with normal numbers for noise and jitter."""
+        """Return the memory after a period [s], with normal numbers for noise and jitter."""
         noise, late = numbers
-        seen = [truth[name] for name in self.sees()]
-        value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
+        signals = [truth[name] for name in self.sees()]
+        value, inner = self.sensor.reading(xp, before.inner, signals, noise, period)
         value = disturbed.reading(xp, value, before.held, noise)
         elapsed = before.elapsed + period
-        due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - PERIOD_TOLERANCE * period)
+        due = xp.both(self.sensor.valid(xp, signals), elapsed >= self.sample_time - PERIOD_TOLERANCE * period)
         fresh = disturbed.fresh(xp, due)
         held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
         travel = disturbed.travel(xp, xp.clip(late, -WORST, WORST) * self.jitter + self.delay)
@@ -119,7 +119,7 @@ class MountedSensor(Parametrised):
 
 
 def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar) -> tuple[Scalar, Scalar]:
-    """Return the newest reading that has arrived, and its age [s]; the oldest one has."""
+    """Return the newest reading that has arrived, and its age [s]."""
     oldest = len(past) - 1
     reading, age = past[oldest], ages[oldest] + oldest * period
     for k in range(oldest - 1, -1, -1):
@@ -130,26 +130,26 @@ def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, pe
 
 
 class Disturbed:
-    """Effect of faults on one sensor."""
+    """Effect of all faults on one sensor."""
 
     def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
         self.name, self.faults = name, faults
 
     def reading(self, xp: Namespace, reading: Scalar, held: Scalar, noise: Scalar) -> Scalar:
-        """Return the reading after every fault; `noise` is the normal number of its noise."""
+        """Return the reading after every fault; `noise` is its normal number."""
         for fault, active in self.faults:
             reading = fault.reading(xp, self.name, reading, held, active)
             reading = fault.disturb(xp, self.name, reading, noise, active)
         return reading
 
     def travel(self, xp: Namespace, travel: Scalar) -> Scalar:
-        """Return the travel time of the reading [s], with every fault."""
+        """Return the delay of the reading after every fault [s]."""
         for fault, active in self.faults:
             travel = fault.travel(xp, self.name, travel, active)
         return travel
 
     def fresh(self, xp: Namespace, fresh: Flag) -> Flag:
-        """Return whether there is a new reading, after every fault."""
+        """Return whether there is a new reading after every fault."""
         for fault, active in self.faults:
             fresh = fault.fresh(xp, self.name, fresh, active)
         return fresh
@@ -164,17 +164,15 @@ class SupervisorVerdict(NamedTuple):
     """Decision of a supervisor."""
 
     signals: dict[str, Scalar]
-    """Allowed, by the name of the drive."""
+    """Allowed signals by drive."""
     alarm: Scalar
-    """0, or the number of the alarm."""
     memory: Column
 
 
 class AbstractSupervisor(Parametrised):
     """Interface of a supervisor.
 
-    It sees the signals that controllers (or waveforms) want and all readings with their ages, and answers with the
-    signals that are allowed and a number for its alarm, 0 if all is well.
+    It sees the wanted signals and all readings with their ages, and returns the allowed signals and an alarm number.
     """
 
     def reads(self) -> tuple[str, ...]:
@@ -182,11 +180,11 @@ class AbstractSupervisor(Parametrised):
         return ()
 
     def drives(self) -> tuple[str, ...]:
-        """Return the names of the drives that it speaks of."""
+        """Return the names of the drives that it uses."""
         return ()
 
     def name_checks(self) -> dict[int, list[str]]:
-        """Return the number of an alarm -> names of what raises it."""
+        """Return the names of checks by alarm number."""
         return {}
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
@@ -195,19 +193,19 @@ class AbstractSupervisor(Parametrised):
 
     @abstractmethod
     def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
-        """Return the signals that are allowed for the next period.
+        """Return the allowed signals of the next period.
 
         Args:
             xp: namespace.
-            memory: from the period before, or from `rest`.
+            memory: memory after the last period, or from `rest`.
             wanted: signals by the name of the drive.
-            readings: by name, in SI, and the age of each, `NAME.age` [s].
-            dt: length of the period [s].
+            readings: readings by name, in SI, and the age of each, `NAME.age` [s].
+            dt: sample period [s].
         """
 
 
 class Sensors(Members[MountedSensor], init=False):
-    """Sensors by name: what a controller calls their readings."""
+    """Sensors by the names of their readings."""
 
     noun, kind = "sensor", MountedSensor
 
@@ -219,7 +217,7 @@ class Observers(Members[AbstractObserver], init=False):
 
 
 class Controllers(Members[AbstractController], init=False):
-    """Controllers by the name of the drive that they have."""
+    """Controllers by the name of their drive."""
 
     noun, kind = "controller", AbstractController
 
@@ -245,7 +243,7 @@ class Controlling(NamedTuple):
 
 
 class BenchState(NamedTuple):
-    """All that changes in time."""
+    """State of a bench."""
 
     time: Scalar
     plant: Any
@@ -260,10 +258,9 @@ class Inputs(NamedTuple):
 
     references: tuple[Scalar, ...]
     previews: tuple[Scalar, ...]
-    """References ahead."""
     hands: tuple[ManualInput | None, ...]
-    """Manual inputs, for every controller; None for a controller without a manual mode."""
+    """Manual inputs of every controller; None without a manual mode."""
     free: Numbers
-    """Signals of the plant that no controller has."""
+    """Signals of the plant without a controller."""
     numbers: tuple[tuple[Scalar, Scalar], ...]
-    """Normal numbers for noise and jitter of every sensor."""
+    """Normal numbers of noise and jitter, for every sensor."""

@@ -1,11 +1,11 @@
-"""Real-time loop: a controller that was tuned on the bench runs on real sensors and sources.
+"""Real-time loop: controllers of a bench on real sensors and sources.
 
-The loop reads real sensors and sets signals of real sources, once per period, by the same kernels as the bench, traced
-into one function and compiled. In every sample, as on the bench:
+The loop takes readings and returns signals once per period, by the kernels of the bench, traced into one function and
+compiled; without a compiler it runs on floats. In every sample:
 
     readings → observers, with the signals since the last sample → controllers → supervisor
 
-The caller keeps the time and calls it once per `period`. Without a compiler it runs on floats.
+The caller keeps the time and calls it once per `period`.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ class RealtimeStep:
     """Controllers, observers and supervisor of a bench, one sample at a time."""
 
     def __init__(self, bench: Bench, native: bool | None = None) -> None:
-        """The loop of a bench, before its first sample.
+        """Create the loop of a bench before its first sample.
 
         Args:
-            bench: the bench; its plant, its sensors and its faults are left out.
-            native: whether to run in C; by default if there is a compiler.
+            bench: bench; its plant, sensors and faults are ignored.
+            native: whether to run in C; default: if there is a compiler.
 
         Raises:
-            ParameterError: no controller of the bench gives a signal.
+            ParameterError: the bench has no controller.
         """
         _require_controllers(bench)
         self.bench, self.count = bench, 0
@@ -58,8 +58,8 @@ class RealtimeStep:
         """Names of the signals that no controller has."""
         traced = trace_loop(bench)
         in_c = find_compiler() is not None if native is None else native
-        made = CompiledLoop if in_c else FloatLoop
-        self._engine: Any = made(traced, values_at(bench, traced.paths))
+        engine = CompiledLoop if in_c else FloatLoop
+        self._engine: Any = engine(traced, values_at(bench, traced.paths))
         hands = [name for pair in list_hands(bench).values() for name in pair]
         self._waveforms = [one for name, one in reference_waveforms(bench).items() if name not in hands]
         self._previews = [list(bench.controllers.members()).index(one.drive) for one in list_previews(bench)]
@@ -70,19 +70,19 @@ class RealtimeStep:
         self._shape, self._signals = traced.shape, -len(self.drives)
 
     def reset(self) -> None:
-        """Back to before the first sample."""
+        """Return to the state before the first sample."""
         self.count = 0
         self._hands.clear()
 
     def set_manual(self, value: float | None = None, drive: str | None = None) -> None:
-        """Set the signal of a drive by hand from the next sample on; by default the last one is held.
+        """Set the signal of a drive manually from the next sample on.
 
         Args:
-            value: signal, in SI.
-            drive: whose controller; needed if there are several.
+            value: signal in SI; default: the last signal.
+            drive: drive of the controller; required for several controllers.
 
         Raises:
-            ParameterError: the controller of the drive has no manual mode, or no last signal.
+            ParameterError: the controller has no manual mode, or there is no last signal.
         """
         name = self._find_mode(drive)
         if value is None:
@@ -90,7 +90,7 @@ class RealtimeStep:
         self._hands[name] = float(value)
 
     def set_automatic(self, drive: str | None = None) -> None:
-        """Give a controller its signal again from the next sample on, where it is.
+        """Return a controller to automatic mode from the next sample on.
 
         Raises:
             ParameterError: it has no manual mode.
@@ -107,15 +107,14 @@ class RealtimeStep:
         return name
 
     def _set_by_hand(self) -> list[float]:
-        """Return signal and mode of every controller with a manual mode: as set, or as in its file."""
-        found: list[float] = []
+        inputs: list[float] = []
         for name, waveforms in self._modes.items():
             signal, automatic = (wave.value(self.count * self.bench.period) for wave in waveforms)
             if name in self._hands:
                 value = self._hands[name]
                 signal, automatic = (signal, 1.0) if value is None else (value, 0.0)
-            found += (signal, automatic)
-        return found
+            inputs += (signal, automatic)
+        return inputs
 
     def step(
         self,
@@ -124,17 +123,17 @@ class RealtimeStep:
         references: Sequence[float] | None = None,
         free: Mapping[str, float] | None = None,
     ) -> tuple[float, ...]:
-        """Return the signals of the period that begins, in the order of `drives`.
+        """Return the signals of the next period, in the order of `drives`.
 
         Args:
-            readings: by name, with `NAME.age` [s] if they are late, or as an array in the order of `readings`; in SI.
-            references: what the controllers shall follow now, in their order, and behind it what they shall follow
-                later if one of them looks ahead (`list_previews`), else the present goes for the future; by default
-                what their waveforms say, with the first sample at 0 s.
-            free: signals that no controller has, by the name of the drive.
+            readings: readings by name, with `NAME.age` [s] if late, or an array in the order of `readings`; in SI.
+            references: references in the order of the controllers, followed by references ahead (`list_previews`),
+                which
+                default to the present; default: the waveforms, with the first sample at 0 s.
+            free: signals without a controller, by drive.
 
         Raises:
-            ParameterError: a reading, a reference or a free signal is missing, or there are too many or too few.
+            ParameterError: a reading, reference or free signal is missing, or the number of values is wrong.
         """
         if references is None:
             time = self.count * self.bench.period
@@ -148,9 +147,9 @@ class RealtimeStep:
             )
         others = self._order_free(free or {})
         inputs = [*self._order_readings(readings), *references, *self._set_by_hand(), *others]
-        found = self._engine.run("step" if self.count else "begin", inputs)
+        state = self._engine.run("step" if self.count else "begin", inputs)
         self.count += 1
-        return tuple(found[self._signals :])
+        return tuple(state[self._signals :])
 
     def _order_readings(self, readings: Mapping[str, float] | Sequence[float]) -> list[float]:
         """Return all readings, then their ages."""
@@ -168,7 +167,6 @@ class RealtimeStep:
         return [*values, *(readings.get(age, 0.0) for _, age in self._keys)]
 
     def _order_free(self, given: Mapping[str, float]) -> list[float]:
-        """Return the signals that no controller has."""
         for name in self.free:
             if name not in given:
                 raise ParameterError(
@@ -186,12 +184,12 @@ class RealtimeStep:
 
     @property
     def estimates(self) -> dict[str, float]:
-        """Return the estimates of the observers in the last step, by name."""
+        """Return the estimates of the last step by name."""
         return period.collect_estimates(self.bench, self.state.observers)
 
     @property
     def outputs(self) -> dict[str, float]:
-        """Return the outputs of the controllers in the last step, named as on a bench: `controller.NAME`."""
+        """Return the outputs of the controllers in the last step, by their names on a bench: `controller.NAME`."""
         return period.collect_controller_outputs(self.bench, floats, self.state.controllers)
 
 
@@ -203,11 +201,10 @@ class LoopState(NamedTuple):
     supervisor: tuple[Scalar, ...]
     alarm: Scalar
     signals: tuple[Scalar, ...]
-    """Signals of all drives of the plant, as the supervisor allows them."""
+    """Allowed signals of all drives of the plant."""
 
 
 def _require_controllers(bench: Bench) -> None:
-    """Raise `ParameterError` if nothing in a bench gives a signal."""
     if not bench.controllers.members():
         raise ParameterError(
             "The bench has no controller, so that its loop would give no signal. One that runs outside of the bench "
@@ -224,28 +221,25 @@ def list_reads(bench: Bench) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name.removesuffix(AGE) for name in measured))
 
 
-def _begin_sample(bench: Bench, xp: Namespace, known: Numbers, given: Inputs) -> LoopState:
-    """Return the first sample, as at the start of a bench."""
-    observers, controllers, held, known = period.begin_loop(bench, xp, known, given)
-    return _judge_sample(bench, xp, LoopState(observers, controllers, held, 0.0, ()), known, given)
+def _begin_sample(bench: Bench, xp: Namespace, readings: Numbers, inputs: Inputs) -> LoopState:
+    observers, controllers, memory, readings = period.begin_loop(bench, xp, readings, inputs)
+    return _judge_sample(bench, xp, LoopState(observers, controllers, memory, 0.0, ()), readings, inputs)
 
 
-def _continue_sample(bench: Bench, xp: Namespace, before: LoopState, known: Numbers, given: Inputs) -> LoopState:
-    """Return another sample, a period after the one before."""
+def _continue_sample(bench: Bench, xp: Namespace, before: LoopState, readings: Numbers, inputs: Inputs) -> LoopState:
     signals = dict(zip(_list_drives(bench), before.signals, strict=True))
-    observers = period.update_observers(bench, xp, before.observers, known, signals)
-    known = known | period.collect_estimates(bench, observers)
-    controllers = period.update_controllers(bench, xp, before.controllers, known, given)
+    observers = period.update_observers(bench, xp, before.observers, readings, signals)
+    readings = readings | period.collect_estimates(bench, observers)
+    controllers = period.update_controllers(bench, xp, before.controllers, readings, inputs)
     after = before._replace(observers=observers, controllers=controllers)
-    return _judge_sample(bench, xp, after, known, given)
+    return _judge_sample(bench, xp, after, readings, inputs)
 
 
-def _judge_sample(bench: Bench, xp: Namespace, loop: LoopState, known: Numbers, given: Inputs) -> LoopState:
-    """With the signals that the supervisor lets pass."""
-    ordered = period.collect_wanted(bench, loop.controllers, given)
-    said = period.judge_signals(bench, xp, loop.supervisor, ordered, known)
-    signals = tuple(said.signals[name] for name in ordered)
-    return loop._replace(supervisor=tuple(said.memory), alarm=said.alarm, signals=signals)
+def _judge_sample(bench: Bench, xp: Namespace, loop: LoopState, readings: Numbers, inputs: Inputs) -> LoopState:
+    ordered = period.collect_wanted(bench, loop.controllers, inputs)
+    verdict = period.judge_signals(bench, xp, loop.supervisor, ordered, readings)
+    signals = tuple(verdict.signals[name] for name in ordered)
+    return loop._replace(supervisor=tuple(verdict.memory), alarm=verdict.alarm, signals=signals)
 
 
 def _list_drives(bench: Bench) -> list[str]:
@@ -254,35 +248,34 @@ def _list_drives(bench: Bench) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class TracedLoop:
-    """A traced loop; functions `begin` and `step` over flat states."""
+    """A traced loop with functions `begin` and `step` over flat states."""
 
     program: Program
     paths: tuple[str, ...]
-    """Parameter paths in the order in which the program takes them."""
+    """Parameter paths in the order of the program."""
     shape: NestedShape
     size: int
-    """Numbers of the state."""
     inputs: int
-    """Readings, their ages, references, signals that no controller has."""
+    """Number of readings, ages, references, manual inputs and free signals."""
 
 
 def trace_loop(bench: Bench) -> TracedLoop:
-    """Trace the loop of a bench, or return that of an earlier one of the same structure."""
+    """Return the traced loop of a bench, cached by its structure."""
     return _trace_keyed(Keyed(bench))
 
 
 @cache_answers(32)
 def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
-    """Return the kernels of a first and of another sample as a program over flat states."""
+    """Return the first and later samples of a loop as a program over flat states."""
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
-    names, free = (list_reads(bench), [n for n in _list_drives(bench) if n not in bench.controllers.members()])
+    names, free = list_reads(bench), [n for n in _list_drives(bench) if n not in bench.controllers.members()]
     references, hands = list_references(bench), [drive.name for drive in hand_drives(bench)]
     ahead = [one.name for one in list_previews(bench)]
     signals = [*names, *(name + AGE for name in names), *references, *ahead, *hands, *free]
     labels = [f"i{i}" for i in range(len(signals))]
-    found: list[NestedShape] = []
+    shapes: list[NestedShape] = []
 
     def sorted_out(numbers: Sequence[Scalar]) -> tuple[Numbers, Inputs]:
         split, end = 2 * len(names), len(signals) - len(free)
@@ -295,17 +288,17 @@ def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
 
     def begin(xp: Any, *numbers: Any) -> list[Any]:
         loop = _begin_sample(bench, xp, *sorted_out(numbers))
-        found.append(NestedShape(loop))
+        shapes.append(NestedShape(loop))
         return flatten_numbers(loop)
 
     def step(xp: Any, *numbers: Any) -> list[Any]:
-        before = found[0].rebuild(numbers[:size])
+        before = shapes[0].rebuild(numbers[:size])
         return flatten_numbers(_continue_sample(bench, xp, before, *sorted_out(numbers[size:])))
 
     program.add("begin", labels, begin)
-    size = len(flatten_numbers(found[0].example))
+    size = len(flatten_numbers(shapes[0].example))
     program.add("step", [*(f"s{i}" for i in range(size)), *labels], step)
-    return TracedLoop(program, paths, found[0], size, len(labels))
+    return TracedLoop(program, paths, shapes[0], size, len(labels))
 
 
 class CompiledLoop:

@@ -1,8 +1,7 @@
-"""`simulate_bench`: one run of a bench, with its noise drawn and its references played.
+"""Runs of a bench with drawn noise and its references.
 
-References come from the controllers themselves, noise from a seed. A user-defined drive may run outside the kernel: it
-is called once per period with the readings of the bench. The result has the columns `reference` and `wanted` of
-either.
+A user-defined drive may run outside the kernel: it is called once per period with the readings of the bench. Its
+reference and wanted signal are columns of the result, as those of a controller on the bench.
 """
 
 from __future__ import annotations
@@ -51,7 +50,6 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 ROUNDING = 1e-6
-"""Share of a duration by which a run may end at another time."""
 
 
 def simulate_bench(
@@ -67,24 +65,23 @@ def simulate_bench(
     start: Restart = HOME,
     restart_at: Sequence[float] = (),
 ) -> Result:
-    """Run a bench, by default from rest.
+    """Run a bench, by default from the steady state.
 
     Args:
         bench: plant, sensors, observers, controllers, supervisor and faults.
-        duration: end of the run [s], counted from 0, at least a period; a warning reports another end
-            if this is not a whole number of periods.
-        outside: drives that run outside of the kernel, by name of the driven signal, called once per period.
-        waveforms: signals of plant drives without a controller, by drive; a drive that is not named gets 0.
-        seed: seed of noise and jitter; None for a run without them. The result keeps it as `seed`.
-        runtime: floats or c; by default c if there is a compiler.
-        budget: CPU time [s] after which the run is given up; not if something runs outside.
-        watch: called after every period with the share of the run that is done, if something runs outside.
-        start: state kept by a result, from which the run continues.
-        restart_at: samples [s] at which a state is kept; not if something runs outside.
+        duration: end of the run [s], at least a period; a warning reports a rounding to whole periods.
+        outside: drives that run outside the kernel, by driven signal, called once per period.
+        waveforms: signals of plant drives without a controller, by drive; default: 0.
+        seed: seed of noise and jitter; None for a run without noise. The result stores it as `seed`.
+        runtime: floats or c; default: c if there is a compiler.
+        budget: largest CPU time [s]; not with `outside`.
+        watch: called after every period with the completed fraction of the run, with `outside`.
+        start: state stored in a result, from which the run continues.
+        restart_at: samples [s] at which a state is stored; not with `outside`.
 
     Raises:
-        InputError: a name or a unit does not fit.
-        SolveError: the run failed; the sentence says when and what to try.
+        InputError: a name or unit does not fit.
+        SolveError: the run failed; the message gives time and remedy.
     """
     played: dict[str, Any] = {**(waveforms or {}), **reference_waveforms(bench)}
     played |= (noise := noise_waveforms(bench, duration, seed))
@@ -97,11 +94,11 @@ def simulate_bench(
         seeing = {name: Seeing(drive=drive) for name, drive in outside.items()}
         periods = round(duration / bench.period)
         length = periods * bench.period
-        found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return warn_of_loops(replace(_with_loops(found, bench, outside), seed=drawn), bench, duration)
+        result = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
+        return warn_of_loops(replace(_with_loops(result, bench, outside), seed=drawn), bench, duration)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
-    found = simulate(
+    result = simulate(
         bench,
         played,
         duration,
@@ -111,91 +108,87 @@ def simulate_bench(
         start=start,
         restart_at=restart_at,
     )
-    return warn_of_loops(replace(found, seed=drawn), bench, duration)
+    return warn_of_loops(replace(result, seed=drawn), bench, duration)
 
 
 def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
-    """Add actions of the guard, failures of controllers, impossible signals, and the end [s] to a result."""
+    """Return the result with warnings about guard, controllers, impossible signals, and the end [s]."""
     faults = [
         f"Warning: {one.sentence} {one.remedy}" for one in (*check_signals(bench), *check_guard(bench)) if one.fault
     ]
-    known = _with_doubts(warn_of_guard(result, bench), bench)
-    return warn_of_end(replace(known, notes=[*known.notes, *faults]), duration, bench.period)
+    noted = _with_doubts(warn_of_guard(result, bench), bench)
+    return warn_of_end(replace(noted, notes=[*noted.notes, *faults]), duration, bench.period)
 
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:
-    """Return the result with a warning for every alarm of the supervisor: which check, when first, for how long."""
+    """Return the result with a warning for every alarm: check, first time, and total duration."""
     if ALARM not in result.columns:
         return result
     times, columns = result.list_rows([ALARM])
     raised, lengths = columns[ALARM], np.diff(times, append=times[-1] + bench.period)
     checks = bench.supervisor.name_checks() if bench.supervisor is not None else {}
-    said: list[str] = []
+    warnings: list[str] = []
     for number in np.unique(raised[raised != 0.0]).tolist():
         first, length = times[raised == number][0], lengths[raised == number].sum()
         names = ", ".join(f"`{name}`" for name in checks.get(int(number) % LIMITED, ["supervisor"]))
         acted = "limited" if number > LIMITED else "cut"
-        said.append(
+        warnings.append(
             f"Warning: The guard {acted} a signal by {names} (alarm {number:.0f}), first at t = {first:.4g} s, "
             f"for {length:.3g} s in all."
         )
-    return replace(result, notes=[*result.notes, *said])
+    return replace(result, notes=[*result.notes, *warnings])
 
 
 def _with_doubts(result: Result, bench: Bench) -> Result:
-    """Return a result with what controllers failed to do."""
-    said: list[str] = []
+    warnings: list[str] = []
     for (drive, one), reference in zip(bench.controllers.members().items(), list_references(bench), strict=True):
         names = name_controller_outputs(bench, drive)
-        said += one.describe_doubts({own: result[name][-1] for own, name in names.items()})
-        said += describe_expected_miss(result, drive, one.measured, reference)
-    return replace(result, notes=[*result.notes, *said]) if said else result
+        warnings += one.describe_doubts({own: result[name][-1] for own, name in names.items()})
+        warnings += describe_expected_miss(result, drive, one.measured, reference)
+    return replace(result, notes=[*result.notes, *warnings]) if warnings else result
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:
-    """Return the result in periods [s], with a warning if it ends at another time [s] than was asked for."""
+    """Return the result with a warning if it does not end at `duration` [s]."""
     end = result.times[-1]
     if result.status.failed or abs(end - duration) <= ROUNDING * duration:
         return result
-    said = (
+    warning = (
         f"Warning: The run ends at {end:.6g} s instead of {duration:.6g} s: it goes in periods of {period:.6g} s. "
         "Try a duration that is a multiple of it."
     )
-    return replace(result, notes=[*result.notes, said])
+    return replace(result, notes=[*result.notes, warning])
 
 
 def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDrive]) -> Result:
-    """Return a result with the references, and the wanted signals, of drives outside of the bench.
-
-    Nobody answers at the end: the last signal is held.
-    """
+    """Return the result with references and wanted signals of drives outside the bench."""
     units = {name: output.unit for name, output in list_readings(bench).items()}
     signals = {drive.name: drive.unit for drive in bench.drives()}
     columns, beside = dict(result.columns), dict(result.beside)
     for drive, name in outside_references(bench, outside).items():
-        one, held = outside[drive], result.waveform[drive].values
+        one, signal = outside[drive], result.waveform[drive].values
         if isinstance(one, AbstractController):
             unit = one.reference_unit(units, signals[drive])
             beside[name] = reference_output(unit, one.measured or drive)
             columns[name] = np.array([one.reference.value(time) for time in result.times.tolist()])
         beside[wanted_name(name)] = wanted_output(signals[drive], drive)
-        columns[wanted_name(name)] = np.array([*held, held[-1]][: len(result.times)])
+        columns[wanted_name(name)] = np.array([*signal, signal[-1]][: len(result.times)])
     return replace(result, columns=columns, beside=beside)
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
-    """Return the waveforms of references, of references ahead, and of manual inputs, by name of drive."""
+    """Return the waveforms of references, references ahead, and manual inputs, by drive."""
     members, hands = bench.controllers.members(), list_hands(bench)
-    found = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
-    found |= {one.name: Ahead(waveform=members[one.drive].reference, lead=one.time) for one in list_previews(bench)}
+    waveforms = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
+    waveforms |= {one.name: Ahead(waveform=members[one.drive].reference, lead=one.time) for one in list_previews(bench)}
     for drive, one in members.items():
         if one.manual is not None:
-            found |= dict(zip(hands[drive], one.manual.waveforms, strict=True))
-    return found
+            waveforms |= dict(zip(hands[drive], one.manual.waveforms, strict=True))
+    return waveforms
 
 
 def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:
-    """Return the standard normal numbers for every sensor of a bench; none without a seed."""
+    """Return standard normal numbers for every sensor of a bench; empty without a seed."""
     if seed is None:
         return {}
     rng = np.random.default_rng(seed)
@@ -207,35 +200,33 @@ def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str
 
 
 def list_noises(bench: Bench) -> list[str]:
-    """Return the names of the drives of a bench that play noise or jitter."""
+    """Return the drives of a bench for noise and jitter."""
     return [drive.name for drive in list_drives(bench) if drive.name.startswith((NOISE, JITTER))]
 
 
 def open_loop(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
-    """Return a bench without the controller of a drive, and that controller."""
+    """Return a bench without the controller of a drive, and the controller."""
     members = bench.controllers.members()
     controller = members.pop(drive)
     return bench.with_parts(controllers=Controllers(**members)), controller
 
 
 class Seeing(AbstractDrive):
-    """A drive that sees of a bench what a controller may see: readings, not the truth."""
+    """A drive that gets the readings of a bench, not the true outputs."""
 
     drive: AbstractDrive = part("what answers")
 
     def init(self) -> Any:
-        """Return the memory of the drive."""
         return self.drive.init()
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Return its signal at `time` [s] and its new memory."""
         return self.drive(time, select_visible(measurement), memory)
 
 
 def select_visible(measurement: Mapping[str, float]) -> dict[str, float]:
-    """Return the readings and estimates among the outputs of a bench; without any, all of them."""
-    found = {n.removeprefix(MEASURED): v for n, v in measurement.items() if n.startswith(MEASURED)}
-    if not found:
+    """Return the readings and estimates among the outputs of a bench; all outputs without sensors."""
+    readings = {n.removeprefix(MEASURED): v for n, v in measurement.items() if n.startswith(MEASURED)}
+    if not readings:
         return dict(measurement)
-    ages = {name + AGE: 0.0 for name in found}
-    return ages | found | {n: v for n, v in measurement.items() if n.startswith(ESTIMATED)}
+    ages = {name + AGE: 0.0 for name in readings}
+    return ages | readings | {n: v for n, v in measurement.items() if n.startswith(ESTIMATED)}

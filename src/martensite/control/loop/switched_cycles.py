@@ -1,15 +1,15 @@
-r"""Limit cycles of ON/OFF loops: their period is not known, events end it.
+"""Limit cycles of on/off loops: the period is unknown, and events end it.
 
     on   until y ≥ upper, then for the delay still on
     off  until y < upper - band, then for the delay still off, and so on
 
-The motion from one switching off to the next is a map of the state. Times of events are found within a step to
-rounding, and move with the state: with s' = ds/dτ at the end of a stretch and the gradient g of y there,
+The motion from one switching off to the next is a map of the state. Event times are found within a step to rounding
+and depend on the state: with s' = ds/dτ at the end of a leg and the gradient g of y there,
 
     dτ = -(g · J ds)/(g · s'),        d(state) = J ds + s' dτ.
 
-With `sampling` the controller looks once in a sample, so that it switches up to a sample late, and the times of events
-do not move with the state. Such a loop has a cycle only if it locks to its samples; else none is found.
+With `sampling` the controller switches at samples, and event times do not depend on the state. Such a loop has a cycle
+only if it locks to its samples.
 """
 
 from __future__ import annotations
@@ -37,38 +37,35 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 CYCLES = 300
-"""Periods that are run at most."""
 BLOCK, BLOCKS = 256, 400
-"""Steps after which an event is looked for, and how often."""
+"""Steps between two searches for an event, and number of searches."""
 
 
 @dataclass(frozen=True)
 class Switch:
-    """An ON/OFF controller with a dead band."""
+    """An on/off controller with a dead band."""
 
     output: str
-    """Measured output."""
     upper: float
-    """Threshold at which it switches off, in SI."""
+    """Threshold for switching off, in SI."""
     band: float
-    """Distance below `upper` at which it switches on again, above 0."""
+    """Distance below `upper` for switching on, above 0."""
     high: float
     """Drive while it is on."""
     low: float = 0.0
     delay: float = 0.0
-    """Age of what is measured [s]."""
+    """Delay of the measurement [s]."""
     drive: str | None = None
-    """Drive that is switched; the first drive if not named."""
     sampling: float = 0.0
-    """Time from look to look [s]; 0 for a switch that looks all the time."""
+    """Sample period [s]; 0 for a continuous switch."""
 
 
 @dataclass(frozen=True, eq=False)
 class SwitchedCycle(PeriodicOrbit):
-    """A limit cycle of an ON/OFF loop, from one switching off to the next."""
+    """A limit cycle of an on/off loop, from one switching off to the next."""
 
     on_time: float = 0.0
-    """Time within the period for which the drive is on [s]."""
+    """Time in a period for which the drive is on [s]."""
 
 
 def find_switched_cycle(
@@ -77,14 +74,14 @@ def find_switched_cycle(
     """Find the limit cycle of a plant that is switched on and off.
 
     Args:
-        subject: a scenario with one `on-off` controller of a constant reference; or a plant.
-        switch: when it is switched; by default as the scenario says.
-        step: longest step [s]; by default the longest that the plant takes.
+        subject: a scenario with one `on-off` controller of a constant reference, or a plant.
+        switch: switch of the plant; default: the controller of the scenario.
+        step: longest step [s]; default: the longest step of the plant.
 
     Raises:
         InputError: the scenario has no such controller, or a name is unknown.
         CompileError: no C compiler was found.
-        SolveError: a threshold is not reached, or the cycle does not repeat itself.
+        SolveError: a threshold is not reached, or the cycle does not repeat.
     """
     system = subject if isinstance(subject, AbstractSystem) else subject.system
     if switch is None:
@@ -92,13 +89,21 @@ def find_switched_cycle(
             raise InputError("A plant alone is not switched; give a `switch`.")
         switch = read_switch(subject)
     motion = SwitchedMotion(system, switch, step or longest_step(system))
-    way = Shooting(motion, motion.heat_up(), CYCLES)
-    way.run()
-    times, outputs = motion.observe(way.state)
-    _, slopes = motion.march(way.state)
+    shooting = Shooting(motion, motion.heat_up(), CYCLES)
+    shooting.run()
+    times, outputs = motion.observe(shooting.state)
+    _, slopes = motion.march(shooting.state)
     stability = judge_stability(slopes)
     return SwitchedCycle(
-        system, float(times[-1]), times, outputs, way.state, stability, way.left, way.count, motion.on_time
+        system,
+        float(times[-1]),
+        times,
+        outputs,
+        shooting.state,
+        stability,
+        shooting.left,
+        shooting.count,
+        motion.on_time,
     )
 
 
@@ -106,7 +111,7 @@ def read_switch(scenario: Scenario) -> Switch:
     """Return the switch of a scenario.
 
     Raises:
-        InputError: it has not one `on-off` controller of a constant reference and a plain sensor.
+        InputError: the scenario has not one `on-off` controller with a constant reference and a plain sensor.
     """
     bench = scenario.bench
     members = {} if bench is None else bench.controllers.members()
@@ -114,33 +119,33 @@ def read_switch(scenario: Scenario) -> Switch:
     if bench is None or len(members) != 1 or not isinstance(one, OnOff):
         raise InputError(f"Scenario `{scenario.title}` has not one controller `on-off`, whose cycle could be found.")
     mounted = bench.sensors.members().get(one.measured)
-    seen = one.measured if mounted is None else mounted.of
+    output = one.measured if mounted is None else mounted.of
     if mounted is not None and not isinstance(mounted.sensor, IdealSensor):
         raise InputError(
             f"The sensor `{mounted.sensor.registered_name}` of `{one.measured}` lags or has noise of its own; the "
             "cycle is that of an `ideal` sensor, which may be late."
         )
-    seen = seen if isinstance(seen, str) else seen[0]
-    if not isinstance(one.reference, Constant) or seen not in scenario.system.outputs():
+    output = output if isinstance(output, str) else output[0]
+    if not isinstance(one.reference, Constant) or output not in scenario.system.outputs():
         raise InputError("The cycle of an ON/OFF loop needs a constant reference and a sensor of one output.")
     late = 0.0 if mounted is None else float(mounted.delay)
     reference = one.reference.value(0.0)
     levels = float(one.high), float(one.low)
-    return Switch(seen, reference, float(one.band), *levels, late, drive, float(bench.period))
+    return Switch(output, reference, float(one.band), *levels, late, drive, float(bench.period))
 
 
 class _Leg:
-    """A stretch of one drive."""
+    """Steps with a constant drive."""
 
     def __init__(self, states: Numbers, lengths: Numbers, level: float) -> None:
         self.states, self.lengths, self.level = states, lengths, level
 
 
 class SwitchedMotion:
-    """The way from one switching off to the next as equations of the state."""
+    """Map of the state from one switching off to the next."""
 
     settled = 1e-6
-    """Change over a period at which a state repeats itself."""
+    """Change over a period below which a state repeats."""
 
     def __init__(self, system: AbstractSystem, switch: Switch, step: float) -> None:
         names = [one.name for one in system.drives()]
@@ -158,10 +163,10 @@ class SwitchedMotion:
         self.size, self.place = self.stretch.size, names.index(drive)
         self.rest = rest_signals(system)
         self.on_time = 0.0
-        self._known: tuple[Numbers, list[_Leg]] | None = None
+        self._cached: tuple[Numbers, list[_Leg]] | None = None
 
     def heat_up(self) -> Numbers:
-        """Return the state at the first switching off, from rest."""
+        """Return the state at the first switching off, from the steady state."""
         state = self.stretch.rest(list(self.rest))
         return self._pass(state, on=True)[-1].states[-1]
 
@@ -170,17 +175,18 @@ class SwitchedMotion:
         return self._legs(state)[-1].states[-1]
 
     def measure_change(self, state: Numbers) -> float:
-        """Return largest change of an output that is judged over a period, as a share of the least range that counts.
+        """Return the largest change of an output over a period, relative to its convergence scale.
 
-        What a state holds of its last step, such as rates, differs by rounding over the short step to an event.
+        Rates and other values of the last step differ by rounding over the short step to an event, so states are not
+        compared.
         """
-        judged = self.stretch.system.convergence_scales()
+        scales = self.stretch.system.convergence_scales()
         ends = np.array([state, self.go_on(state)])
-        seen = self.stretch.observe(ends, np.tile(self.signals_at_begin(), (2, 1)))
-        return max(abs(float(seen[name][1] - seen[name][0])) / size for name, size in judged.items())
+        outputs = self.stretch.observe(ends, np.tile(self.signals_at_begin(), (2, 1)))
+        return max(abs(float(outputs[name][1] - outputs[name][0])) / size for name, size in scales.items())
 
     def signals_at_begin(self) -> Numbers:
-        """Return all drives as it switches off."""
+        """Return all drives at switching off."""
         return self._signals(self.switch.low)
 
     def _signals(self, level: float) -> Numbers:
@@ -189,16 +195,14 @@ class SwitchedMotion:
         return signals
 
     def _legs(self, state: Numbers) -> list[_Leg]:
-        """Off, late, on, late."""
-        if self._known is None or not np.array_equal(self._known[0], state):
+        if self._cached is None or not np.array_equal(self._cached[0], state):
             off = self._pass(state, on=False)
             on = self._pass(off[-1].states[-1], on=True)
             self.on_time = float(sum(leg.lengths.sum() for leg in on))
-            self._known = (np.array(state), [*off, *on])
-        return self._known[1]
+            self._cached = (np.array(state), [*off, *on])
+        return self._cached[1]
 
     def _pass(self, state: Numbers, on: bool) -> list[_Leg]:
-        """To the threshold, and on for the delay."""
         switch = self.switch
         level = switch.high if on else switch.low
         threshold = switch.upper if on else switch.upper - switch.band
@@ -207,15 +211,14 @@ class SwitchedMotion:
         return [first, late]
 
     def _cut(self, time: float) -> list[float]:
-        """Equal steps through a time."""
         count = int(np.ceil(time / self.step - 1e-9))
         return [time / count] * count if count else []
 
     def _go(self, state: Numbers, lengths: Numbers, level: float) -> _Leg:
         row, _ = self.stretch.hold(self._signals(level))
-        given = np.column_stack([np.tile(row, (len(lengths), 1)), lengths])
-        none = np.zeros((0, 0))
-        end = self.stretch.march(state, given, np.zeros((self.size, 0)), np.zeros((*given.shape, 0)), none)
+        rows = np.column_stack([np.tile(row, (len(lengths), 1)), lengths])
+        no_slopes = np.zeros((0, 0))
+        end = self.stretch.march(state, rows, np.zeros((self.size, 0)), np.zeros((*rows.shape, 0)), no_slopes)
         return _Leg(end.states, lengths, level)
 
     def _see(self, states: Numbers, level: float) -> Numbers:
@@ -223,34 +226,36 @@ class SwitchedMotion:
         return self.stretch.observe(states, signals)[self.switch.output]
 
     def _find_event(self, state: Numbers, level: float, threshold: float, sign: float) -> _Leg:
-        """Return the steps until the output reaches a threshold; the last one ends there, or at the next check.
+        """Return the steps until the output passes a threshold, ending there or at the next sample.
 
         Raises:
-            SolveError: it does not come there.
+            SolveError: the threshold is not reached.
         """
         begin, full = state, np.full(BLOCK * self.looks, self.step)
-        passed = list[Numbers]()
+        states_before = list[Numbers]()
         for _ in range(BLOCKS):
             leg = self._go(begin, full, level)
             beyond = sign * (self._see(leg.states, level) - threshold)
             over = np.flatnonzero(beyond[self.looks :: self.looks] >= 0.0)
             if len(over):
-                done = len(passed) * len(full)
+                done = len(states_before) * len(full)
                 if self.switch.sampling > 0.0:
                     k = (int(over[0]) + 1) * self.looks
-                    return _Leg(np.concatenate([*passed, leg.states[: k + 1]]), np.full(done + k, self.step), level)
+                    return _Leg(
+                        np.concatenate([*states_before, leg.states[: k + 1]]), np.full(done + k, self.step), level
+                    )
                 k = int(over[0])
                 last, end = self._find_end(leg.states[k], level, threshold, sign)
                 lengths = np.append(np.full(done + k, self.step), last)
-                return _Leg(np.concatenate([*passed, leg.states[: k + 1], end]), lengths, level)
-            passed.append(leg.states[:-1])
+                return _Leg(np.concatenate([*states_before, leg.states[: k + 1], end]), lengths, level)
+            states_before.append(leg.states[:-1])
             begin = leg.states[-1]
         raise SolveError(
             f"`{self.switch.output}` does not come to {threshold:.6g} within {BLOCKS * len(full) * self.step:.6g} s."
         )
 
     def _find_end(self, state: Numbers, level: float, threshold: float, sign: float) -> tuple[float, Numbers]:
-        """Return the length of the step at whose end the output is at a threshold, and the state there, (1, states)."""
+        """Return the length of the step that ends at a threshold, and the state there, shape (1, states)."""
 
         def end(length: float) -> Numbers:
             return self._go(state, np.array([length]), level).states[-1:]
@@ -265,7 +270,7 @@ class SwitchedMotion:
         return last, end(last)
 
     def march(self, state: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the states from one switching off to the next, and the Jacobian of the last."""
+        """Return the states of a cycle, and the Jacobian of the last state."""
         legs, slopes = self._legs(state), np.eye(self.size)
         for number, leg in enumerate(legs):
             slopes = self._differentiate(leg, slopes, event=number % 2 == 0 and not self.switch.sampling)
@@ -279,19 +284,19 @@ class SwitchedMotion:
             return seeds
         signals = self._signals(leg.level)
         row, _ = self.stretch.hold(signals)
-        given = np.column_stack([np.tile(row, (count, 1)), leg.lengths])
+        rows = np.column_stack([np.tile(row, (count, 1)), leg.lengths])
         n = self.size
-        dgiven = np.zeros((*given.shape, n + 1))
+        dgiven = np.zeros((*rows.shape, n + 1))
         dgiven[-1, -1, n] = 1.0
         begin = np.column_stack([seeds, np.zeros(n)])
-        found = self.stretch.march(leg.states[0], given, begin, dgiven, np.zeros((0, n + 1))).slopes
+        slopes = self.stretch.march(leg.states[0], rows, begin, dgiven, np.zeros((0, n + 1))).slopes
         if not event:
-            return found[:, :n]
-        output = self.stretch.observe_slopes(self.switch.output, leg.states[-1], signals, found)
-        return found[:, :n] - np.outer(found[:, n], output[:n] / output[n])
+            return slopes[:, :n]
+        output = self.stretch.observe_slopes(self.switch.output, leg.states[-1], signals, slopes)
+        return slopes[:, :n] - np.outer(slopes[:, n], output[:n] / output[n])
 
     def linearise(self, point: Numbers) -> Linearised:
-        """Return the change of the states over a cycle, over their sizes, and its derivatives."""
+        """Return the relative change of the states over a cycle, and its derivatives."""
         states, slopes = self.march(point)
         sizes = np.maximum(np.abs(states).max(axis=0), 1e-12)
         residual, jacobian = states[-1] - states[0], slopes - np.eye(self.size)

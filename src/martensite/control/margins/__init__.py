@@ -1,1 +1,1 @@
-"""Loops of a bench for small signals: linear systems on both branches, margins, tests, figures, gain schedules."""
+"""Linear loops of a bench on both branches: margins, tests, and gain schedules."""

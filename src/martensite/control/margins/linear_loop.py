@@ -1,15 +1,16 @@
-"""A loop of a bench for small signals around a point of rest on a branch, exact and in discrete time.
+"""Exact linear loop of a bench around an operating point on a branch, in discrete time.
 
-One period of the bench, with everything in it (plant, sensors with their delay, observers, the controller), is
-differentiated by dual numbers. With the signal u that the controller wants as one of the states,
+One period of the bench with plant, sensors, delays, observers and controller is differentiated by dual numbers. With
+the wanted signal u as a state,
 
     x_k+1 = A x_k + b u_k,    u_k+1 = c x_k + d u_k,    L(z) = -z⁻¹ (c (z I - A)⁻¹ b + d),
 
-the loop is opened at the signal: it is stable where 1 + L has no zero outside of the unit circle. Sampling, holding,
-delays and filters are in it as they are in a run. Noise, rounding and limits of signals are not.
+the loop is opened at the signal: it is stable if 1 + L has no zero outside the unit circle. Sampling, hold, delays and
+filters are included; noise, rounding and signal limits are not.
 
-The plant has a linear system for each branch, as `linearise_plant` says. Within the dead band of the hysteresis, after
-a turn, it has a third one, of hardly any gain: `dead band` is that of a point on the heating branch whose signal falls.
+The plant has a linear system for each branch (see `linearise_plant`). After a turn, within the dead band of the
+hysteresis, it has a third one with a very small gain: `dead band` belongs to a point on the heating branch whose signal
+falls.
 """
 
 from __future__ import annotations
@@ -37,66 +38,63 @@ from martensite.simulate.operating_point import SteadyPoint
 
 Branch: TypeAlias = Literal["heating", "cooling", "dead band"]
 LONG, LEAST_STEPS, MOST_STEPS = 3.0, 10, 5000
-"""Longest time constants after which a step is over, and periods."""
+"""Longest time constants after which a step response is complete, and limits of its number of periods."""
 DOUBLINGS = 40
-"""Doublings of the number of samples whose noise counts."""
 STRETCH, STRETCHES, SETTLED = 500, 40, 1e-7
-"""Periods between two tests of whether observers have settled, number of tests, and change that counts as zero."""
+"""Periods between two tests for steady observers, number of tests, and relative change that counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearLoop:
-    """A loop around a point of rest."""
+    """A loop linearised around an operating point."""
 
     point: SteadyPoint
     branch: Branch
     plant: LinearSystem
-    """From the signal to the reading that is controlled, with its sensor, delay and observer."""
+    """System from the signal to the controlled reading, with sensor, delay and observer."""
     loop: LinearSystem
-    """L, from the error of the signal to the signal, opened there."""
+    """L, the opened loop from the error of the signal to the signal."""
     closed: LinearSystem
-    """From the reference and the numbers of noise to the reading and the signal, one sample later."""
+    """System from reference and noise to reading and signal, one sample later."""
     reading: float
-    """At rest."""
     unit: str
-    """SI unit of the reading."""
 
     @property
     def offset(self) -> float:
-        """Return the reference less reading at rest."""
+        """Return the reference less the reading in the steady state."""
         return float(self.closed.inputs[self.closed.input_names.index(REFERENCE)]) - self.reading
 
 
 def linearise_loops(
     bench: Bench, drive: str, points: Sequence[SteadyPoint], turn: SteadyPoint | None = None
 ) -> list[LinearLoop]:
-    """Linearise a loop around points of rest of the plant.
+    """Linearise a loop around operating points of the plant.
 
     Args:
-        bench: with the controller; its supervisor and faults are left out, other loops are open.
-        drive: whose loop it is.
-        points: of the plant.
-        turn: where points of the cooling branch were heated to; needed if there are observers.
+        bench: bench with the controller; supervisor and faults are ignored, other loops are open.
+        drive: drive of the loop.
+        points: steady states of the plant.
+        turn: end of heating before points of the cooling branch; required with observers.
 
     Raises:
-        InputError: the bench has no controller, or the controller does not come to rest.
+        InputError: the bench has no such controller, or the controller has no steady state.
     """
-    alone = _isolate_loop(bench, drive)
-    states = _settle_bench(alone, drive, points, turn)
-    return [_linearise_at(alone, drive, at, one, one.direction) for at, one in zip(states, points, strict=True)]
+    isolated = _isolate_loop(bench, drive)
+    states = _settle_bench(isolated, drive, points, turn)
+    return [_linearise_at(isolated, drive, at, one, one.direction) for at, one in zip(states, points, strict=True)]
 
 
 def linearise_dead_band(bench: Bench, drive: str, point: SteadyPoint) -> LinearLoop:
-    """Linearise a loop after a turn on the heating branch, in the dead band; arguments as `linearise_loops`."""
-    alone = _isolate_loop(bench, drive)
-    (state,) = _settle_bench(alone, drive, [point], None)
-    return _linearise_at(alone, drive, state, point, "dead band")
+    """Linearise a loop after a turn on the heating branch, in the dead band; see `linearise_loops`."""
+    isolated = _isolate_loop(bench, drive)
+    (state,) = _settle_bench(isolated, drive, [point], None)
+    return _linearise_at(isolated, drive, state, point, "dead band")
 
 
 def _isolate_loop(bench: Bench, drive: str) -> Bench:
-    """Return the bench with one loop, nothing that cuts or fails, and sensors that sample in every period.
+    """Return the bench with one loop, without supervisor and faults, and with sensors that sample in every period.
 
-    What a slower sensor holds is as old as its last sample just before the next.
+    A slower sensor gets the largest age of its reading as a delay.
     """
     members = bench.controllers.members()
     if drive not in members:
@@ -117,7 +115,6 @@ def _isolate_loop(bench: Bench, drive: str) -> Bench:
 def _settle_bench(
     bench: Bench, drive: str, points: Sequence[SteadyPoint], turn: SteadyPoint | None
 ) -> list[BenchState]:
-    """Return the states of the bench without its controller, with the plant at its points."""
     idle = bench.with_parts(controllers=Controllers())
     start = idle.init(floats, *[0.0] * len(idle.drives()))
     if not bench.observers.members():
@@ -139,10 +136,10 @@ def _settle_bench(
 
 
 def _hold_signals(lanes: Lanes, table: Numbers) -> None:
-    """Hold signals, (drives, lanes), until no output moves by more than is none, over its largest."""
-    held, before = np.broadcast_to(table, (STRETCH, *table.shape)), lanes.observe(table)
+    """Hold signals, shape (drives, batch), until no output changes."""
+    signals, before = np.broadcast_to(table, (STRETCH, *table.shape)), lanes.observe(table)
     for _ in range(STRETCHES):
-        lanes.advance(held, 0.0, shown=False)
+        lanes.advance(signals, 0.0, shown=False)
         now = lanes.observe(table)
         if np.all(np.abs(now - before) <= SETTLED * np.abs(now).max(axis=1, keepdims=True)):
             return
@@ -150,25 +147,24 @@ def _hold_signals(lanes: Lanes, table: Numbers) -> None:
 
 
 def _begin_at(idle: Bench, start: BenchState, point: SteadyPoint) -> BenchState:
-    """Return the first state of a bench, with its plant at rest at a point."""
     plant = NestedShape(start.plant).rebuild(point.state.tolist())
     signals = dict(zip((one.name for one in idle.plant.drives()), point.signals, strict=True))
-    known = of_period.collect_truth(idle, floats, idle.plant, plant, signals)
+    truth = of_period.collect_truth(idle, floats, idle.plant, plant, signals)
     rows = zip(idle.sensors.members().values(), idle.layout()[1:], strict=True)
-    return start._replace(plant=plant, sensors=tuple(one.rest(floats, known, 0.0, kept) for one, kept in rows))
+    return start._replace(plant=plant, sensors=tuple(one.rest(floats, truth, 0.0, count) for one, count in rows))
 
 
 def collect_known(bench: Bench, xp: Any, state: BenchState, signals: Mapping[str, Any]) -> dict[str, Any]:
     """Return the readings of controllers in a state."""
-    known = {} if state.sensors else of_period.collect_truth(bench, xp, bench.plant, state.plant, signals)
-    return of_period.collect_readings(bench, state.sensors, known) | of_period.collect_estimates(bench, state.observers)
+    truth = {} if state.sensors else of_period.collect_truth(bench, xp, bench.plant, state.plant, signals)
+    return of_period.collect_readings(bench, state.sensors, truth) | of_period.collect_estimates(bench, state.observers)
 
 
 def _linearise_at(bench: Bench, drive: str, state: BenchState, point: SteadyPoint, branch: Branch) -> LinearLoop:
     controller = bench.controllers.members()[drive]
     signals = dict(zip((one.name for one in bench.plant.drives()), point.signals, strict=True))
-    known = collect_known(bench, floats, state, signals)
-    memory, reference = settle_controller(controller, known, point.signal, branch == "heating", bench.period)
+    readings = collect_known(bench, floats, state, signals)
+    memory, reference = settle_controller(controller, readings, point.signal, branch == "heating", bench.period)
     whole = state._replace(controllers=(Controlling(point.signal, tuple(memory.tolist())),))
     flat, shape = flatten_numbers(whole), NestedShape(whole)
     place = name_numbers(whole).index("controllers.0.wanted")
@@ -183,12 +179,12 @@ def _linearise_at(bench: Bench, drive: str, state: BenchState, point: SteadyPoin
     pushed = list(flat)
     pushed[place] += (1.0 if branch == "heating" else -1.0) * PUSH * max(abs(point.signal), LEAST_SIGNAL)
     slopes = compute_slopes(advance, [*pushed, *others])[1]
-    given = {one.name: size + k for k, one in enumerate(drives) if one.name not in signals}
-    inputs, unit = slopes[:, list(given.values())], list_readings(bench)[controller.measured].unit
-    reading = known[controller.measured]
+    columns = {one.name: size + k for k, one in enumerate(drives) if one.name not in signals}
+    inputs, unit = slopes[:, list(columns.values())], list_readings(bench)[controller.measured].unit
+    reading = readings[controller.measured]
     names, at = (
-        (tuple(given), point.drive),
-        (np.array([*flat, reading]), np.array([*flat, *others])[list(given.values())]),
+        (tuple(columns), point.drive),
+        (np.array([*flat, reading]), np.array([*flat, *others])[list(columns.values())]),
     )
     parts = _split_loop(slopes[:, :size], inputs, place, bench.period, names, at)
     return LinearLoop(point, branch, *parts, reading, unit)
@@ -202,14 +198,13 @@ def _split_loop(
     names: tuple[tuple[str, ...], str],
     at: tuple[Numbers, Numbers],
 ) -> tuple[LinearSystem, LinearSystem, LinearSystem]:
-    """Plant, opened loop and closed loop from slopes of (state, reading) by state, and by inputs.
+    """Return plant, opened loop and closed loop from the slopes of (state, reading) by state and by inputs.
 
-    The reading joins the state, so that it is of the same sample as the signal. `at` is the state, and the inputs, of
-    the point of rest.
+    The reading joins the state to belong to the sample of the signal. `at` is state and inputs of the operating point.
     """
-    (given, drive), (state, outside), count = names, at, len(slopes)
+    (inputs_of, drive), (state, outside), count = names, at, len(slopes)
     whole = np.hstack([slopes, np.zeros((count, 1))])
-    opened, into, seen = whole.copy(), whole[:, [place]], np.eye(count)
+    opened, into, identity = whole.copy(), whole[:, [place]], np.eye(count)
     opened[:, place] = 0.0
 
     def make(a: Numbers, b: Numbers, c: Numbers, u: Numbers, of: tuple[str, ...], to: tuple[str, ...]) -> LinearSystem:
@@ -217,14 +212,14 @@ def _split_loop(
 
     signal = state[[place]]
     return (
-        make(opened, into, seen[[-1]], signal, (drive,), ("reading",)),
-        make(opened, into, -seen[[place]], signal, ("error",), (drive,)),
-        make(whole, inputs, seen[[-1, place]], outside, given, ("reading", drive)),
+        make(opened, into, identity[[-1]], signal, (drive,), ("reading",)),
+        make(opened, into, -identity[[place]], signal, ("error",), (drive,)),
+        make(whole, inputs, identity[[-1, place]], outside, inputs_of, ("reading", drive)),
     )
 
 
 def measure_rise(one: LinearLoop) -> float:
-    """Return time in which the reading goes 63 % of its way after a step of the signal [s]; 0 if it does not move."""
+    """Return the time in which a step of the signal moves the reading by 63 % [s]; 0 without a response."""
     gain, times = float(one.plant.gain()[0, 0]), one.plant.time_constants()
     if gain == 0.0:
         return 0.0
@@ -234,14 +229,14 @@ def measure_rise(one: LinearLoop) -> float:
 
 
 def measure_noise(one: LinearLoop) -> float | None:
-    """Return the standard deviation of the signal by the noise of all sensors; None where the loop is unstable.
+    """Return the standard deviation of the signal by the noise of all sensors; None for an unstable loop.
 
     P = A P Aᵀ + B Bᵀ,    σ² = c P cᵀ
     """
     noisy = np.flatnonzero([name.startswith(NOISE) for name in one.closed.input_names])
-    kept = find_reached(one.closed.a, one.closed.b[:, noisy])
-    a, b, c = one.closed.a[np.ix_(kept, kept)], one.closed.b[np.ix_(kept, noisy)], one.closed.c[1, kept]
-    if len(kept) and np.max(np.abs(np.linalg.eigvals(a))) >= 1.0 - INSIDE:
+    reached = find_reached(one.closed.a, one.closed.b[:, noisy])
+    a, b, c = one.closed.a[np.ix_(reached, reached)], one.closed.b[np.ix_(reached, noisy)], one.closed.c[1, reached]
+    if len(reached) and np.max(np.abs(np.linalg.eigvals(a))) >= 1.0 - INSIDE:
         return None
     covariance, power = b @ b.T, a
     for _ in range(DOUBLINGS):  # P_2k = P_k + A^k P_k (A^k)^T

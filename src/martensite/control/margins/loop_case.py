@@ -1,4 +1,4 @@
-"""One loop of a bench with the curves and limits that its tests need."""
+"""One loop of a bench with the curves and limits for its tests."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.sampling.sampled import Numbers
 
 COARSE, SIGNALS = BLOCK, 2 * BLOCK
-"""On a branch: to see where the reading moves, and there."""
+"""Signals on a branch: of a first pass, and of the final curve."""
 EVEN = 0.2
-"""Share of the signals that is spread evenly."""
+"""Fraction of the signals that is spread evenly."""
 BEYOND = 0.02
-"""Share of what can be reached by which a reference may be beyond it."""
+"""Fraction of the reachable range by which a reference may exceed it."""
 SAMPLES = 4000
 """Largest number of samples of a reference."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoopCase:
-    """One loop of a bench, and what its tests ask for."""
+    """One loop of a bench."""
 
     bench: Bench
     drive: str
@@ -37,11 +37,10 @@ class LoopCase:
     duration: float
     """Duration of the run [s]."""
     others: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Signals of other drives."""
 
     @property
     def unit(self) -> str:
-        """SI unit of what is controlled."""
+        """Return the SI unit of the controlled reading."""
         return list_readings(self.bench)[self.controller.measured].unit
 
     @cached_property
@@ -52,11 +51,11 @@ class LoopCase:
 
     @cached_property
     def limits(self) -> tuple[float, float]:
-        """Least and largest signal that the controller gives and the source can give."""
+        """Return the least and largest signal that the controller and the source can give."""
         source, ohms = find_source(self.bench.plant, self.drive)
-        known = list_limits(self.controller).values()
+        levels = list_limits(self.controller).values()
         reach = (-np.inf, np.inf) if source is None else source.reach(ohms)
-        low, high = (min(known), max(known)) if known else reach
+        low, high = (min(levels), max(levels)) if levels else reach
         low, high = max(low, reach[0], 0.0), min(high, reach[1])
         if not (np.isfinite(high) and low < high):
             raise InputError("no limits of the signal are known")
@@ -64,24 +63,24 @@ class LoopCase:
 
     @cached_property
     def heating(self) -> RestCurve:
-        """Rest under rising signals."""
+        """Return the steady states under rising signals."""
         return self.compute_branch(self.limits[1], None)
 
     @cached_property
     def cooling(self) -> RestCurve:
-        """Rest under falling signals, from the end of the heating branch."""
+        """Return the steady states under falling signals from the end of the heating branch."""
         return self.compute_branch(self.limits[1], self.heating.states[:, -1])
 
     def compute_branch(self, high: float, start: Numbers | None) -> RestCurve:
-        """Rest under signals up to a highest one, dense where the reading moves; cooling from a `start`."""
+        """Return the steady states for signals up to `high`, dense where the reading changes; cooling from `start`."""
 
         def settle(row: Numbers) -> RestCurve:
             return compute_rest_curve(self.bench.plant, self.drive, row, others=self.others, start=start)
 
         coarse = settle(np.linspace(self.limits[0], high, COARSE))
         moved = np.abs(np.diff(self.read(coarse)))
-        way = np.cumsum([0.0, *(moved + EVEN * max(moved.sum(), 1e-300) / COARSE)])
-        return settle(np.interp(np.linspace(0.0, way[-1], SIGNALS), way, coarse.levels))
+        path = np.cumsum([0.0, *(moved + EVEN * max(moved.sum(), 1e-300) / COARSE)])
+        return settle(np.interp(np.linspace(0.0, path[-1], SIGNALS), path, coarse.levels))
 
     def list_reached(self) -> Numbers:
         """Return the readings on the heating branches of this drive, led drives, and drives with the same reading."""
@@ -92,12 +91,12 @@ class LoopCase:
         return np.concatenate([one.read(one.heating) for one in every])
 
     def read(self, curve: RestCurve) -> Numbers:
-        """Return the reading of the controlled output along a branch."""
+        """Return the controlled reading along a branch."""
         return read_curve(self.bench, curve, self.controller.measured)
 
     def find(
-        self, test: str, place: str, said: tuple[str, str], number: tuple[float, float, str], fault: bool = False
+        self, test: str, place: str, texts: tuple[str, str], number: tuple[float, float, str], fault: bool = False
     ) -> LoopFinding:
-        """A finding about this loop: sentence and remedy; number, what is allowed, unit."""
+        """Return a finding about this loop from (sentence, remedy) and (value, limit, unit)."""
         where = place if "." in place else f"{place}.{self.drive}"
-        return LoopFinding(test, where, said[0], float(number[0]), float(number[1]), number[2], said[1], fault)
+        return LoopFinding(test, where, texts[0], float(number[0]), float(number[1]), number[2], texts[1], fault)

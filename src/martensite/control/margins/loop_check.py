@@ -1,8 +1,4 @@
-"""Is a loop able to do what it is for? Tests of a bench that find what a run would show too late.
-
-Here: signals that the source cannot give, the sign of the loop, the reach of the reference. Where `martensite-control`
-is installed, it adds margins on both branches, pace, sampling, noise and observability.
-"""
+"""Tests of the loops of a bench that find faults before a run: signals, sign, reach, margins, pace and noise."""
 
 from __future__ import annotations
 
@@ -24,31 +20,30 @@ from martensite.control.synthesis.rest_curves import read_at_rest
 from martensite.signals.base import AbstractWaveform
 
 LONGER = 1000
-"""Samples after which a controller has answered an error, its integral included."""
+"""Samples after which a controller has answered an error with its integral."""
 SHORT = 10
-"""Samples after which it has answered a reference."""
+"""Samples after which a controller has answered a reference."""
 
 
 @dataclass(frozen=True)
 class LoopReport:
-    """Result of a check of the loops of a bench."""
+    """Result of the tests of all loops of a bench."""
 
     findings: tuple[LoopFinding, ...]
-    """Faults first."""
     tested: tuple[str, ...]
     untested: Mapping[str, str]
-    """Tests that could not be made, with the reason."""
+    """Reason by the name of each test that was impossible."""
     margins: tuple[Mapping[str, Any], ...] = ()
-    """A row for every operating point: branch, reading and signal, margins."""
+    """One row for every operating point: branch, reading, signal, and margins."""
 
     @property
     def verdict(self) -> str:
-        """`not sound` with a fault, `not all tested`, or `sound`."""
+        """Return `not sound` with a fault, `not all tested`, or `sound`."""
         faults = any(one.fault for one in self.findings)
         return "not sound" if faults else "not all tested" if self.untested else "sound"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all of it for programs."""
+        """Return all fields and the verdict."""
         return asdict(self) | {"verdict": self.verdict}
 
 
@@ -56,12 +51,12 @@ LoopTest: TypeAlias = Callable[[LoopCase], Iterator[LoopFinding]]
 
 
 def check_loop(bench: Bench, duration: float, *, waveforms: Mapping[str, AbstractWaveform] | None = None) -> LoopReport:
-    """Test every loop of a bench for what keeps it from doing what it is for.
+    """Test every loop of a bench.
 
     Args:
-        bench: with its controllers.
-        duration: of the run whose references are judged [s].
-        waveforms: of drives that no controller has; their first values count.
+        bench: bench with controllers.
+        duration: duration of the references [s].
+        waveforms: signals of drives without a controller, by drive; their first values count.
     """
     others = {name: float(one.value(0.0)) for name, one in (waveforms or {}).items()}
     members = bench.controllers.members()
@@ -85,33 +80,32 @@ def check_loop(bench: Bench, duration: float, *, waveforms: Mapping[str, Abstrac
     if len(members) > 1:
         untested["coupling"] = "each loop was tested alone, with the other controllers off"
     wrong = {one.where for one in findings if one.test == "sign"}  # whose margins follow from it
-    kept = [one for one in findings if one.test != "margins" or one.where not in wrong]
-    return LoopReport(tuple(sorted(kept, key=lambda one: not one.fault)), tuple(tested), untested, tuple(margins))
+    shown = [one for one in findings if one.test != "margins" or one.where not in wrong]
+    return LoopReport(tuple(sorted(shown, key=lambda one: not one.fault)), tuple(tested), untested, tuple(margins))
 
 
 def _collect_tests(margins: list[Mapping[str, Any]]) -> dict[str, LoopTest]:
-    """Return the tests by name."""
     from martensite.control.margins.loop_tests import make_tests
 
     return {"sign": check_sign, "reach": check_reach} | make_tests(margins)
 
 
 def check_reach(case: LoopCase) -> Iterator[LoopFinding]:
-    """Check that the reading can rest at all levels of the reference."""
-    reached, unit, asked = case.list_reached(), case.unit, case.reference
+    """Check that the reading can be steady at all levels of the reference."""
+    reached, unit, wanted_levels = case.list_reached(), case.unit, case.reference
     least, most = float(reached.min()), float(reached.max())
     ends = f"between {write_quantity(least, unit, 4)} and {write_quantity(most, unit, 4)}"
     under = f"under signals from {case.limits[0]:.4g} to {case.limits[1]:.4g}"
-    for words, level, bound in (("at most", asked.max(), most), ("at least", asked.min(), least)):
+    for words, level, bound in (("at most", wanted_levels.max(), most), ("at least", wanted_levels.min(), least)):
         if abs(level - np.clip(level, least, most)) > BEYOND * (most - least) and (level > most) == (bound == most):
             wanted = f"The reference asks for `{case.controller.measured}` of {write_quantity(float(level), unit, 4)}"
             remedy = f"Try a reference of {words} {write_quantity(bound, unit, 3)}, or another actuator."
-            said = f"{wanted}, but {under} it rests {ends}."
-            yield case.find("reach", "references", (said, remedy), (level, bound, unit), fault=True)
+            sentence = f"{wanted}, but {under} it rests {ends}."
+            yield case.find("reach", "references", (sentence, remedy), (level, bound, unit), fault=True)
 
 
 def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
-    """Check that the controller answers too low a reading with a signal that raises it, at once and in the end."""
+    """Check that the controller raises a reading that is too low, at once and in the end."""
     if case.controller.led_drives():
         raise InputError(f"`{case.controller.registered_name}` answers with several signals at once")
     ends = [read_at_rest(case.bench, case.heating.point(k).outputs) for k in (0, -1)]
@@ -128,37 +122,36 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
     if wrong:
         at, (low, high) = [write_quantity(one[name], case.unit, 3) for one in ends], answers[:, wrong[0]]
         when = "" if len(wrong) > 1 else " at once" if wrong == [0] else " in the end"
-        said = (
+        sentence = (
             f"A higher signal {'raises' if rise > 0.0 else 'lowers'} `{name}`, but with a reference of "
             f"{write_quantity(middle, case.unit, 3)} the controller answers{when} {low:.3g} at {at[0]} and {high:.3g} "
             f"at {at[1]}: the loop drives away from its reference."
         )
         numbers = float(pushes[wrong[0]]), 0.0, "1"
-        yield case.find("sign", "controllers", (said, "Turn the sign of its gains."), numbers, fault=True)
+        yield case.find("sign", "controllers", (sentence, "Turn the sign of its gains."), numbers, fault=True)
 
 
 def _judge_idle(case: LoopCase, ends: Sequence[Mapping[str, float]]) -> LoopFinding:
     """Return the fault of a controller that responds to neither reading nor reference.
 
     Raises:
-        InputError: it responds to the reference, as a feed-forward does.
+        InputError: it responds to the reference alone, as a feed-forward does.
     """
     name = case.controller.measured
     low, high = (_list_answers(case, ends[0], one[name], SHORT)[-1] for one in ends)
     if low != high:
         raise InputError(f"`{case.controller.registered_name}` does not answer what it reads")
-    said = (
+    sentence = (
         f"The controller gives {low:.3g} at every `{name}` and every reference: it has no gain, so nothing is "
         "controlled."
     )
     remedy = "Give it gains, such as those of `martensite tune`."
-    return case.find("sign", "controllers", (said, remedy), (0.0, 0.0, "1"), fault=True)
+    return case.find("sign", "controllers", (sentence, remedy), (0.0, 0.0, "1"), fault=True)
 
 
 def _list_answers(
     case: LoopCase, readings: Mapping[str, float], reference: float, count: int = LONGER
 ) -> tuple[float, float]:
-    """Return the signals of the controller while it reads the same: the first one, and that after a while."""
     previews = case.controller.list_previews().items()  # the own reference leads no other drive
     ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
     samples = 1 if isinstance(case.controller, Mpc) else count  # a plan is made again in every sample

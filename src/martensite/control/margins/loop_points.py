@@ -1,4 +1,4 @@
-"""Points of rest along the reference of a loop, on both branches, and the loop linearised there."""
+"""Operating points along the reference of a loop, on both branches, with their linear loops."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from martensite.simulate.operating_point import SteadyPoint
 POINTS = 3
 """Number of points of a branch."""
 INNER = 0.1
-"""Share of the reachable range at either end where the branch begins and ends."""
+"""Fraction of the reachable range that is excluded at either end."""
 SOON = 5
 """Samples after which the first answer to a step of the reading is over."""
 ALIKE = 2.0
-"""Factor of the slope of the plant within which a linear system is taken to hold."""
+"""Factor of the slope of the plant within which a linear system is valid."""
 
 
 def linearise_case(case: LoopCase, count: int = POINTS) -> list[LinearLoop]:
-    """Return the loops at points of both branches along the reference, and one in the dead band.
+    """Return the loops at points of both branches along the reference, and a loop in the dead band.
 
     Raises:
         InputError: the controller plans, or only switches.
@@ -36,7 +36,7 @@ def linearise_case(case: LoopCase, count: int = POINTS) -> list[LinearLoop]:
 
 
 def list_first_answers(case: LoopCase) -> list[float]:
-    """Return the changes of the signal after a step of the reading, per its unit, in the first samples."""
+    """Return the changes of the signal per unit step of the reading, in the first samples."""
     if isinstance(case.controller, Mpc):
         raise InputError(f"`{case.controller.registered_name}` plans: it has no linear system")
     middle = case.heating.point(len(case.heating.levels) // 2)
@@ -44,16 +44,16 @@ def list_first_answers(case: LoopCase) -> list[float]:
 
 
 def choose_points(case: LoopCase, count: int = POINTS) -> tuple[list[SteadyPoint], SteadyPoint]:
-    """Return the points of rest on both branches along the reference, and the one at which the branches meet.
+    """Return operating points on both branches along the reference, and the point where the branches meet.
 
-    The cooling branch begins where the reference is highest: smaller loops have other slopes than the outermost one.
+    The cooling branch begins at the highest reference: inner loops have other slopes than the outer loop.
     """
     heated = case.read(case.heating)
     way = float(np.sign(heated[-1] - heated[0]))
     least, most = sorted((float(way * heated[0]), float(way * heated[-1])))
-    inner, asked = INNER * (most - least), way * case.reference
-    high = min(max(float(asked.max()), least + 2.0 * inner), most - inner)
-    low = min(max(float(asked.min()), least + inner), high)
+    inner, wanted = INNER * (most - least), way * case.reference
+    high = min(max(float(wanted.max()), least + 2.0 * inner), most - inner)
+    low = min(max(float(wanted.min()), least + inner), high)
     turn = _find_nearest(case.heating, way * heated, high)
     cooling = case.compute_branch(turn.signal, turn.state)
     cooled = way * case.read(cooling)
@@ -74,16 +74,16 @@ def _find_nearest(curve: RestCurve, seen: Numbers, level: float) -> SteadyPoint:
 def find_validity(case: LoopCase, one: LinearLoop) -> tuple[float, float]:
     """Return the readings around a point between which the slope of its branch is within a factor of `ALIKE`.
 
-    On the cooling branch that of the outermost loop is taken; in the dead band there are none.
+    On the cooling branch the outer loop is used; in the dead band the range is empty.
     """
     if one.branch == "dead band":
         return one.reading, one.reading
     curve = case.heating if one.branch == "heating" else case.cooling
-    seen = case.read(curve)
-    slopes = np.abs(np.diff(seen) / np.diff(curve.levels))
-    k = int(np.argmin(np.abs(0.5 * (seen[1:] + seen[:-1]) - one.reading)))
+    readings = case.read(curve)
+    slopes = np.abs(np.diff(readings) / np.diff(curve.levels))
+    k = int(np.argmin(np.abs(0.5 * (readings[1:] + readings[:-1]) - one.reading)))
     alike = (slopes >= slopes[k] / ALIKE) & (slopes <= slopes[k] * ALIKE)
     off = np.flatnonzero(~alike)
     first = max((j + 1 for j in off if j < k), default=0)
     last = min((j for j in off if j > k), default=len(slopes))
-    return float(seen[first]), float(seen[last])
+    return float(readings[first]), float(readings[last])

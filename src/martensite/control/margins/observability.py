@@ -1,6 +1,6 @@
-"""Does the resistance say where the element is? For loops on an estimate from it.
+"""Observability of the martensite fraction from the resistance, for loops on its estimate.
 
-d ln R/dξ along the rest of both branches, and σ_ξ = σ_R/(R |d ln R/dξ|) of one reading
+d ln R/dξ along both branches, and σ_ξ = σ_R/(R |d ln R/dξ|) of one reading
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from martensite.control.synthesis.rest_curves import RestCurve
 from martensite.kernels import floats
 
 BLURRED = 0.25
-"""Martensite fraction that one reading may be wrong by."""
+"""Largest error of the martensite fraction by one reading."""
 TURNED = 0.05
-"""Share of the largest slope from which a change of its sign counts."""
+"""Fraction of the largest slope above which a slope of opposite sign counts."""
 MOVED = 1e-3
-"""Martensite fraction between two points of rest from which their slope counts."""
+"""Least difference of martensite fractions for a slope."""
 
 
 def check_observability(case: LoopCase) -> Iterator[LoopFinding]:
@@ -42,48 +42,48 @@ def check_observability(case: LoopCase) -> Iterator[LoopFinding]:
 
 
 def find_slopes(case: LoopCase, curve: RestCurve, port: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the readings within the range of the reference, d ln R/dξ and R there."""
+    """Return the readings within the range of the reference, with d ln R/dξ and R."""
     fraction, ohms = (curve.outputs[case.bench.plant.label(port, one)] for one in ("martensite_fraction", "resistance"))
-    asked, seen = case.reference, case.read(curve)
-    slack = BEYOND * np.ptp(seen)
-    inside = (seen >= asked.min() - slack) & (seen <= asked.max() + slack)
+    wanted, readings = case.reference, case.read(curve)
+    slack = BEYOND * np.ptp(readings)
+    inside = (readings >= wanted.min() - slack) & (readings <= wanted.max() + slack)
     moved = np.flatnonzero((np.abs(np.diff(fraction)) > MOVED) & inside[1:] & inside[:-1])
     slopes = np.diff(np.log(ohms))[moved] / np.diff(fraction)[moved]
-    return 0.5 * (seen[moved] + seen[moved + 1]), slopes, ohms[moved]
+    return 0.5 * (readings[moved] + readings[moved + 1]), slopes, ohms[moved]
 
 
 def _judge_branch(
     case: LoopCase, where: str, sensor: ResistanceSensor, curve: RestCurve, port: str
 ) -> Iterator[LoopFinding]:
-    seen, slopes, ohms = find_slopes(case, curve, port)
+    readings, slopes, ohms = find_slopes(case, curve, port)
     if not len(slopes):
         return
     k, size = int(np.argmin(np.abs(slopes))), float(np.max(np.abs(slopes)))
-    at, least = write_quantity(float(seen[k]), case.unit, 3), float(slopes[k])
+    at, least = write_quantity(float(readings[k]), case.unit, 3), float(slopes[k])
     if slopes.max() > TURNED * size and slopes.min() < -TURNED * size:
-        said = (
+        sentence = (
             f"While {curve.direction}, d ln R/dξ goes from {slopes.min():.3g} to {slopes.max():.3g}: one resistance "
             f"stands for two positions, about {at}."
         )
         remedy = "Try another range of the reference, or a position sensor."
-        yield case.find("observability", where, (said, remedy), (least, 0.0, "1"))
+        yield case.find("observability", where, (sentence, remedy), (least, 0.0, "1"))
     blur = float(np.hypot(float(sensor.relative_noise), float(sensor.noise) / ohms[k])) / max(abs(least), 1e-12)
     if blur > BLURRED:
-        said = (
+        sentence = (
             f"While {curve.direction}, at {at}, d ln R/dξ is {least:.3g}: one reading tells the martensite fraction to "
             f"±{blur:.2g} only."
         )
         remedy = "Try a quieter meter, or an observer that trusts its model more."
-        yield case.find("observability", where, (said, remedy), (blur, BLURRED, "1"))
+        yield case.find("observability", where, (sentence, remedy), (blur, BLURRED, "1"))
 
 
 def _judge_current(case: LoopCase, sensor: ResistanceSensor, port: str) -> Iterator[LoopFinding]:
-    seen = [case.heating.outputs[case.bench.plant.label(port, name)][0] for name in ("voltage", "current")]
-    if not sensor.valid(floats, seen):
-        said = (
-            f"Under the least signal, {case.limits[0]:.3g}, the current is {write_quantity(float(seen[1]), 'A', 3)}, "
+    truth = [case.heating.outputs[case.bench.plant.label(port, name)][0] for name in ("voltage", "current")]
+    if not sensor.valid(floats, truth):
+        sentence = (
+            f"Under the least signal, {case.limits[0]:.3g}, the current is {write_quantity(float(truth[1]), 'A', 3)}, "
             "and nothing is read while the element cools."
         )
-        numbers = float(seen[1]), float(sensor.least_current), "A"
+        numbers = float(truth[1]), float(sensor.least_current), "A"
         where = f"controllers.{case.drive}.low"
-        yield case.find("observability", where, (said, "Try a least signal that leaves a current."), numbers)
+        yield case.find("observability", where, (sentence, "Try a least signal that leaves a current."), numbers)

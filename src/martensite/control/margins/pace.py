@@ -1,8 +1,8 @@
-"""Could a reference be followed if every signal were right? A bound, from the fastest ways up and down.
+"""Bound on following a reference with ideal signals, from the fastest heating and cooling.
 
-The plant is heated under its largest signal to the top of the reference, then left under its least one. From a reading
-it can be no higher one period later than along the first way, and no lower than along the second: who follows a
-reference within these two is what the best controller comes near to, but for the time that a dead band takes.
+The plant is heated with its largest signal to the top of the reference, then cooled with its least signal. In one
+period a reading rises at most as on the first path and falls at most as on the second. A reference within these bounds
+can be followed, except for the time in the dead band.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.lanes import Lanes
 
 BEHIND, MOSTLY = 0.05, 0.2
-"""Fraction of the reference's span that counts as late, and fraction of the time that is allowed to be late."""
+"""Fraction of the span of the reference that counts as late, and largest fraction of late time."""
 STRETCH, STEPS = 64, 20_000
-"""Steps of a plant at its largest rate: at a time, and at most."""
+"""Steps between two tests of the target, and largest number of steps."""
 Curve: TypeAlias = tuple[Numbers, Numbers]
 """Times [s] and readings."""
 WAYS = (
@@ -34,7 +34,7 @@ WAYS = (
 
 
 def check_pace(case: LoopCase) -> Iterator[LoopFinding]:
-    """Check whether the reading could follow the reference with the best signals."""
+    """Check whether the reading could follow the reference with ideal signals."""
     reached = case.read(case.heating)
     sign = float(np.sign(reached[-1] - reached[0]))
     ends = float(min(sign * reached)), float(max(sign * reached))
@@ -43,14 +43,14 @@ def check_pace(case: LoopCase) -> Iterator[LoopFinding]:
     best = follow_fastest(wanted, rising, falling, case.duration / max(len(wanted) - 1, 1))
     span = max(float(np.ptp(wanted)), BEYOND * (ends[1] - ends[0]))
     for off, (times, _), (words, remedy) in zip((best - wanted, wanted - best), (falling, rising), WAYS, strict=True):
-        share = float(np.mean(off > BEHIND * span))
-        if share > MOSTLY:
+        fraction = float(np.mean(off > BEHIND * span))
+        if fraction > MOSTLY:
             said = (
                 f"The reference {words}: under the best signals the reading is more than {write_percent(BEHIND)} of "
-                f"its span behind for {write_percent(share)} of the time, and by up to "
+                f"its span behind for {write_percent(fraction)} of the time, and by up to "
                 f"{write_difference(float(off.max()), unit, 3)}; the whole way takes {times[-1]:.3g} s at least."
             )
-            yield case.find("pace", "references", (said, remedy), (share, MOSTLY, "1"))
+            yield case.find("pace", "references", (said, remedy), (fraction, MOSTLY, "1"))
 
 
 def find_truth(case: LoopCase) -> str:
@@ -61,14 +61,14 @@ def find_truth(case: LoopCase) -> str:
     """
     name = case.controller.measured
     mounted = case.bench.sensors.members().get(name)
-    found = mounted.sees()[0] if mounted is not None else name.removeprefix(ESTIMATED)
-    if found not in case.bench.plant.outputs():
+    output = mounted.sees()[0] if mounted is not None else name.removeprefix(ESTIMATED)
+    if output not in case.bench.plant.outputs():
         raise InputError(f"`{name}` is no output of the plant")
-    return found
+    return output
 
 
 def _compute_fastest(case: LoopCase, sign: float, wanted: Numbers, ends: tuple[float, float]) -> tuple[Curve, Curve]:
-    """Return the ways under the largest signal, then under the least one, between the ends of the reference."""
+    """Return the paths under the largest, then the least signal, between the ends of the reference."""
     slack = BEYOND * (ends[1] - ends[0])
     top = min(float(wanted.max()), ends[1] - slack)
     floor = max(min(float(wanted.min()), top - slack), ends[0] + slack)
@@ -81,32 +81,34 @@ def _compute_fastest(case: LoopCase, sign: float, wanted: Numbers, ends: tuple[f
 
 
 def _march_until(case: LoopCase, lanes: Lanes, signal: float, done: Callable[[Numbers], Numbers], place: int) -> Curve:
-    """Return the times and outputs until the lanes reach a target."""
     names, dt = [one.name for one in case.bench.plant.drives()], case.bench.period / case.bench.turns
-    held = case.heating.signals[:, 0].copy()
-    held[names.index(case.drive)] = signal
-    rows, some = [lanes.observe(held[:, None])[place, :1]], np.broadcast_to(held[:, None], (STRETCH, len(held), 1))
+    signals = case.heating.signals[:, 0].copy()
+    signals[names.index(case.drive)] = signal
+    rows, some = (
+        [lanes.observe(signals[:, None])[place, :1]],
+        np.broadcast_to(signals[:, None], (STRETCH, len(signals), 1)),
+    )
     while STRETCH * len(rows) < STEPS:
-        before, found = lanes.state, lanes.advance(some, dt)[:, place, 0]
-        stop = np.flatnonzero(done(found))
+        before, outputs = lanes.state, lanes.advance(some, dt)[:, place, 0]
+        stop = np.flatnonzero(done(outputs))
         if len(stop):
             lanes.state = before
             lanes.advance(some[: stop[0] + 1], dt, shown=False)
-            rows.append(found[: stop[0] + 1])
+            rows.append(outputs[: stop[0] + 1])
             break
-        rows.append(found)
+        rows.append(outputs)
     column = np.concatenate(rows)
     return dt * np.arange(len(column)), column
 
 
 def follow_fastest(wanted: Numbers, rising: Curve, falling: Curve, dt: float) -> Numbers:
-    """Return the nearest to a reference, at samples dt [s] apart, between the fastest ways up and down."""
+    """Return the path nearest to a reference, at samples dt [s] apart, within the fastest rise and fall."""
     (up, high), (down, low) = rising, falling
-    found, now = np.empty(len(wanted)), float(wanted[0])
-    for k, asked in enumerate(wanted.tolist()):
-        if asked > now:
-            now = min(asked, max(now, float(np.interp(np.interp(now, high, up) + dt, up, high))))
-        elif asked < now:
-            now = max(asked, min(now, float(np.interp(np.interp(-now, -low, down) + dt, down, low))))
-        found[k] = now
-    return found
+    path, now = np.empty(len(wanted)), float(wanted[0])
+    for k, target in enumerate(wanted.tolist()):
+        if target > now:
+            now = min(target, max(now, float(np.interp(np.interp(now, high, up) + dt, up, high))))
+        elif target < now:
+            now = max(target, min(now, float(np.interp(np.interp(-now, -low, down) + dt, down, low))))
+        path[k] = now
+    return path
