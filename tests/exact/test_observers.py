@@ -20,7 +20,7 @@ from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
-from martensite.control.observers.filter import Believed
+from martensite.control.observers.filter import FilterMemory
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels import floats
@@ -163,7 +163,7 @@ SIZES = (2.0, 0.03)
 def forecast(observer: Any, scale: float) -> Any:
     """From amid the transformation, with standard deviations of that scale."""
     matrix = covariance.build_diagonal([(scale * s) ** 2 for s in SIZES])
-    return observer.forecast(floats, Believed(amid(PLANT), (), matrix), GOING)
+    return observer.forecast(floats, FilterMemory(amid(PLANT), (), matrix), GOING)
 
 
 def ended(at: list[float]) -> np.ndarray:

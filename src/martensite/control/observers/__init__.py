@@ -1,1 +1,1 @@
-"""Observers: what estimates that which no sensor sees."""
+"""Observers estimate quantities without a sensor."""

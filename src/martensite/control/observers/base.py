@@ -1,15 +1,14 @@
-"""The contract of an observer: readings and signals in, estimates of what no sensor sees out.
+"""Interface of an observer: readings and signals in, estimates of unmeasured quantities out.
 
-An observer carries a model, a system as it is believed to be, and goes along with the plant: in
-every sample it gets the readings and the signals under which the plant has been since the last
-one. It is a straight-line kernel and runs inside the loop of a bench. Its estimates are readings
-called `estimated.NAME`, which a controller may follow: control without the sensor.
+An observer carries a model of the plant: in every sample it gets the readings, and the signals since the last sample.
+It is a straight-line kernel and runs inside the loop of a bench. Its estimates are readings `estimated.NAME`, which a
+controller may follow.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 from martensite.actuators.assembly import AbstractSystem
@@ -29,7 +28,7 @@ ESTIMATED = "estimated."
 class AbstractObserver(Parametrised):
     """Interface of an observer."""
 
-    model: AbstractSystem = part("the system as it is believed to be")
+    model: AbstractSystem = part("model of the system")
 
     @abstractmethod
     def reads(self) -> tuple[str, ...]:
@@ -37,43 +36,43 @@ class AbstractObserver(Parametrised):
 
     @abstractmethod
     def estimates(self) -> dict[str, Output]:
-        """Return the estimates, by name."""
+        """Return the estimates by name."""
 
     def commands(self) -> tuple[str, str] | None:
-        """Return the names of two estimates by which it commands a drive: whether it commands, and the signal."""
+        """Return the names of two estimates (active, signal) by which it commands a drive, or None."""
         return None
 
     @abstractmethod
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """Return the estimates and memory at the first sample, with the plant at rest."""
+        """Return estimates and memory at the first sample, with the plant in the steady state."""
 
     @abstractmethod
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Return the estimates of this sample, and the memory for the next sample.
+        """Return the estimates of this sample, and the new memory.
 
         Args:
             xp: namespace.
-            memory: from the sample before, or from `rest`.
-            readings: by name, in SI, and the age of each, `NAME.age` [s].
-            signals: by the name of the drive, as they have been since the sample before.
-            dt: time since then [s].
-            turns: in how many steps the model shall go.
+            memory: memory after the last sample, or from `rest`.
+            readings: readings by name, in SI, and the age of each, `NAME.age` [s].
+            signals: signals since the last sample, by drive.
+            dt: time since the last sample [s].
+            turns: number of steps of the model.
         """
 
 
 class ObserverPeriod(NamedTuple):
-    """A period."""
+    """Signals and length of a period."""
 
     signals: Sequence[Scalar]
     """Signals of the drives of the model, in their order."""
     dt: Scalar
     """[s]"""
     turns: int
-    """Steps of the model in it."""
+    """Steps of the model."""
     learning: Scalar = 1.0
-    """By how much parameters may walk faster than usual."""
+    """Factor of the random walks of parameters."""
 
     @property
     def step(self) -> Scalar:
@@ -82,7 +81,7 @@ class ObserverPeriod(NamedTuple):
 
 
 def list_required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
-    """Return the signals of an observer's model, in order; raise `ParameterError` if the plant lacks one."""
+    """Return the signals of the model of an observer, in order; raise `ParameterError` if the plant lacks one."""
     for drive in observer.model.drives():
         if drive.name not in signals:
             raise ParameterError(
@@ -92,6 +91,17 @@ def list_required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
     return [signals[drive.name] for drive in observer.model.drives()]
 
 
+def require_outputs(observer: AbstractObserver, names: Iterable[str]) -> None:
+    """Raise `ParameterError` if the model of an observer lacks an output."""
+    outputs = list(observer.model.outputs())
+    for name in names:
+        if name not in outputs:
+            raise ParameterError(
+                f"Observer `{observer.registered_name}`: its model has no output `{name}`. "
+                f"{suggest_name(name, outputs)}"
+            )
+
+
 def list_several(names: str | tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of one, or of several."""
+    """Return one or several names as a tuple."""
     return (names,) if isinstance(names, str) else names

@@ -1,15 +1,14 @@
-"""Small covariance matrices, written out: packed, factored, and conditioned on readings.
+"""Small covariance matrices as kernels: packing, Cholesky factor, and conditioning on readings.
 
-Unknowns v with covariance C are jointly normal. A reading z = v_i + n of one of them, with a noise of variance r, makes
+Unknowns v with covariance C are jointly normal. A reading z = v_i + n with a noise of variance r gives
 
     S = C_ii + r,   g = C e_i/S,   v + g (z - v_i),   C - S g gᵀ,
 
-which is the update of a Kalman filter for one reading; several follow one after the other.
-Sum of (z - v_i)²/S: the normalised innovation squared (NIS), chi-square distributed with as many
-degrees of freedom as there are readings if the filter is consistent.
+the update of a Kalman filter; several readings follow in succession. The sum of (z - v_i)²/S is the normalised
+innovation squared (NIS), chi-square distributed with one degree of freedom per reading for a consistent filter.
 
-Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with Applications to Tracking and
-Navigation, sections 5.2 and 5.4.
+Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with Applications to Tracking and Navigation, sections 5.2
+and 5.4.
 """
 
 from collections.abc import Sequence
@@ -20,17 +19,17 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 Matrix = list[list[Scalar]]
 LEAST_VARIANCE = 1e-30
-"""Variance below which nothing is unknown."""
+"""Variance that counts as zero."""
 
 
 class UnknownReading(NamedTuple):
-    """Reading of one of the unknowns."""
+    """Reading of an unknown."""
 
     index: int
     value: Scalar
     variance: Scalar
     used: Scalar
-    """1 if it counts, else 0."""
+    """1 for a used reading, else 0."""
 
 
 def pack_matrix(matrix: Matrix) -> list[Scalar]:
@@ -51,7 +50,7 @@ def build_diagonal(numbers: Sequence[Scalar]) -> Matrix:
 
 
 def propagate_covariance(rows: Matrix, matrix: Matrix) -> Matrix:
-    """J C Jᵀ of a symmetric matrix."""
+    """Return J C Jᵀ for the rows of J and a symmetric matrix C."""
     half = [[multiply_inner(row, column) for column in matrix] for row in rows]
     below = [[multiply_inner(half[i], rows[j]) for j in range(i + 1)] for i in range(len(rows))]
     return unpack_matrix(pack_matrix(below))
@@ -63,42 +62,42 @@ def add_matrices(a: Matrix, b: Matrix) -> Matrix:
 
 
 def factor_cholesky(xp: Namespace, matrix: Matrix) -> Matrix:
-    """L with L Lᵀ = C, lower; a column of zeros where nothing is left unknown."""
+    """Return the lower L with L Lᵀ = C; columns of zeros for known directions."""
     size = len(matrix)
-    found: Matrix = [[0.0] * size for _ in range(size)]
+    factor: Matrix = [[0.0] * size for _ in range(size)]
     for k in range(size):
-        left = matrix[k][k] - multiply_inner(found[k][:k], found[k][:k])
+        left = matrix[k][k] - multiply_inner(factor[k][:k], factor[k][:k])
         some = left > LEAST_VARIANCE
-        root = xp.sqrt(xp.where(some, left, 1.0))
-        found[k][k] = xp.where(some, root, 0.0)
+        pivot = xp.sqrt(xp.where(some, left, 1.0))
+        factor[k][k] = xp.where(some, pivot, 0.0)
         for i in range(k + 1, size):
-            rest = matrix[i][k] - multiply_inner(found[i][:k], found[k][:k])
-            found[i][k] = xp.where(some, rest / root, 0.0)
-    return found
+            rest = matrix[i][k] - multiply_inner(factor[i][:k], factor[k][:k])
+            factor[i][k] = xp.where(some, rest / pivot, 0.0)
+    return factor
 
 
 def condition_on_readings(
     xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, readings: Sequence[UnknownReading]
 ) -> tuple[list[Scalar], Matrix, Scalar]:
-    """Return the unknowns and covariance after readings, and their NIS."""
-    found, nis = list(mean), 0.0
+    """Return unknowns and covariance after readings, and their NIS."""
+    unknowns, nis = list(mean), 0.0
     for i, value, variance, used in readings:
         total = matrix[i][i] + variance
         some = total > LEAST_VARIANCE
         inverse = xp.where(some, used / xp.where(some, total, 1.0), 0.0)
-        short = value - found[i]
+        short = value - unknowns[i]
         gain = [row[i] * inverse for row in matrix]
         nis = nis + short * short * inverse
-        found = [x + g * short for x, g in zip(found, gain, strict=True)]
+        unknowns = [x + g * short for x, g in zip(unknowns, gain, strict=True)]
         matrix = [[c - g * b for c, b in zip(row, matrix[i], strict=True)] for row, g in zip(matrix, gain, strict=True)]
-    return found, unpack_matrix(pack_matrix(matrix)), nis
+    return unknowns, unpack_matrix(pack_matrix(matrix)), nis
 
 
 def put_unknown(xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar) -> list[Scalar]:
-    """Return the unknowns of which one is put at a value; the others follow as they are correlated."""
+    """Return the unknowns with one of them set to a value; the others follow by correlation."""
     some = matrix[index][index] > LEAST_VARIANCE
     inverse = xp.where(some, 1.0 / xp.where(some, matrix[index][index], 1.0), 0.0)
     way = value - mean[index]
-    found = [x + row[index] * inverse * way for x, row in zip(mean, matrix, strict=True)]
-    found[index] = value
-    return found
+    unknowns = [x + row[index] * inverse * way for x, row in zip(mean, matrix, strict=True)]
+    unknowns[index] = value
+    return unknowns

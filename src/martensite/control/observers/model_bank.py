@@ -1,19 +1,18 @@
-r"""A bank of models: a Kalman filter for each, on the same readings, with the probability of each.
+"""Bank of models: a Kalman filter for each model on the same readings, with probabilities of the models.
 
     c_j = Σ_i π_ij μ_i                                           before the readings
-    x_0j = Σ_i w_ij x_i,  w_ij = π_ij μ_i/c_j                    where filter j goes on from (interaction)
-    μ_j ∝ c_j Λ_j,  ln Λ_j = -½ Σ (ν²/S + ln S)                  after them
-    x = Σ μ_j x_j,  P = Σ μ_j [P_j + (x_j - x)(x_j - x)ᵀ]        what is estimated
+    x_0j = Σ_i w_ij x_i,  w_ij = π_ij μ_i/c_j                    start of filter j (interaction)
+    μ_j ∝ c_j Λ_j,  ln Λ_j = -½ Σ (ν²/S + ln S)                  after the readings
+    x = Σ μ_j x_j,  P = Σ μ_j [P_j + (x_j - x)(x_j - x)ᵀ]        estimates
 
-The first model is the one that is believed. It holds for a mean time `sound` and then gives way to one of the others,
-which holds for `fault` and then gives way to the first again: without evidence the first is by far the most probable,
-and no model is ever beyond return. What is mixed is what the filters estimate, and the memory of mechanisms that have
-the same; the history of a law stays its own.
+The first model is the nominal one. It holds for a mean time `sound`, then changes to one of the others, which holds for
+`fault` and changes back: without evidence the first model is by far the most probable, and every model can return. The
+estimates of the filters are mixed, and memories of equal mechanisms; each law keeps its history.
 
-The best of the models may still be wrong. `confidence` is 1 where the innovations of the first model, which goes on
-from where the mixture is, pass their test (`innovation_test`), the standard deviation of what is controlled, with what
-sets the models apart counted, is small against its reach, and probabilities have not moved of late. It is 0 at twice
-the bound of any of these, falls at once, and comes back by readings, no faster than in `regain`.
+All models may be wrong. `confidence` is 1 if the innovations of the first model, started from the mixture, pass their
+test (`innovation_test`), the standard deviation of the controlled estimate, including the spread of the models, is
+small against its reach, and probabilities are steady. It is 0 at twice the bound of any of these. It falls at once, and
+returns with readings, in `regain` at the earliest.
 
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 11.6: static and interacting multiple models.
 """
@@ -29,7 +28,7 @@ from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required, list_several
 from martensite.control.observers.covariance import Matrix, UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
-from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
+from martensite.control.observers.filter import AbstractFilter, FilterMemory, Forecast
 from martensite.control.observers.innovation_test import RunningTest, find_misfit
 from martensite.control.observers.usual_models import (
     AS_MODELLED,
@@ -48,7 +47,7 @@ CONFIDENCE, MISFIT, MOST_PROBABLE, PROBABILITY = "confidence", "misfit", "most_p
 
 
 class Models(Members[AbstractSystem], init=False):
-    """Systems by names of the user's own."""
+    """Systems by user-defined names."""
 
     noun, kind = "model", AbstractSystem
 
@@ -57,57 +56,52 @@ class BankMemory(NamedTuple):
     """Memory of a bank."""
 
     weights: tuple[Scalar, ...]
-    """Probabilities."""
     tests: tuple[RunningTest, ...]
     """Tests of the innovations of every reading."""
     usual_weights: tuple[Scalar, ...]
-    """Probabilities as they have been for a while."""
+    """Running mean of the probabilities."""
     confidence: Scalar
     reach: Scalar
     """Difference of the controlled output between austenite and martensite."""
     filters: Memories
 
 
-class Weighed(NamedTuple):
+class FilterUpdate(NamedTuple):
     """A filter before and after readings."""
 
     expected: Forecast
     rows: list[UnknownReading]
     found: Forecast
     likelihood: Scalar
-    """Logarithm of it, but for a constant."""
 
 
 @OBSERVERS.register("model-bank")
 class ModelBank(ExtendedKalman):
-    """Extended Kalman filters of several models, weighed by how well each explains the readings."""
+    """Extended Kalman filters of several models, weighted by their likelihood."""
 
     cites = ("barshalom2001",)
 
     temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.1)
     fraction_noise: Number = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.003)
-    models: Models = part("further models by name; those of `usual` if none", default=Models())
-    usual: tuple[str, ...] = text(
-        f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN
-    )
+    models: Models = part("further models by name; default: the models of `usual`", default=Models())
+    usual: tuple[str, ...] = text(f"predefined further models, of {', '.join(USUAL)}", default=USUAL, typical=FAN)
     fan_factor: Number = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
     rphase_rise: Number = param(
-        "1", "share by which R-phase resists more, of `r_phase`", low=-0.5, high=1.0, default=0.15
+        "1", "relative rise of the resistance in R-phase, of `r_phase`", low=-0.5, high=1.0, default=0.15
     )
-    slack_strain: Number = param("1", "share of the length that is lost, of `slack`", above=0.0, default=0.015)
+    slack_strain: Number = param("1", "lost fraction of the length, of `slack`", above=0.0, default=0.015)
     sound: Number = param("s", "mean time for which the first model holds", above=0.0, default=1e5)
-    fault: Number = param("s", "mean time for which another one then holds", above=0.0, default=60.0)
+    fault: Number = param("s", "mean time for which another model then holds", above=0.0, default=60.0)
     window: Number = param("s", "time over which innovations are averaged", above=0.0, default=0.5)
     bound: Number = param("1", "chi-square above which innovations do not fit", above=0.0, default=30.0)
     controlled: str = text("estimate whose spread counts; by default the first of the mechanism", default="")
     spread: Number = param(
-        "1", "standard deviation of it, as a share of its reach, above which trust is lost", above=0.0, default=0.1
+        "1", "standard deviation over reach of this estimate above which confidence is lost", above=0.0, default=0.1
     )
-    change: Number = param("1", "change of probabilities above which trust is lost", above=0.0, default=0.25)
-    regain: Number = param("s", "time in which trust comes back", above=0.0, default=5.0)
+    change: Number = param("1", "change of probabilities above which confidence is lost", above=0.0, default=0.25)
+    regain: Number = param("s", "time in which confidence returns", above=0.0, default=5.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` where models do not fit each other, or a name is not known."""
         super().check()
         for name in list_several(self.usual):
             if name not in USUAL:
@@ -121,27 +115,27 @@ class ModelBank(ExtendedKalman):
         self.__dict__["_memory"] = self._build_example()
 
     def _check_member(self, name: str, model: AbstractSystem) -> ExtendedKalman:
-        """Return the filter of a model."""
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         try:
             drifting = tuple(find_wrapped_path(self.model.resolve(path), model) for path in list_several(self.drifting))
-            made = ExtendedKalman(**(settings | {"model": model, "drifting": drifting}))
+            member = ExtendedKalman(**(settings | {"model": model, "drifting": drifting}))
         except ParameterError as error:
             raise ParameterError(f"Model `{name}` of a bank does not fit: {error}") from None
-        own, first = ([f"{one.name} [{one.unit}]" for one in m.drives()] for m in (model, self.model))
-        if own != first:
-            raise ParameterError(f"Model `{name}` of a bank is driven by {', '.join(own)}, not by {', '.join(first)}.")
-        missing = [row for row in self.shown_outputs() if row not in made.shown_outputs()]
+        drives, first = ([f"{one.name} [{one.unit}]" for one in m.drives()] for m in (model, self.model))
+        if drives != first:
+            raise ParameterError(
+                f"Model `{name}` of a bank is driven by {', '.join(drives)}, not by {', '.join(first)}."
+            )
+        missing = [row for row in self.shown_outputs() if row not in member.shown_outputs()]
         if missing:
             raise ParameterError(f"Model `{name}` of a bank has no output `{missing[0]}`, which the first one has.")
-        return made
+        return member
 
     def _build_example(self) -> BankMemory:
-        """Return a memory: the shape of all of them."""
         signals = {one.name: hidden_states.REST if one.unit == "K" else 0.0 for one in self.model.drives()}
         state = self.model.init(floats, *signals.values())
-        seen = hidden_states.observe_model(floats, self.model, state, list(signals.values()))
-        return self._begin(floats, seen | {f"{name}.age": 0.0 for name in self.reads()}, signals)[0]
+        outputs = hidden_states.observe_model(floats, self.model, state, list(signals.values()))
+        return self._begin(floats, outputs | {f"{name}.age": 0.0 for name in self.reads()}, signals)[0]
 
     def _list_models(self, xp: Namespace) -> dict[str, AbstractSystem]:
         own = self.models.members()
@@ -151,26 +145,24 @@ class ModelBank(ExtendedKalman):
         return list_usual_models(xp, self.model, list_several(self.usual), sizes)
 
     def _filters(self, xp: Namespace) -> list[AbstractFilter]:
-        """Return the filter of every model, with its present parameters; the first is the bank itself."""
+        """Return the filter of every model with its present parameters; the first is the bank itself."""
         made: Mapping[str, ExtendedKalman] = self.__dict__["_members"]
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
-        models, found = self._list_models(xp), list[AbstractFilter]()
+        models, filters = self._list_models(xp), list[AbstractFilter]()
         for name, one in made.items():
-            own = {key: value for key, value in one.__dict__.items() if key == "drifting" or key.startswith("_")}
-            found.append((one if found else self).rebuilt({**settings, **own, "model": models[name]}))
-        return found
+            kept = {key: value for key, value in one.__dict__.items() if key == "drifting" or key.startswith("_")}
+            filters.append((one if filters else self).rebuilt({**settings, **kept, "model": models[name]}))
+        return filters
 
     def estimates(self) -> dict[str, Output]:
-        """Return the estimates of a filter, probabilities, index of the most probable model, misfit and confidence."""
-        found = super().estimates()
+        outputs = super().estimates()
         for name in self.__dict__["_members"]:
-            found[PROBABILITY + name] = Output("1", f"probability of model {name}", "μ")
-        found[MOST_PROBABLE] = Output("1", "index of the most probable model", "j")
-        found[MISFIT] = Output("1", "test of the innovations over its bound", "m")
-        return found | {CONFIDENCE: Output("1", "confidence in the estimates", "γ")}
+            outputs[PROBABILITY + name] = Output("1", f"probability of model {name}", "μ")
+        outputs[MOST_PROBABLE] = Output("1", "index of the most probable model", "j")
+        outputs[MISFIT] = Output("1", "test of the innovations over its bound", "m")
+        return outputs | {CONFIDENCE: Output("1", "confidence in the estimates", "γ")}
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """Return all models at rest, the first by far the most probable."""
         memory, starts = self._begin(xp, readings, signals)
         return self._answer(xp, memory, starts, 0.0, 0.0, memory.filters)
 
@@ -183,8 +175,8 @@ class ModelBank(ExtendedKalman):
             mean, slopes = one.outlook(xp, state, drift, applied)
             starts.append(Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)))
         others = len(filters) - 1
-        share = self.fault / (self.sound + self.fault) / max(others, 1)
-        weights = (1.0 - share * others, *(share for _ in range(others)))
+        probability = self.fault / (self.sound + self.fault) / max(others, 1)
+        weights = (1.0 - probability * others, *(probability for _ in range(others)))
         tests = tuple(RunningTest() for _ in self.reads())
         reach = self._find_reach(xp, starts[0], filters[0], applied)
         return BankMemory(weights, tests, weights, 1.0, reach, memories), starts
@@ -207,36 +199,37 @@ class ModelBank(ExtendedKalman):
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Return the mixture of the models after the readings of this sample."""
         before: BankMemory = NestedShape(self.__dict__["_memory"]).rebuild(memory)
-        going, filters = ObserverPeriod(list_required(self, signals), dt, turns), self._filters(xp)
+        period, filters = ObserverPeriod(list_required(self, signals), dt, turns), self._filters(xp)
         ahead, shares = self._switch(xp, before.weights, dt)
-        begun = self._interact(xp, filters, before, shares, going)
-        rows = [self._weigh(xp, one, at, readings, going) for one, at in zip(filters, begun, strict=True)]
+        starts = self._interact(xp, filters, before, shares, period)
+        rows = [self._weigh(xp, one, at, readings, period) for one, at in zip(filters, starts, strict=True)]
         best = find_largest(xp, [one.likelihood for one in rows])
         after = [c * xp.exp(one.likelihood - best) for c, one in zip(ahead, rows, strict=True)]
         whole = sum_column(after)
         weights = tuple(x / whole for x in after)
-        share = 1.0 - xp.exp(-dt / self.window)
+        weight = 1.0 - xp.exp(-dt / self.window)
         first = rows[0].expected
-        news = [
+        innovations = [
             row._replace(value=row.value - first.mean[i], variance=first.covariance[i][i] + row.variance)
             for row in rows[0].rows
             for i in [row.index]
         ]
-        tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
-        nis = sum_column([one.used * one.value * one.value / one.variance for one in news])
-        kept = tuple(tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True))
-        misfit = find_misfit(xp, tests, share, self.bound)
+        tests = tuple(test.add(xp, one, weight) for test, one in zip(before.tests, innovations, strict=True))
+        nis = sum_column([one.used * one.value * one.value / one.variance for one in innovations])
+        memories = tuple(
+            tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
+        )
+        misfit = find_misfit(xp, tests, weight, self.bound)
         slow = 1.0 - xp.exp(-dt / self.regain)
-        used = tuple(m + slow * (x - m) for x, m in zip(weights, before.usual_weights, strict=True))
-        heard = find_largest(xp, [one.used for one in news])  # trust comes back by evidence only
-        trust = before.confidence + heard * dt / self.regain
-        now = before._replace(usual_weights=used, weights=weights, tests=tests, confidence=trust)
-        return self._answer(xp, now, [one.found for one in rows], nis, misfit, kept)
+        usual = tuple(m + slow * (x - m) for x, m in zip(weights, before.usual_weights, strict=True))
+        fresh = find_largest(xp, [one.used for one in innovations])  # trust comes back by evidence only
+        trust = before.confidence + fresh * dt / self.regain
+        now = before._replace(usual_weights=usual, weights=weights, tests=tests, confidence=trust)
+        return self._answer(xp, now, [one.found for one in rows], nis, misfit, memories)
 
     def _switch(self, xp: Namespace, weights: Column, dt: Scalar) -> tuple[list[Scalar], list[list[Scalar]]]:
-        """Return the probabilities before the readings, and the shares of which every filter goes on."""
+        """Return the probabilities before the readings, and the mixing weights of every filter."""
         others = len(weights) - 1
         if not others:
             return [weights[0]], [[1.0]]
@@ -250,46 +243,44 @@ class ModelBank(ExtendedKalman):
         return sums, [[x / total for x in row] for row, total in zip(into, sums, strict=True)]
 
     def _interact(
-        self, xp: Namespace, filters: list[AbstractFilter], before: BankMemory, shares: Matrix, going: ObserverPeriod
-    ) -> list[Believed]:
+        self, xp: Namespace, filters: list[AbstractFilter], before: BankMemory, shares: Matrix, period: ObserverPeriod
+    ) -> list[FilterMemory]:
         """Return the mixed states from which the filters continue."""
         ends = [one.unflatten_memory(memory) for one, memory in zip(filters, before.filters, strict=True)]
         models = [one.model_at_factors(xp, end.drift) for one, end in zip(filters, ends, strict=True)]
         points = [
-            [*hidden_states.read_hidden(xp, model, end.state, going.signals), *end.drift]
+            [*hidden_states.read_hidden(xp, model, end.state, period.signals), *end.drift]
             for model, end in zip(models, ends, strict=True)
         ]
-        count, found = len(points[0]) - len(ends[0].drift), list[Believed]()
-        for k, (one, end, share) in enumerate(zip(filters, ends, shares, strict=True)):
+        count, mixed = len(points[0]) - len(ends[0].drift), list[FilterMemory]()
+        for k, (one, end, column) in enumerate(zip(filters, ends, shares, strict=True)):
             chosen = [i for i in range(len(ends)) if k in (0, i) or i == 0]
-            weights = [share[i] for i in chosen]
+            weights = [column[i] for i in chosen]
             mean, matrix = _mix_moments(weights, [points[i] for i in chosen], [ends[i].covariance for i in chosen])
             state = end.state._replace(mechanism=_mix_memories(weights, [ends[i].state.mechanism for i in chosen], end))
             model = one.model_at_factors(xp, mean[count:])
-            state = hidden_states.place_hidden(xp, model, state, mean[:count], going.signals)
-            found.append(Believed(state, tuple(mean[count:]), matrix))
-        return found
+            state = hidden_states.place_hidden(xp, model, state, mean[:count], period.signals)
+            mixed.append(FilterMemory(state, tuple(mean[count:]), matrix))
+        return mixed
 
     def _weigh(
-        self, xp: Namespace, one: AbstractFilter, begun: Believed, readings: Named, going: ObserverPeriod
-    ) -> Weighed:
-        """Return a period of a filter."""
-        expected = one.forecast(xp, begun, going)
-        rows = one.pair_readings(xp, expected.mean, readings, going.dt)
+        self, xp: Namespace, one: AbstractFilter, start: FilterMemory, readings: Named, period: ObserverPeriod
+    ) -> FilterUpdate:
+        expected = one.forecast(xp, start, period)
+        rows = one.pair_readings(xp, expected.mean, readings, period.dt)
         mean, matrix, weight = list(expected.mean), expected.covariance, 0.0
         for row in rows:
             variance = xp.maximum(matrix[row.index][row.index] + row.variance, covariance.LEAST_VARIANCE)
             short = row.value - mean[row.index]
             weight = weight - 0.5 * row.used * (short * short / variance + xp.log(variance))
             mean, matrix, _ = covariance.condition_on_readings(xp, mean, matrix, [row])
-        return Weighed(expected, rows, one.place_unknowns(xp, expected.state, mean, matrix, going), weight)
+        return FilterUpdate(expected, rows, one.place_unknowns(xp, expected.state, mean, matrix, period), weight)
 
     def _answer(
-        self, xp: Namespace, now: BankMemory, found: list[Forecast], nis: Scalar, misfit: Scalar, kept: Memories
+        self, xp: Namespace, now: BankMemory, forecasts: list[Forecast], nis: Scalar, misfit: Scalar, memories: Memories
     ) -> tuple[Column, Column]:
-        """Return the estimates of the mixture, and the new memory."""
-        mean, matrix = _mix_moments(now.weights, [one.mean for one in found], [one.covariance for one in found])
-        estimates, _ = self.list_estimates(xp, Forecast(found[0].state, mean, matrix), nis)
+        mean, matrix = _mix_moments(now.weights, [one.mean for one in forecasts], [one.covariance for one in forecasts])
+        estimates, _ = self.list_estimates(xp, Forecast(forecasts[0].state, mean, matrix), nis)
         k = self._controlled_row()
         wide = xp.sqrt(matrix[k][k]) / (self.spread * now.reach)
         moved = 0.5 * sum_column([xp.abs(x - m) for x, m in zip(now.weights, now.usual_weights, strict=True)])
@@ -299,14 +290,13 @@ class ModelBank(ExtendedKalman):
         best, largest = 0.0, now.weights[0]
         for j, weight in enumerate(now.weights[1:], start=1):
             best, largest = xp.where(weight > largest, float(j), best), xp.maximum(weight, largest)
-        memory = now._replace(confidence=confidence, filters=kept)
+        memory = now._replace(confidence=confidence, filters=memories)
         return [*estimates, *now.weights, best, misfit, confidence], flatten_numbers(memory)
 
 
 def _mix_moments(
     weights: Sequence[Scalar], means: Sequence[Sequence[Scalar]], matrices: Sequence[Matrix]
 ) -> tuple[list[Scalar], Matrix]:
-    """Return the mean and covariance of a mixture."""
     mean = [sum_column([w * x for w, x in zip(weights, column, strict=True)]) for column in zip(*means, strict=True)]
     below: list[Scalar] = []
     apart = [[x - m for x, m in zip(one, mean, strict=True)] for one in means]
@@ -317,11 +307,11 @@ def _mix_moments(
     return mean, covariance.unpack_matrix(below)
 
 
-def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: Believed) -> Any:
-    """Return the memory of a mechanism: mixed if all have the same, else its own."""
-    mine = own.state.mechanism
+def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: FilterMemory) -> Any:
+    """Return the memory of a mechanism: mixed if all have the same structure, else its own."""
+    memory = own.state.mechanism
     flat = [flatten_numbers(one) for one in memories]
     if len({(type(one), len(numbers)) for one, numbers in zip(memories, flat, strict=True)}) > 1:
-        return mine
+        return memory
     rows = zip(*flat, strict=True)
-    return NestedShape(mine).rebuild([sum_column([w * x for w, x in zip(weights, row, strict=True)]) for row in rows])
+    return NestedShape(memory).rebuild([sum_column([w * x for w, x in zip(weights, row, strict=True)]) for row in rows])

@@ -2,33 +2,33 @@
 
     x = (T, ξ, ln ρ_M/ρ_M⁰, ln ρ_A/ρ_A⁰, ln h/h⁰, T_a - T_a⁰, δ)
 
-Sigma points carry the model along as in `unscented-kalman`; δ shifts the temperatures of the transformation to
-austenite, and those of the way back against them. Their initial uncertainties are the tolerances of the sheet, taken
-as uniform, whose standard deviation is 1/√3 of the tolerance. A shift that all temperatures of the wire and its
-surroundings have in common cannot be observed: only their differences act. The shift is not an unknown, because a
-filter would underestimate its uncertainty; its deviation is added to the spreads of all temperatures.
+Sigma points carry the model as in `unscented-kalman`; δ shifts the temperatures of the transformation to austenite, and
+the temperatures of the reverse transformation in the opposite direction. The initial uncertainties are the tolerances
+of the sheet as uniform distributions, with a standard deviation of 1/√3 of the tolerance. A common shift of all
+temperatures of wire and environment cannot be observed. It is no unknown, because a filter would underestimate its
+uncertainty; its deviation is added to the spreads of all temperatures.
 
-A diameter that is not that of the model shows in the resistance as a resistivity and in the cooling as a film
-coefficient: both are estimated as they act, at the diameter of the model.
+An error of the diameter acts on the resistance as a resistivity and on the cooling as a film coefficient; both are
+estimated for the diameter of the model.
 
-It begins with a `Calibration`, during which it gives the signal of its drive itself. While the wire is cold, ξ = 1 and
-T = T_a. At the end of the soak ξ = 0, T = T_h within `hot_deviation`, and with the mean resistances R_M and R_A and the
-power P, that the wire then loses to the surroundings as fast as it is heated,
+The filter begins with a `Calibration`, during which it commands the signal of its drive. While the wire is cold, ξ = 1
+and T = T_a. At the end of the soak ξ = 0 and T = T_h within `hot_deviation`. With the mean resistances R_M and R_A, and
+the power P, which equals the heat loss,
 
     ln ρ_M = ln R_M - ln R(T_a, 1),   ln ρ_A = ln R_A - ln R(T_h, 0),   ln h = ln P - ln Q(T_h - T_a),
 
-each with the error of its mean and those of T_h and T_a in it. The filter goes on from there, through the cooling,
-with parameters that walk `learning` times as fast as later. Resistivities are then considered and no longer estimated
-(Schmidt, 1966): they stay as measured, and their spreads count in all others. A filter that goes on fitting both to one
-reading gives way in the wrong one, for sigma points that end at ξ = 1 pull ξ off a pure phase, and ρ_M with it.
+each with the error of its mean and the errors of T_h and T_a. The filter continues from there through the cooling, with
+random walks that are `learning` times faster. Then the resistivities are considered, not estimated (Schmidt, 1966):
+they keep their values, and their uncertainty counts. A filter that continued to fit both to one reading would be
+biased, because sigma points that end at ξ = 1 pull ξ off a pure phase, and ρ_M with it.
 
-In a pure phase nothing transforms without a change of temperature: the random walk of ξ is √(4 ξ (1 - ξ)) of
-`fraction_noise`. Its `beta` is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
+In a pure phase ξ changes only with temperature: the random walk of ξ is √(4 ξ (1 - ξ)) times `fraction_noise`. `beta`
+is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
 
-Beside the estimates of a filter it says how far it can be trusted, its `confidence`: see `trust.py`.
+`trust.py` computes the `confidence` of the estimates.
 
-Source: joint estimation with sigma points, Julier and Uhlmann (2004); considered parameters, Schmidt (1966); everything
-else is a choice of this project, judged on random wires (`benchmarks.unknown_wires`).
+Sources: joint estimation with sigma points, Julier and Uhlmann (2004); considered parameters, Schmidt (1966);
+otherwise choices of this project, tested on random wires (`benchmarks.unknown_wires`).
 """
 
 from __future__ import annotations
@@ -55,25 +55,22 @@ UNIFORM = 3.0**-0.5
 RESISTIVITIES, FILMS = (("rho_M", "r_M"), ("rho_A", "r_A")), ("h", "h0", "h1", "h2")
 AROUND = ("environment.temperature",)
 HALF = 0.5**0.5
-"""Share of the tolerance of two independent temperatures that their mean, and half of their difference, have."""
+"""Tolerance of the mean and half difference of two independent temperatures over their tolerance."""
 ABOVE = 28.0
-"""Temperature of the soak above the end of the transformation without stress: 17 K for the stress [K]."""
+"""Soak temperature above the end of the transformation without stress, of which 17 K are for the stress [K]."""
 GIVEN = 1e9
-"""Temperature above which no soak temperature is given [K]."""
+"""Soak temperature above which none is set [K]."""
 TINY = 1e-12
-"""Power below which nothing is heated [W], and least resistance [ohm]."""
+"""Least power [W] and least resistance [ohm]."""
 VOUCHED = 2.0
-"""Standard deviations of ln h below its estimate."""
+"""Standard deviations of ln h from its estimate to its lower bound."""
 
 
 class SheetTolerances(Parametrised):
     """Tolerances of a wire around its data sheet, in both directions."""
 
     resistivity: Number = param(
-        "1",
-        "tolerance of both resistivities over the section of the model, as a share; assumed",
-        above=0.0,
-        default=0.12,
+        "1", "relative tolerance of both resistivities over the section of the model; assumed", above=0.0, default=0.12
     )
     film: Number = param("1", "largest factor of the film coefficient, or its inverse; assumed", above=1.0, default=2.0)
     ambient: Number = param(DEGREES, "tolerance of the ambient temperature; assumed", above=0.0, default=10.0)
@@ -84,46 +81,46 @@ class SheetTolerances(Parametrised):
 
 @OBSERVERS.register("self-sensing")
 class SelfSensing(UnscentedKalman):
-    """Filter for a wire without prior measurements: it calibrates itself, and reports its confidence."""
+    """Self-calibrating filter for a wire without prior measurements, with a confidence."""
 
     beta: Number = param("1", "weight of the middle in the covariance", low=0.0, default=2.0)
     fraction_noise: Number = param("1/s^0.5", "random walk of ξ amid a transformation", low=0.0, default=0.01)
     temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.15)
     first_fraction: Number = param("1", "standard deviation of a pure phase", low=0.0, default=0.001)
     first_temperature: Number = param(DEGREES, "standard deviation of T - T_a at the start", low=0.0, default=0.5)
-    sheet: SheetTolerances = part("what is known of the wire", default=SheetTolerances())
-    start: str = option("whether it calibrates the wire at first", "calibration", "sheet", default="calibration")
-    calibration: Calibration = part("how", default=Calibration())
-    hot: Number = param("K", "soak temperature T_h; 28 K above A_f if left out", above=0.0, default=math.inf)
+    sheet: SheetTolerances = part("tolerances of the data sheet of the wire", default=SheetTolerances())
+    start: str = option(
+        "start with a calibration, or from the data sheet", "calibration", "sheet", default="calibration"
+    )
+    calibration: Calibration = part("calibration of the wire", default=Calibration())
+    hot: Number = param("K", "soak temperature T_h; default: 28 K above A_f", above=0.0, default=math.inf)
     hot_deviation: Number = param(DEGREES, "standard deviation of the soak temperature", above=0.0, default=7.0)
-    loss_deviation: Number = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
-    learning: Number = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
+    loss_deviation: Number = param("1", "relative standard deviation of P - Q", low=0.0, default=0.1)
+    learning: Number = param("1", "factor of the random walks during the calibration", low=1.0, default=8.0)
     resistivity_walk: Number = param(
         "1/s^0.5", "random walk of the resistivities; once measured, of their spreads", low=0.0, default=0.0
     )
     film_walk: Number = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
-    ambient_walk: Number = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.005)
+    ambient_walk: Number = param("K/s^0.5", "random walk of the ambient temperature", low=0.0, default=0.005)
     transformation_walk: Number = param(
         "K/s^0.5", "random walk of the transformation temperatures", low=0.0, default=0.02
     )
-    trust: Trust = part("how far it can be trusted", default=Trust())
+    trust: Trust = part("confidence in the estimates", default=Trust())
 
     def check(self) -> None:
-        """Raise `ParameterError` unless the model is one wire with a resistance and a film."""
-        self.__dict__["_known"] = tuple(leaf.path for leaf in self.model.leaves() if leaf.value != 0.0)
-        self.__dict__["_sought"] = dict[tuple[str, ...], tuple[str, ...]]()
+        self.__dict__["_leaf_paths"] = tuple(leaf.path for leaf in self.model.leaves() if leaf.value != 0.0)
+        self.__dict__["_matches"] = dict[tuple[str, ...], tuple[str, ...]]()
         super().check()
         if len(self.model.actuators()) != 1 or len(self.model.drives()) != 1:
             raise ParameterError("Observer `self-sensing` is for one element with one drive; take a Kalman filter.")
         names = [path.rsplit(".", 1)[-1] for one in self.free_parameters() for path in one.paths]
-        for wanted, what in (*((n, "a resistivity") for n in RESISTIVITIES), (FILMS, "a film coefficient")):
+        for wanted, quantity in (*((n, "a resistivity") for n in RESISTIVITIES), (FILMS, "a film coefficient")):
             if not set(wanted) & set(names):
-                raise ParameterError(f"Observer `self-sensing` estimates {what}, which its model does not have.")
+                raise ParameterError(f"Observer `self-sensing` estimates {quantity}, which its model does not have.")
         if math.isinf(self.hot) and "A_f" not in names:
             raise ParameterError("Observer `self-sensing`: its law has no `A_f`. Set the soak temperature `hot`.")
 
     def free_parameters(self) -> list[FreeParameter]:
-        """Return the drifting parameters, then the parameters with a tolerance in the data sheet."""
         sheet = self.sheet
         # sinh ln F for ln F: 0.75 for 0.69 at a factor of 2.
         film = 0.5 * (sheet.film - 1.0 / sheet.film)
@@ -131,44 +128,41 @@ class SelfSensing(UnscentedKalman):
             *((names, "logarithm", sheet.resistivity, self.resistivity_walk) for names in RESISTIVITIES),
             (FILMS, "logarithm", film, self.film_walk),
         ]
-        found = super().free_parameters()
+        parameters = super().free_parameters()
         for names, scale, tolerance, walk in rows:
             paths = self._paths(names)
-            found += [FreeParameter(paths, scale, UNIFORM * tolerance, walk)] if paths else []
+            parameters += [FreeParameter(paths, scale, UNIFORM * tolerance, walk)] if paths else []
         # A common error of both transformation temperatures acts as an opposite error of the ambient temperature.
         common = HALF * sheet.transformation
         around = sheet.ambient + 0.5 * common * common / sheet.ambient
-        found.append(FreeParameter(self._paths(AROUND), "offset", UNIFORM * around, self.ambient_walk))
+        parameters.append(FreeParameter(self._paths(AROUND), "offset", UNIFORM * around, self.ambient_walk))
         heating, cooling = self._paths(("law.A_s", "law.A_f")), self._paths(("law.M_s", "law.M_f"))
         if heating and cooling:
-            found.append(FreeParameter(heating, "offset", UNIFORM * common, self.transformation_walk, cooling))
-        return found
+            parameters.append(FreeParameter(heating, "offset", UNIFORM * common, self.transformation_walk, cooling))
+        return parameters
 
     def _paths(self, names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the parameters of the model that are called so, or end so."""
-        sought = self.__dict__["_sought"]
-        if names not in sought:
+        """Return the parameters of the model with these names, or these endings."""
+        matches = self.__dict__["_matches"]
+        if names not in matches:
             endings = tuple(f".{name}" for name in names)
-            sought[names] = tuple(p for p in self.__dict__["_known"] if p in names or p.endswith(endings))
-        return sought[names]
+            matches[names] = tuple(p for p in self.__dict__["_leaf_paths"] if p in names or p.endswith(endings))
+        return matches[names]
 
     def commands(self) -> tuple[str, str] | None:
-        """Return the outputs that command the signal during the calibration."""
         return None if self.start == "sheet" else ("calibrating", "probing")
 
     def estimates(self) -> dict[str, Output]:
-        """Return the estimates of a filter, the phase of the calibration, and the confidence."""
         signal = self.model.drives()[0].unit
         return super().estimates() | {
             "calibrating": Output("1", "whether the wire is being calibrated", "c"),
             "phase": Output("1", "phase of the calibration: cold, pulse, heat, soak, settle, ready", "p"),
             "probing": Output(signal, "signal of the calibration", "u_c"),
-            "confidence": Output("1", "how far the estimates can be trusted", "q"),
-            "least_cooling": Output("1", "least film coefficient that is sure, over that of the model", "κ"),
+            "confidence": Output("1", "confidence in the estimates", "q"),
+            "least_cooling": Output("1", "lower bound of the film coefficient, over that of the model", "κ"),
         }
 
     def first_covariance(self, xp: Namespace, variances: Sequence[Scalar], signals: Column) -> Matrix:
-        """At rest the wire is as warm as its surroundings."""
         matrix = covariance.build_diagonal(variances)
         k = self._index(AROUND)
         matrix[0][0] = matrix[0][0] + variances[k]
@@ -176,75 +170,74 @@ class SelfSensing(UnscentedKalman):
         return matrix
 
     def hidden_walks(self, xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
-        """In a pure phase the fraction stays."""
         room = xp.maximum(4.0 * at[1] * (1.0 - at[1]), 0.0)
         return [self.temperature_noise, self.fraction_noise * xp.sqrt(room)]
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """Return the initial memory: cold and not calibrated; without a calibration, as in the data sheet."""
-        own = self.calibration.rest(readings[self.reads()[0]])
+        calibration = self.calibration.rest(readings[self.reads()[0]])
         if self.start == "sheet":
-            own = own._replace(phase=float(READY), done=1.0)
+            calibration = calibration._replace(phase=float(READY), done=1.0)
         first = self.first_forecast(xp, list_required(self, signals))
-        return self._list_all(xp, first, 0.0, own, TrustState(), 1.0)
+        return self._list_all(xp, first, 0.0, calibration, TrustState(), 1.0)
 
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Return estimates after the reading of this sample, the calibration a sample further, and what is believed."""
         sizes = len(CalibrationState._fields), len(TrustState._fields)
         before, trust = CalibrationState(*memory[: sizes[0]]), TrustState(*memory[sizes[0] : sum(sizes)])
         faster = xp.where(before.phase < READY - 0.5, self.learning, 1.0)
-        going = ObserverPeriod(list_required(self, signals), dt, turns, faster)
-        expected = self.forecast(xp, self.unflatten_memory(memory[sum(sizes) :]), going)
+        period = ObserverPeriod(list_required(self, signals), dt, turns, faster)
+        expected = self.forecast(xp, self.unflatten_memory(memory[sum(sizes) :]), period)
         rows = self.pair_readings(xp, expected.mean, readings, dt)
         mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
         i, value, variance, fresh = rows[0]
-        own = self.calibration.advance(xp, before, value, fresh, dt, self._heat_share(xp, expected, going, value))
-        mean, matrix = self._restart(xp, (before, own), expected, (mean, matrix), going)
+        own = self.calibration.advance(xp, before, value, fresh, dt, self._heat_share(xp, expected, period, value))
+        mean, matrix = self._restart(xp, (before, own), expected, (mean, matrix), period)
         innovation = (value - expected.mean[i]) / xp.sqrt(expected.covariance[i][i] + variance)
         watched = xp.where(own.phase > READY - 0.5, fresh, 0.0)
         trust = self.trust.advance(xp, trust, innovation, watched, dt)
-        return self._list_all(xp, self.place_unknowns(xp, expected.state, mean, matrix, going), nis, own, trust, dt)
+        return self._list_all(xp, self.place_unknowns(xp, expected.state, mean, matrix, period), nis, own, trust, dt)
 
     def _list_all(
-        self, xp: Namespace, found: Forecast, nis: Scalar, own: CalibrationState, trust: TrustState, dt: Scalar
+        self, xp: Namespace, forecast: Forecast, nis: Scalar, own: CalibrationState, trust: TrustState, dt: Scalar
     ) -> tuple[Column, Column]:
-        estimates, memory = self.list_estimates(xp, found, nis)
+        estimates, memory = self.list_estimates(xp, forecast, nis)
         estimates = self._count_common_shift(xp, estimates)
-        lasts = xp.where(own.phase < READY - 0.5, 1.0, 0.0)
-        spread = xp.sqrt(xp.maximum(found.covariance[1][1], 0.0))
-        confidence = (1.0 - lasts) * own.done * self.trust.confidence(xp, trust, spread, dt)
-        told = lasts, own.phase, own.signal, confidence, self._find_least_cooling(xp, found, own, confidence)
-        return [*estimates, *told], [*own, *trust, *memory]
+        active = xp.where(own.phase < READY - 0.5, 1.0, 0.0)
+        spread = xp.sqrt(xp.maximum(forecast.covariance[1][1], 0.0))
+        confidence = (1.0 - active) * own.done * self.trust.confidence(xp, trust, spread, dt)
+        further = (active, own.phase, own.signal, confidence, self._find_least_cooling(xp, forecast, own, confidence))
+        return [*estimates, *further], [*own, *trust, *memory]
 
-    def _find_least_cooling(self, xp: Namespace, found: Forecast, own: CalibrationState, confidence: Scalar) -> Scalar:
-        """Return the least cooling that is sure, over the model.
+    def _find_least_cooling(
+        self, xp: Namespace, forecast: Forecast, own: CalibrationState, confidence: Scalar
+    ) -> Scalar:
+        """Return the lower bound of the cooling over the cooling of the model.
 
-        It is that of the sheet; 1 during the pulse, whose energy limits it; the largest while R shows the end; then the
+        It is the bound of the sheet; 1 during the pulse, whose energy limits it; the largest while R shows the end;
+        then the
         estimate of h less its deviation.
         """
         k, most = self._index(FILMS), self.sheet.film
-        known = xp.exp(found.mean[k] - VOUCHED * xp.sqrt(xp.maximum(found.covariance[k][k], 0.0)))
-        sure = xp.where(confidence > 0.5, xp.clip(known, 1.0 / most, most), 1.0 / most)
+        film = xp.exp(forecast.mean[k] - VOUCHED * xp.sqrt(xp.maximum(forecast.covariance[k][k], 0.0)))
+        sure = xp.where(confidence > 0.5, xp.clip(film, 1.0 / most, most), 1.0 / most)
         heats = xp.where(own.phase < HEAT - 0.5, 1.0, most)
         return xp.where(xp.both(own.phase > COLD + 0.5, own.phase < SETTLE - 0.5), heats, sure)
 
-    def _heat_share(self, xp: Namespace, expected: Forecast, going: ObserverPeriod, reading: Scalar) -> Scalar:
-        """Return the energy of a period, over that which heats the element to the soak without a transformation."""
+    def _heat_share(self, xp: Namespace, expected: Forecast, period: ObserverPeriod, reading: Scalar) -> Scalar:
+        """Return the energy of a period, over the energy that heats the element to the soak without latent heat."""
         (port,), (one,) = self.model.actuators(), self.model.actuators().values()
-        seen = hidden_states.observe_model(xp, self.model, expected.state, going.signals)
-        power, ohm = (seen[self.model.label(port, name)] for name in ("power", "resistance"))
+        outputs = hidden_states.observe_model(xp, self.model, expected.state, period.signals)
+        power, ohm = (outputs[self.model.label(port, name)] for name in ("power", "resistance"))
         energy = one.element.heat_capacity_total() * (self._soaked(xp) - self.model.value_of(AROUND[0]))
-        return power * ohm / xp.maximum(reading, TINY) * going.dt / energy
+        return power * ohm / xp.maximum(reading, TINY) * period.dt / energy
 
     def _soaked(self, xp: Namespace) -> Scalar:
-        """Return the temperature of the soak [K]."""
         above = self.model.value_of("A_f") + ABOVE if self._paths(("law.A_f",)) else self.hot
         return xp.where(self.hot < GIVEN, self.hot, above)
 
     def _count_common_shift(self, xp: Namespace, estimates: Column) -> list[Scalar]:
-        """Return the estimates, with what all temperatures may be off by together in the spreads of every one."""
+        """Return the estimates, with the uncertainty of the common shift in the spreads of temperatures."""
         common, names = UNIFORM * HALF * self.sheet.transformation, list(super().estimates())
         shifted = [hidden_states.list_names(self.model)[0], *self._paths((*AROUND, "law.A_s"))]
         rows = {names.index(f"{name}_std") for name in shifted if f"{name}_std" in names}
@@ -255,27 +248,27 @@ class SelfSensing(UnscentedKalman):
         xp: Namespace,
         calibration: tuple[CalibrationState, CalibrationState],
         expected: Forecast,
-        found: tuple[list[Scalar], Matrix],
-        going: ObserverPeriod,
+        corrected: tuple[list[Scalar], Matrix],
+        period: ObserverPeriod,
     ) -> tuple[list[Scalar], Matrix]:
-        """Unknowns: those of rest while the wire is cold, of austenite after the soak, then with resistivities kept."""
-        before, own = calibration
+        """Return the unknowns: initial while cold, austenite after the soak, then with fixed resistivities."""
+        before, after = calibration
         if self.start == "sheet":
-            return found
-        cold = own.phase < COLD + 0.5
+            return corrected
+        cold = after.phase < COLD + 0.5
         # Put there all through the soak, so that the law has forgotten what a filter that knew nothing led it through.
-        ended = xp.both(before.phase < SOAK + 0.5, own.phase > SETTLE - 0.5)
-        soaks = xp.both(own.phase > SOAK - 0.5, own.phase < SOAK + 0.5)
-        soaked = xp.both(xp.either(soaks, ended), own.done > 0.5)
+        ended = xp.both(before.phase < SOAK + 0.5, after.phase > SETTLE - 0.5)
+        soaks = xp.both(after.phase > SOAK - 0.5, after.phase < SOAK + 0.5)
+        soaked = xp.both(xp.either(soaks, ended), after.done > 0.5)
         rest = [self.model.value_of(AROUND[0]), 1.0, *(one.start for one in self.free_parameters())]
-        unsure = self.first_covariance(xp, [x * x for x in self.first_deviations()], going.signals)
-        hot = self._austenite(xp, own, expected, going)
-        mean = covariance.put_unknown(xp, *found, 1, xp.clip(found[0][1], 0.0, 1.0))
-        matrix, measured = [list(row) for row in found[1]], own.phase > SETTLE - 0.5
-        kept = [self._index(names) for names in RESISTIVITIES]
-        for i in kept:
+        unsure = self.first_covariance(xp, [x * x for x in self.first_deviations()], period.signals)
+        hot = self._austenite(xp, after, expected, period)
+        mean = covariance.put_unknown(xp, *corrected, 1, xp.clip(corrected[0][1], 0.0, 1.0))
+        matrix, measured = [list(row) for row in corrected[1]], after.phase > SETTLE - 0.5
+        measured_places = [self._index(names) for names in RESISTIVITIES]
+        for i in measured_places:
             mean[i] = xp.where(measured, expected.mean[i], mean[i])
-            for j in kept:
+            for j in measured_places:
                 matrix[i][j] = xp.where(measured, expected.covariance[i][j], matrix[i][j])
         for i in range(len(rest)):
             mean[i] = xp.where(cold, rest[i], xp.where(soaked, hot[0][i], mean[i]))
@@ -284,7 +277,7 @@ class SelfSensing(UnscentedKalman):
         return mean, matrix
 
     def _austenite(
-        self, xp: Namespace, own: CalibrationState, expected: Forecast, going: ObserverPeriod
+        self, xp: Namespace, own: CalibrationState, expected: Forecast, period: ObserverPeriod
     ) -> tuple[list[Scalar], Matrix]:
         """Return the unknowns after the soak, and their covariance."""
         around = self.model.value_of("environment.temperature")
@@ -293,8 +286,8 @@ class SelfSensing(UnscentedKalman):
         ohm, loss, power = self.reads()[0], self.model.label(port, "heat_loss"), self.model.label(port, "power")
 
         def seen(xp: Namespace, temperature: Scalar, fraction: Scalar) -> dict[str, Scalar]:
-            there = hidden_states.place_hidden(xp, self.model, expected.state, (temperature, fraction), going.signals)
-            return hidden_states.observe_model(xp, self.model, there, going.signals)
+            there = hidden_states.place_hidden(xp, self.model, expected.state, (temperature, fraction), period.signals)
+            return hidden_states.observe_model(xp, self.model, there, period.signals)
 
         at_rest, rest_slope = value_and_slope(xp, lambda xp, t: seen(xp, t, 1.0)[ohm], around)
         (warm, lost), (warm_slope, lost_slope) = values_and_slopes(
@@ -310,7 +303,7 @@ class SelfSensing(UnscentedKalman):
         mean[k_M], mean[k_A] = xp.log(martensite / at_rest), xp.log(austenite / warm)
         lost = xp.maximum(lost, TINY)
         mean[k_h] = xp.log(heated / lost)
-        rho = self.reading_noise * self.reading_noise * going.dt
+        rho = self.reading_noise * self.reading_noise * period.dt
         variances[0], variances[1] = self.hot_deviation * self.hot_deviation, self.first_fraction * self.first_fraction
         variances[k_M], variances[k_A] = rho / self.calibration.cold, rho / self.calibration.soak
         variances[k_h] = self.loss_deviation * self.loss_deviation
@@ -320,6 +313,5 @@ class SelfSensing(UnscentedKalman):
         return mean, covariance.propagate_covariance(rows, covariance.build_diagonal(variances))
 
     def _index(self, names: tuple[str, ...]) -> int:
-        """Among the unknowns."""
         count = len(hidden_states.list_names(self.model))
         return count + [one.path for one in self.free_parameters()].index(self._paths(names)[0])
