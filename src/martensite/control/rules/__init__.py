@@ -1,1 +1,1 @@
-"""Rules for gains, and the tests of a loop that they need."""
+"""Tuning rules for gains, and tests of a loop for them."""

@@ -1,7 +1,6 @@
-r"""Tuning rules: PI and PID gains from a model of first order with dead time.
+"""Tuning rules: PI and PID gains from a model of first order with dead time.
 
     G(s) = K e^(-L s)/(1 + T s)         rate k' = K/T;      integrating: k' e^(-L s)/s
-
     C(s) = K_p (1 + 1/(T_i s) + T_d s)
 
     rule                   form  K_p K               T_i                     T_d
@@ -22,16 +21,15 @@ r"""Tuning rules: PI and PID gains from a model of first order with dead time.
     lambda                 PI    T/(λ + L)           T
                            PID   (T + L/2)/(λ + L/2) T + L/2                 L T/(2 T + L)
 
-with x = L/T. The time wanted of the closed loop is τ_c of SIMC (L by default, L/2 for PID) or λ
-(T by default). Rules for an integrating plant are their limits for a large T with K/T = k', where
-the sources have one: written in L and x they hold for both. A gain of the plant below 0 gives gains
-below 0.
+with x = L/T. The wanted time of the closed loop is τ_c of SIMC (default L, L/2 for PID) or λ (default T). Rules for an
+integrating plant are the limits for a large T with K/T = k', if the source gives one: written in L and x they hold for
+both. A negative gain of the plant gives negative gains.
 
-A sampled controller holds its signal, which is late by half a period on average: give it to
-`gains_by_rule` as part of the dead time.
+A sampled controller holds its signal, which is late by half a period on average: `gains_by_rule` adds it to the dead
+time.
 
-Sources: `ziegler1942`, `chien1952`, `cohen1953`, `skogestad2003`, `grimholt2018` (PID of SIMC),
-`astrom2004` (AMIGO), `dahlin1968` and `rivera1986` (lambda).
+Sources: `ziegler1942`, `chien1952`, `cohen1953`, `skogestad2003`, `grimholt2018` (PID of SIMC), `astrom2004` (AMIGO),
+`dahlin1968` and `rivera1986` (lambda).
 """
 
 from __future__ import annotations
@@ -50,29 +48,29 @@ class FirstOrder(NamedTuple):
     """A plant of first order with dead time."""
 
     gain: float
-    """K, in the unit of what is measured per signal."""
+    """K, in units of the reading per signal."""
     time_constant: float
-    """T [s]"""
+    """T [s]."""
     dead_time: float
-    """L [s]"""
+    """L [s]."""
 
     @property
     def rate(self) -> float:
-        """k' = K/T: how fast it goes at first, per signal."""
+        """Return k' = K/T, the initial rate per signal."""
         return self.gain / self.time_constant
 
 
 class Integrating(NamedTuple):
-    """A plant that goes on as long as there is a signal, with dead time."""
+    """An integrating plant with dead time."""
 
     rate: float
-    """k', in the unit of what is measured per second and signal."""
+    """k', in units of the reading per second and signal."""
     dead_time: float
-    """L [s]"""
+    """L [s]."""
 
 
 class IdealGains(NamedTuple):
-    """K_p (1 + 1/(T_i s) + T_d s) found by a rule."""
+    """Gains of K_p (1 + 1/(T_i s) + T_d s)."""
 
     Kp: float
     Ti: float
@@ -82,30 +80,30 @@ class IdealGains(NamedTuple):
 
     @property
     def Ki(self) -> float:
-        """K_p/T_i: gain of the integral [1/s]."""
+        """Return K_p/T_i [1/s]."""
         return self.Kp / self.Ti
 
     @property
     def Kd(self) -> float:
-        """K_p T_d: gain of the derivative [s]."""
+        """Return K_p T_d [s]."""
         return self.Kp * self.Td
 
     def per_second(self) -> Gains:
-        """K_p, K_i [1/s] and K_d [s] of K_p + K_i/s + K_d s."""
+        """Return K_p, K_i [1/s] and K_d [s] of K_p + K_i/s + K_d s."""
         return Gains(self.Kp, self.Ki, self.Kd)
 
     def per_sample(self, interval: float) -> Gains:
-        """Return the gains per sample of `interval` [s], as in `martensite.control.controllers.pid`."""
+        """Return the gains per sample of `interval` [s]."""
         return per_sample(self.Kp, self.Ki, self.Kd, interval)
 
 
 Model = FirstOrder | Integrating
 Formula = Callable[[float, float, float | None], IdealGains]
-"""Gains of (dead time L [s], x = L/T, time wanted of the loop [s]) for K/T = 1."""
+"""Gains from (dead time L [s], x = L/T, wanted time of the loop [s]) for K/T = 1."""
 
 
 class Rule(NamedTuple):
-    """A rule."""
+    """A tuning rule."""
 
     cites: tuple[str, ...]
     pi: Formula
@@ -113,7 +111,7 @@ class Rule(NamedTuple):
     integrating: bool = False
     """True if the source gives the rule for an integrating plant."""
     aimed: bool = False
-    """True if the rule accepts a wanted time of the loop."""
+    """True if the rule takes a wanted time of the loop."""
 
 
 def convert_series(Kp: float, Ti: float, Td: float) -> IdealGains:
@@ -123,7 +121,7 @@ def convert_series(Kp: float, Ti: float, Td: float) -> IdealGains:
 
 
 def _apply_simc(L: float, x: float, aim: float) -> tuple[float, float]:
-    """K_p and T_i of the controller, for PID in series."""
+    """Return K_p and T_i of the controller, for PID in series."""
     late = aim + L
     return 1.0 / late, min(L / x, 4.0 * late) if x else 4.0 * late
 
@@ -176,7 +174,6 @@ RULES: Mapping[str, Rule] = {
         aimed=True,
     ),
 }
-"""Rules by name."""
 
 
 def gains_by_rule(
@@ -185,15 +182,15 @@ def gains_by_rule(
     """Return the gains by a rule.
 
     Args:
-        model: the plant, such as a step test finds it.
-        rule: its name in `RULES`.
+        model: plant, for example from a step test.
+        rule: name in `RULES`.
         form: pi or pid.
-        aim: time wanted of the closed loop [s], for `simc` (τ_c) and `lambda` (λ).
-        period: of a sampled controller [s]; half of it counts as dead time.
+        aim: wanted time of the closed loop [s], for `simc` (τ_c) and `lambda` (λ).
+        period: period of a sampled controller [s]; half of it counts as dead time.
 
     Raises:
-        ParameterError: an unknown rule or form, a plant without dead time or gain, or a rule that
-            has nothing for an integrating plant.
+        ParameterError: an unknown rule or form, a plant without dead time or gain, or a rule without an integrating
+            form.
     """
     if rule not in RULES:
         raise ParameterError(f"There is no tuning rule `{rule}`. {suggest_name(rule, RULES)}")
@@ -215,5 +212,5 @@ def gains_by_rule(
     if not (first_order or RULES[rule].integrating):
         raise ParameterError(f"Rule `{rule}` is not for an integrating plant.")
     x = late / model.time_constant if first_order else 0.0
-    found = getattr(RULES[rule], form)(late, x, aim)
-    return found._replace(Kp=found.Kp / model.rate)
+    gains = getattr(RULES[rule], form)(late, x, aim)
+    return gains._replace(Kp=gains.Kp / model.rate)

@@ -1,14 +1,12 @@
-r"""Relay autotuning (Åström and Hägglund): a relay in the loop, and gains from its limit cycle.
+"""Relay autotuning (Åström and Hägglund): a relay in the loop, and gains from its limit cycle.
 
     relay: bias + d while y < r - ε until y ≥ r + ε, then bias - d
-
     K_u = 4 d/(π √(a² - ε²)),       P_u = period,       a = half the range of the reading
 
-This is the gain and the period at the limit of stability if the plant is a low pass and the relay
-the only thing that is not linear (describing function). With hysteresis ε the phase of the plant
-there is not -π but -π + arcsin(ε/a), so K_u is somewhat too small. A shape-memory actuator heats
-faster than it cools (or slower, near the top): times on and off then differ, the mean signal is not
-the bias, and the describing function is an average over both; `asymmetry` is off/on.
+K_u and P_u are gain and period at the limit of stability if the plant is a low pass and otherwise linear (describing
+function). With hysteresis ε the phase of the plant is not -π but -π + arcsin(ε/a), so that K_u is somewhat too small. A
+shape-memory actuator heats faster than it cools, or slower near the top: then the times on and off differ, the mean
+signal is not the bias, and the describing function is an average; `asymmetry` is off/on.
 
     rule             form  K_p         T_i       T_d
     ziegler-nichols  PI    0.45 K_u    P_u/1.2
@@ -46,9 +44,7 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 
 CYCLES = 6
-"""Cycles that are wanted; the last but those of coming up are counted."""
 SKIPPED = 3
-"""Cycles before those that are counted."""
 DOUBLINGS = 5
 
 
@@ -56,33 +52,32 @@ class LimitCycle(NamedTuple):
     """Limit cycle of a relay test."""
 
     gain: float
-    """K_u, signal per unit of the reading; below 0 if the reading falls when the signal rises."""
+    """K_u, signal per unit of the reading; negative if the reading falls when the signal rises."""
     period: float
-    """P_u [s]"""
+    """P_u [s]."""
     amplitude: float
     """a, in the unit of the reading."""
     on: float
     """Time with the larger signal in a cycle [s]."""
     off: float
-    """Time with the smaller one [s]."""
+    """Time with the smaller signal [s]."""
     mean: float
-    """Mean signal of a cycle."""
     phase: float
     """Phase of the plant at this frequency [rad], between -π and -π/2."""
     scatter: float
-    """Standard deviation of the periods, in shares of their mean."""
+    """Standard deviation of the periods over their mean."""
     times: Numbers
     signal: Numbers
     reading: Numbers
 
     @property
     def asymmetry(self) -> float:
-        """Return the time off over time on."""
+        """Return the time off over the time on."""
         return self.off / self.on
 
     @property
     def steady(self) -> bool:
-        """Return whether the cycles repeat themselves."""
+        """Return whether the cycles repeat."""
         return self.scatter <= STEADY
 
 
@@ -91,14 +86,13 @@ RELAY_CITES: Mapping[str, tuple[str, ...]] = {
     "tyreus-luyben": ("astrom1984", "tyreus1992"),
     "no-overshoot": ("astrom1984", "seborg2011"),
 }
-"""Sources by rule."""
 
 
 def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "pid") -> IdealGains:
     """Return the gains from a limit cycle.
 
     Raises:
-        ParameterError: an unknown rule or form, or a rule that has nothing for the form.
+        ParameterError: an unknown rule or form, or a rule without this form.
     """
     if rule not in RELAY_RULES:
         raise ParameterError(f"There is no relay rule `{rule}`. {suggest_name(rule, RELAY_RULES)}")
@@ -126,21 +120,20 @@ def run_relay_test(
     """Put a relay in a loop of a bench and measure its limit cycle.
 
     Args:
-        bench: with the controller whose place the relay takes.
-        level: what the reading swings around, in SI.
+        bench: bench with the controller that the relay replaces.
+        level: mean level of the reading, in SI.
         bias: mean of the two signals.
-        amplitude: d, half their difference.
-        hysteresis: ε, half the band in which the relay stays as it is, in the unit of the reading:
-            a few times its noise.
-        drive: whose controller; needed if there are several.
+        amplitude: d, half the difference of the signals.
+        hysteresis: ε, half the dead band in the unit of the reading: a few times its noise.
+        drive: drive of the loop; required for several controllers.
         reverse: whether the reading falls when the signal rises.
-        duration: of the first run [s], doubled until there are cycles enough.
-        seed: of noise and jitter; None for none.
-        waveforms: of other drives of the plant.
+        duration: duration of the first run [s], doubled until there are enough cycles.
+        seed: seed of noise and jitter; None for a run without noise.
+        waveforms: signals of other drives of the plant.
 
     Raises:
-        ParameterError: no such loop, or no relay.
-        DataError: no cycle comes about, or it is as narrow as the hysteresis.
+        ParameterError: the loop or the relay is invalid.
+        DataError: there is no limit cycle, or it is as narrow as the hysteresis.
     """
     name = find_loop(bench, drive)
     if not (amplitude > 0.0 and hysteresis >= 0.0):
@@ -154,8 +147,8 @@ def run_relay_test(
         times, signal, reading = _run_relay(ready, name, length, seed, waveforms)
         turns = np.flatnonzero((signal[1:] > bias) & (signal[:-1] < bias)) + 1
         if len(turns) > CYCLES + SKIPPED:
-            found = _measure_cycle(times, signal, reading, turns[SKIPPED:], amplitude, hysteresis)
-            return found._replace(gain=-found.gain) if reverse else found
+            cycle = _measure_cycle(times, signal, reading, turns[SKIPPED:], amplitude, hysteresis)
+            return cycle._replace(gain=-cycle.gain) if reverse else cycle
         length *= 2.0
     raise DataError(
         f"The relay makes no limit cycle in {0.5 * length:.4g} s: choose a level that the reading "
@@ -166,7 +159,6 @@ def run_relay_test(
 def _insert_relay(
     bench: Bench, name: str, level: float, bias: float, d: float, hysteresis: float, reverse: bool
 ) -> Bench:
-    """Return the bench with a relay in a loop."""
     members = bench.controllers.members()
     ends = (bias + d, bias - d) if reverse else (bias - d, bias + d)
     members[name] = OnOff(
@@ -182,7 +174,6 @@ def _insert_relay(
 def _run_relay(
     bench: Bench, drive: str, duration: float, seed: int | None, waveforms: Mapping[str, AbstractWaveform] | None
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """Return the times, signals and readings."""
     run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed).require()
     _, wanted, reading = name_loop_columns(bench, drive)
     return np.array(run.times), np.array(run[wanted]), np.array(run[reading])
@@ -191,7 +182,6 @@ def _run_relay(
 def _measure_cycle(
     times: Numbers, signal: Numbers, reading: Numbers, turns: NDArray[np.intp], d: float, hysteresis: float
 ) -> LimitCycle:
-    """Return the means over whole cycles, from one switching on to the next."""
     lengths = np.diff(times[turns])
     period = float(lengths.mean())
     spans = [float(np.ptp(reading[a : b + 1])) for a, b in pairwise(turns)]
@@ -202,14 +192,14 @@ def _measure_cycle(
             f"{hysteresis:.4g}: make the hysteresis smaller."
         )
     inside = signal[turns[0] : turns[-1]]
-    share = float((inside > 0.5 * (inside.max() + inside.min())).mean())
+    fraction = float((inside > 0.5 * (inside.max() + inside.min())).mean())
     gain = find_ultimate_gain(floats, d, a, hysteresis)
     return LimitCycle(
         gain,
         period,
         a,
-        share * period,
-        (1.0 - share) * period,
+        fraction * period,
+        (1.0 - fraction) * period,
         float(inside.mean()),
         -math.pi + math.asin(hysteresis / a),
         float(lengths.std()) / period,

@@ -1,9 +1,8 @@
-"""Gains of a PID controller on a bench by every rule: a step test, a relay test, all that follows.
+"""Gains of a PID controller on a bench by all rules, from a step test and a relay test.
 
-Both tests are laid around a level of the reading: `holding` finds the signals that hold it on the
-way up and down, u_h and u_c; the step goes from 0.3 (u_h - u_c) below the lower to as much above
-the upper one, the relay swings 0.75 (u_h - u_c) around their middle, both within the limits of the
-controller.
+Both tests lie around a level of the reading. `find_holding_signals` finds the signals u_h and u_c that hold it on the
+heating and cooling branch. The step goes from 0.3 (u_h - u_c) below the lower to as much above the higher signal; the
+relay switches 0.75 (u_h - u_c) around their mean, both within the limits of the controller.
 """
 
 from __future__ import annotations
@@ -25,10 +24,9 @@ from martensite.control.tuning.loop_runs import LoopRuns, find_loop
 from martensite.control.tuning.measures import compute_itae
 
 BEYOND, SWING, BAND = 0.3, 0.75, 0.02
-"""Margins of step and relay in widths of the hysteresis; band of the relay in shares of the range
-of the reading in the step test."""
+"""Margins of step and relay in widths of the hysteresis; band of the relay over the range of the step test."""
 LEAST_STEP = 0.05
-"""Least width of step and swing, as a share of the limits."""
+"""Least width of step and relay over the range of the signal."""
 
 
 class LoopTests(NamedTuple):
@@ -37,11 +35,11 @@ class LoopTests(NamedTuple):
     holding: HoldingSignals
     step: StepTest
     cycle: LimitCycle | None
-    """Limit cycle of the relay; None without a limit cycle."""
+    """Limit cycle of the relay, or None."""
 
 
 def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
-    """Return the drive and the PID controller of a loop; `ParameterError` if its controller is another one."""
+    """Return drive and PID controller of a loop; raise `ParameterError` for another controller."""
     name = find_loop(bench, drive)
     controller = bench.controllers.members()[name]
     if not isinstance(controller, Pid):
@@ -52,10 +50,9 @@ def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
 
 
 def convert_to_pid(bench: Bench, gains: IdealGains, drive: str | None = None) -> dict[str, float]:
-    """Return the gains as numbers of the PID controller of a loop, by path in the bench."""
+    """Return the gains as parameters of the PID controller of a loop, by path in the bench."""
     name, controller = find_pid(bench, drive)
-    found = gains.per_sample(bench.period) if controller.sampled else gains.per_second()
-    numbers = found._asdict()
+    numbers = (gains.per_sample(bench.period) if controller.sampled else gains.per_second())._asdict()
     if math.isfinite(controller.Ti) or controller.Td != 0.0:
         numbers = {"Kp": gains.Kp, "Ti": gains.Ti, "Td": gains.Td}
     return {f"controllers.{name}.{key}": float(v) for key, v in numbers.items()}
@@ -70,36 +67,36 @@ def run_loop_tests(
     seed: int | None = 0,
     waveforms: Waveforms | None = None,
 ) -> LoopTests:
-    """Step and relay test of a loop with a PID controller, around a level.
+    """Run a step test and a relay test of a loop with a PID controller, around a level.
 
     Args:
         bench: the bench.
-        level: of the reading, in SI.
-        drive: whose loop; needed if there are several.
+        level: level of the reading, in SI.
+        drive: drive of the loop; required for several controllers.
         hold: time at each level of the step test [s].
-        seed: of noise and jitter; None for none.
-        waveforms: of other drives of the plant.
+        seed: seed of noise and jitter; None for runs without noise.
+        waveforms: signals of other drives of the plant.
 
     Raises:
         ParameterError: the loop has no PID controller, or the level cannot be held.
-        DataError: the output does not answer.
+        DataError: the output does not respond.
     """
     name, controller = find_pid(bench, drive)
     low, high = float(controller.law.low), float(controller.law.high)
-    found = find_holding_signals(bench, level, low, high, drive=name, hold=hold, waveforms=waveforms)
-    width = max(found.width, LEAST_STEP * (high - low))
-    first = max(min(found) - BEYOND * width, low)
-    last = min(max(found) + BEYOND * width, high)
+    holding = find_holding_signals(bench, level, low, high, drive=name, hold=hold, waveforms=waveforms)
+    width = max(holding.width, LEAST_STEP * (high - low))
+    first = max(min(holding) - BEYOND * width, low)
+    last = min(max(holding) + BEYOND * width, high)
     stepped = run_step_test(bench, first, last - first, drive=name, hold=hold, seed=seed, waveforms=waveforms)
-    swing = min(SWING * width, high - found.bias, found.bias - low)
+    swing = min(SWING * width, high - holding.bias, holding.bias - low)
     band = BAND * float(stepped.reading.max() - stepped.reading.min())
-    return LoopTests(found, stepped, _test_relay(bench, level, found, swing, band, name, seed, stepped))
+    return LoopTests(holding, stepped, _test_relay(bench, level, holding, swing, band, name, seed, stepped))
 
 
 def _test_relay(
     bench: Bench,
     level: float,
-    held: HoldingSignals,
+    holding: HoldingSignals,
     swing: float,
     band: float,
     drive: str,
@@ -108,44 +105,44 @@ def _test_relay(
 ) -> LimitCycle | None:
     reverse = stepped.heating.first_order.gain < 0.0
     try:
-        return run_relay_test(bench, level, held.bias, swing, band, drive=drive, reverse=reverse, seed=seed)
+        return run_relay_test(bench, level, holding.bias, swing, band, drive=drive, reverse=reverse, seed=seed)
     except DataError:
         return None
 
 
-def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, IdealGains]:
+def gains_by_tests(tests: LoopTests, period: float) -> Mapping[str, IdealGains]:
     """Return the gains by all rules, by name, such as `simc pid (heating)` or `relay tyreus-luyben pi`.
 
     Args:
-        found: step and relay test.
-        period: of the controller [s].
+        tests: step and relay test.
+        period: period of the controller [s].
     """
-    models = {which: found.step.model(which) for which in ("heating", "cooling", "mean")}
+    models = {which: tests.step.model(which) for which in ("heating", "cooling", "mean")}
     gains = {
         f"{rule} {form} ({which})": gains_by_rule(model, rule, form, period=period)
         for rule in RULES
         for form in FORMS
         for which, model in models.items()
     }
-    if found.cycle is not None:
+    if tests.cycle is not None:
         for rule, forms in RELAY_RULES.items():
             for form in forms:
-                gains[f"relay {rule} {form}"] = gains_by_relay(found.cycle, rule, form)
+                gains[f"relay {rule} {form}"] = gains_by_relay(tests.cycle, rule, form)
     return gains
 
 
-def choose_best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapping[str, float]]:
-    """Return the gains by rules with the least ITAE on the nominal plant, as numbers by path.
+def choose_best_rules(runs: LoopRuns, tests: LoopTests, count: int) -> list[Mapping[str, float]]:
+    """Return the gains by rules with the least ITAE on the nominal plant, as parameters by path.
 
     Args:
-        runs: of the loop.
-        found: its step and relay test.
-        count: how many are wanted.
+        runs: runs of the loop.
+        tests: step and relay test of the loop.
+        count: number of results.
     """
-    gains = gains_by_tests(found, runs.bench.period).values()
+    gains = gains_by_tests(tests, runs.bench.period).values()
     tried = [convert_to_pid(runs.bench, one, runs.drive) for one in gains]
     table = runs.table({p: [numbers[p] for numbers in tried] for p in tried[0]}, len(tried))
-    seen = runs.run(table)
-    spent = np.asarray(compute_itae(seen, Course(seen.one(0), runs.bench.period)))
-    order = np.argsort(np.where(np.isfinite(spent), spent, np.inf), kind="stable")
+    outputs = runs.run(table)
+    itae = np.asarray(compute_itae(outputs, Course(outputs.one(0), runs.bench.period)))
+    order = np.argsort(np.where(np.isfinite(itae), itae, np.inf), kind="stable")
     return [tried[int(k)] for k in order[:count]]

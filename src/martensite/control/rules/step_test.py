@@ -1,18 +1,16 @@
-r"""A step test on a bench: the loop is opened, the signal steps up and back, models are fitted.
+"""Step test on a bench: the loop is opened, the signal steps up and back, and models are fitted.
 
     signal u₀ → u₀ + Δ → u₀, each for some time
-
     y(t) = y₀ + K Δ (1 - e^(-(t - L)/T))  for t > L          first order with dead time
     y(t) = y₀ + k' Δ (t - L)              for t > L          integrating
 
-Models of first order are fitted to the step up (heating) and to the step back (cooling), by least squares over K, T
-and L, with K known in closed form for every T and L: a grid, then the method of Nelder and Mead. The integrating
-model is the straight line through the response between a tenth and a half of its way. A shape-memory actuator is
-heated by power and cools by itself, and what it does has hysteresis, so that the two differ, and a step smaller than
-the hysteresis moves hardly anything on its way back. `find_holding_signals` finds what signals hold a level on
-the way up and down: a step must go from below the one to above the other.
+Models of first order are fitted to the step up (heating) and to the step back (cooling), by least squares over K, T and
+L, with K in closed form: a grid, then the method of Nelder and Mead. The integrating model is the line through the
+response between a tenth and a half of its change. Heating and cooling of a shape-memory actuator differ, and a step
+smaller than the hysteresis has hardly an effect on its way back. `find_holding_signals` finds the signals that hold a
+level on both branches: a step must extend beyond both.
 
-What is looked at is the reading that the controller has, with its lag, delay and noise.
+The response is the reading of the controller with its lag, delay and noise.
 """
 
 from __future__ import annotations
@@ -38,23 +36,28 @@ from martensite.signals.staircase import Staircase
 from martensite.simulate.api import longest_step
 
 QUIET = 6.0
-"""Least change of a response, in standard deviations of its noise from sample to sample."""
+"""Least change of a response over the standard deviation of its noise."""
 
 
 class Response(NamedTuple):
-    """One step and what was fitted to it."""
+    """Models of the response to one step."""
 
     first_order: FirstOrder
     integrating: Integrating
     fit: float
-    """100 % (1 - ‖error‖/‖y - mean‖) of the first-order model."""
 
 
 def fit_first_order(reading: Numbers, before: int, period: float, step: float) -> Response:
-    """Return the models of one response to a `step` of the signal, whose samples begin `before` it, one a `period` [s].
+    """Return the models of the response to a step of the signal.
+
+    Args:
+        reading: samples of the response.
+        before: number of samples before the step.
+        period: sample period [s].
+        step: step of the signal.
 
     Raises:
-        DataError: the output does not answer.
+        DataError: the output does not respond.
     """
     start = float(reading[: before + 1].mean())
     y = np.asarray(reading[before:]) - start
@@ -72,14 +75,14 @@ def fit_first_order(reading: Numbers, before: int, period: float, step: float) -
 
 
 def _fit_gain(t: Numbers, y: Numbers, T: float, L: float) -> tuple[float, float]:
-    """Return the best gain for a time constant and a dead time, and the squares that are left."""
+    """Return the best gain for a time constant and a dead time, and the remaining squares."""
     shape = -np.expm1(-np.maximum(t - L, 0.0) / T)
     gain = float(shape @ y / max(float(shape @ shape), 1e-300))
     return gain, float(((y - gain * shape) ** 2).sum())
 
 
 def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
-    """Return the time constant and dead time of least squares: a grid, then a local search."""
+    """Return time constant and dead time of least squares: a grid, then a local search."""
     end, least = float(t[-1]), float(t[1])
     grid = [
         (T, L)
@@ -87,7 +90,7 @@ def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
         for L in np.linspace(0.0, 0.5 * end, 30).tolist()
     ]
     T, L = min(grid, key=lambda pair: _fit_gain(t, y, *pair)[1])
-    found: Any = import_module("scipy.optimize").minimize(
+    result: Any = import_module("scipy.optimize").minimize(
         lambda x: _fit_gain(t, y, math.exp(x[0]), abs(x[1]))[1] / float(y @ y),
         (math.log(T), L),
         method="Nelder-Mead",
@@ -98,11 +101,10 @@ def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
             "initial_simplex": ((math.log(T), L), (math.log(T) + 0.3, L), (math.log(T), L + least)),
         },
     )
-    return math.exp(found.x[0]), abs(float(found.x[1]))
+    return math.exp(result.x[0]), abs(float(result.x[1]))
 
 
 def _fit_line(t: Numbers, y: Numbers, step: float) -> Integrating:
-    """Return the straight line through the first half of the way."""
     way = float(y[np.argmax(np.abs(y))])
     gone = y / way
     last = max(int(np.argmax(gone >= 0.5)), 1)
@@ -114,9 +116,9 @@ def _fit_line(t: Numbers, y: Numbers, step: float) -> Integrating:
 
 Waveforms = Mapping[str, AbstractWaveform]
 CONSTANTS = 8.0
-"""Thermal time constants that a level is held by default."""
+"""Thermal time constants at each level by default."""
 TRIED = 17
-"""Signals that are tried for a bias."""
+"""Number of signals in the search for holding signals."""
 
 
 class StepTest(NamedTuple):
@@ -127,7 +129,7 @@ class StepTest(NamedTuple):
     cooling: Response
     """Response to the step back."""
     times: Numbers
-    """From the beginning of the bias on [s]."""
+    """Times since the start of the bias [s]."""
     signal: Numbers
     reading: Numbers
     bias: float
@@ -136,7 +138,7 @@ class StepTest(NamedTuple):
     """Time at each level [s]."""
 
     def model(self, which: str = "mean") -> FirstOrder:
-        """Return the model of heating, of cooling, or the geometric mean of both."""
+        """Return the model of heating, of cooling, or their geometric mean."""
         up, down = self.heating.first_order, self.cooling.first_order
         if which == "mean":
             sign = math.copysign(1.0, up.gain)
@@ -163,49 +165,48 @@ def run_step_test(
     """Step the signal of a drive up and back.
 
     Args:
-        bench: with the controller whose reading is looked at; it is taken out.
+        bench: bench with the controller whose reading is recorded; the loop is opened.
         bias: signal before and after.
-        step: how much is added to it.
-        drive: whose loop is opened; needed if there are several.
-        hold: time at each level [s]; by default eight thermal time constants.
-        seed: of noise and jitter; None for none.
-        waveforms: of other drives of the plant.
+        step: change of the signal.
+        drive: drive of the loop; required for several controllers.
+        hold: time at each level [s]; default: eight thermal time constants.
+        seed: seed of noise and jitter; None for a run without noise.
+        waveforms: signals of other drives of the plant.
 
     Raises:
-        ParameterError: no such loop, no step, or a time that is too short.
-        DataError: the output does not answer.
+        ParameterError: the loop does not exist, there is no step, or the time is too short.
+        DataError: the output does not respond.
     """
     name = find_loop(bench, drive)
-    held = _choose_hold(bench, hold)
-    if step == 0.0 or held < 10.0 * bench.period:
+    time = _choose_hold(bench, hold)
+    if step == 0.0 or time < 10.0 * bench.period:
         raise ParameterError("A step test needs a step, and ten periods of time for it at least.")
-    wave = Staircase(first=bias, increment=step, hold=held, count=2, direction="up-down")
-    times, reading = _simulate_reading(bench, name, wave, 3.0 * held, seed, waveforms)
+    wave = Staircase(first=bias, increment=step, hold=time, count=2, direction="up-down")
+    times, reading = _simulate_reading(bench, name, wave, 3.0 * time, seed, waveforms)
     signal = np.array([wave.value(float(t) + 1e-9) for t in times])
-    places = [round(k * held / bench.period) for k in (1, 2, 3)]
-    found = [
+    places = [round(k * time / bench.period) for k in (1, 2, 3)]
+    responses = [
         fit_first_order(reading[a - 5 : b + 1], 5, bench.period, change)
         for (a, b), change in zip(pairwise(places), (step, -step), strict=True)
     ]
-    return StepTest(found[0], found[1], times, signal, reading, bias, step, held)
+    return StepTest(responses[0], responses[1], times, signal, reading, bias, step, time)
 
 
 class HoldingSignals(NamedTuple):
     """Signals that hold a reading at a level."""
 
     heating: float
-    """Come up from rest."""
     cooling: float
-    """Come down from the largest signal tried."""
+    """Signal on the cooling branch from the largest signal."""
 
     @property
     def bias(self) -> float:
-        """Return the middle of both."""
+        """Return the mean of both."""
         return 0.5 * (self.heating + self.cooling)
 
     @property
     def width(self) -> float:
-        """Return the distance of both signals: the hysteresis in the signal."""
+        """Return the difference of both, the width of the hysteresis."""
         return abs(self.heating - self.cooling)
 
 
@@ -219,39 +220,44 @@ def find_holding_signals(
     hold: float | None = None,
     waveforms: Waveforms | None = None,
 ) -> HoldingSignals:
-    """Return the signals that hold a reading at a level [SI], by runs at constant signals from low to high.
+    """Return the signals that hold a reading at a level, from runs at constant signals.
 
-    The largest is that with which cooling begins; outputs are looked at after a time `hold` [s]. The drive whose loop
-    is opened is named if there are several, and other drives of the plant have waveforms.
+    Args:
+        bench: bench with the controller whose reading is recorded.
+        level: level of the reading, in SI.
+        low: least signal.
+        high: largest signal, with which cooling begins.
+        drive: drive of the loop; required for several controllers.
+        hold: time at each signal [s].
+        waveforms: signals of other drives of the plant.
 
     Raises:
-        ParameterError: no signal between holds the reading there.
+        ParameterError: no signal between `low` and `high` holds the level.
     """
-    name, held = find_loop(bench, drive), _choose_hold(bench, hold)
+    name, time = find_loop(bench, drive), _choose_hold(bench, hold)
     signals = np.linspace(low, high, TRIED)
     branches: list[list[AbstractWaveform]] = [
         [Constant(level=u) for u in signals.tolist()],
-        [Staircase(first=high, increment=u - high, hold=held, count=2) for u in signals.tolist()],
+        [Staircase(first=high, increment=u - high, hold=time, count=2) for u in signals.tolist()],
     ]
     cut = " Its supervisor may have cut the signal." if bench.supervisor is not None else ""
     ends = [
-        np.array([_simulate_reading(bench, name, w, k * held, None, waveforms)[1][-1] for w in waves])
+        np.array([_simulate_reading(bench, name, w, k * time, None, waveforms)[1][-1] for w in waves])
         for k, waves in enumerate(branches, start=1)
     ]
-    return HoldingSignals(*(_find_crossing(signals, found, level, cut) for found in ends))
+    return HoldingSignals(*(_find_crossing(signals, readings, level, cut) for readings in ends))
 
 
-def _find_crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> float:
-    """Return the signal at which readings over signals cross a level."""
-    beyond = np.flatnonzero(np.diff(np.sign(found - level)) != 0.0)
+def _find_crossing(signals: Numbers, readings: Numbers, level: float, cut: str) -> float:
+    beyond = np.flatnonzero(np.diff(np.sign(readings - level)) != 0.0)
     if not len(beyond):
         raise ParameterError(
             f"No signal from {signals[0]:g} to {signals[-1]:g} holds the reading at {level:.6g}; "
-            f"it goes from {found.min():.6g} to {found.max():.6g}.{cut}"
+            f"it goes from {readings.min():.6g} to {readings.max():.6g}.{cut}"
         )
     k = int(beyond[0])
-    share = (level - found[k]) / (found[k + 1] - found[k])
-    return float(signals[k] + share * (signals[k + 1] - signals[k]))
+    fraction = (level - readings[k]) / (readings[k + 1] - readings[k])
+    return float(signals[k] + fraction * (signals[k + 1] - signals[k]))
 
 
 def _choose_hold(bench: Bench, hold: float | None) -> float:
@@ -263,7 +269,6 @@ def _choose_hold(bench: Bench, hold: float | None) -> float:
 def _simulate_reading(
     bench: Bench, drive: str, wave: AbstractWaveform, duration: float, seed: int | None, waveforms: Waveforms | None
 ) -> tuple[Numbers, Numbers]:
-    """Return the times and the reading of the controller, with the loop open."""
     free, _ = open_loop(bench, drive)
     played = {**(waveforms or {}), drive: wave}
     run = simulate_bench(free, duration, waveforms=played, seed=seed).require()

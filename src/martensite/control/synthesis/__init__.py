@@ -1,1 +1,1 @@
-"""Regulators on linear plants; gains scheduled over the stroke; an inverse of hysteresis."""
+"""Regulators of linear plants, gain schedules, and inverse hysteresis."""

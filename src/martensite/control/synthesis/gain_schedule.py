@@ -1,10 +1,10 @@
-"""A schedule of PI gains over the stroke, heating and cooling, with the same sensitivity at every point.
+"""Schedule of PI gains over the stroke, for heating and cooling, with equal sensitivity at all points.
 
     C(z) = K_p (1 + (T/T_i)/(1 - z⁻¹)),    largest K_p/T_i with max |1/(1 + C P)| ≤ M_s
 
-for the linear plant P at every operating point of both branches: the largest integral gain is the least integral of the
-error after a disturbance (Åström, Panagopoulos and Hägglund 1998). The gain of the plant changes over its stroke, and
-from one branch to the other; one pair of gains must be small enough for the steepest point, a schedule need not.
+for the linear plant P at each operating point of both branches: the largest integral gain gives the least integral of
+the error after a disturbance (Åström, Panagopoulos and Hägglund 1998). The gain of the plant changes over its stroke
+and between the branches; a single pair of gains must fit the steepest point.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.sampling.sampled import Numbers
 
 TIMES, GAINS, DECADES, HALVINGS = 41, 81, 4.0, 40
-"""Integral times and gains that are tried, over how many decades, and halvings of the interval of the best gain."""
+"""Number of integral times and of gains, decades of gains, and bisections of the best gain."""
 MARKS = "rising", "falling"
 
 
@@ -39,7 +39,7 @@ class ScheduledPoint:
 
     branch: str
     at: float
-    """Reading there, in SI."""
+    """Reading at the point, in SI."""
     Kp: float
     Ki: float
     """[1/s]"""
@@ -47,28 +47,29 @@ class ScheduledPoint:
 
 @dataclass(frozen=True)
 class DesignedSchedule:
-    """A controller whose gains follow a schedule, and its points."""
+    """A controller with a gain schedule, and the points of the schedule."""
 
     drive: str
     unit: str
-    """SI unit of the reading."""
     period: float
     """Period of the bench [s]."""
     points: tuple[ScheduledPoint, ...]
     controller: ScheduledPid
 
     def to_toml(self, text: str) -> str:
-        """Return the scenario, given as text, with this controller in place of its present one."""
+        """Return the text of a scenario with its controller replaced by this one."""
         from martensite.base.toml_text import as_toml
 
         document = tomllib.loads(text)
-        own = document["controller"] if "controller" in document else document["controllers"][self.drive]
-        kept = {name: own[name] for name in ("period", "low", "high") if name in own}
-        own.clear()
-        own.update({"kind": "scheduled-pid", "measured": self.controller.measured, **kept, "gains_are": "in-seconds"})
+        section = document["controller"] if "controller" in document else document["controllers"][self.drive]
+        shared = {name: section[name] for name in ("period", "low", "high") if name in section}
+        section.clear()
+        section.update(
+            {"kind": "scheduled-pid", "measured": self.controller.measured, **shared, "gains_are": "in-seconds"}
+        )
         for mark, branch in zip(MARKS, ("heating", "cooling"), strict=True):
             rows = [one for one in self.points if one.branch == branch]
-            own[mark] = {f"p{k}": self._write_point(one) for k, one in enumerate(rows, start=1)}
+            section[mark] = {f"p{k}": self._write_point(one) for k, one in enumerate(rows, start=1)}
         return as_toml(document)
 
     def _write_point(self, one: ScheduledPoint) -> dict[str, Any]:
@@ -88,12 +89,12 @@ def design_gain_schedule(
     """Design gains over the reference, with the same largest sensitivity at points of both branches.
 
     Args:
-        bench: with a controller, whose limits, reading and reference are kept.
-        duration: of the run along whose reference the points lie [s].
-        drive: whose loop; the first if not named.
+        bench: bench with a controller, whose limits, reading and reference are kept.
+        duration: duration of the reference along which the points lie [s].
+        drive: drive of the loop; default: the first.
         sensitivity: M_s, above 1.
-        count: points of a branch.
-        waveforms: of drives that no controller has; their first values count.
+        count: number of points of a branch.
+        waveforms: signals of drives without a controller; their first values count.
 
     Raises:
         InputError: the loop does not exist, or it has no linear system.
@@ -135,36 +136,34 @@ def _design_point(one: LinearLoop, sensitivity: float) -> ScheduledPoint:
 
 
 def design_pi(plant: LinearSystem, sensitivity: float) -> tuple[float, float]:
-    """K_p and K_i [1/s] of the PI controller with the largest integral gain within a largest sensitivity.
+    """Return K_p and K_i [1/s] of the PI controller with the largest integral gain within a sensitivity.
 
     Raises:
-        InputError: the plant has no gain at rest.
+        InputError: the plant has no static gain.
     """
     omega, rest = list_frequencies(plant.interval), float(plant.gain()[0, 0])
     times = plant.time_constants()
     if rest == 0.0 or not len(times):
         raise InputError("The plant does not answer the signal here: there are no gains for it.")
     response = evaluate_response(plant, omega)
-    share = plant.interval / (1.0 - np.exp(-1j * omega * plant.interval))
+    integrator = plant.interval / (1.0 - np.exp(-1j * omega * plant.interval))
     best = 0.0, 0.0
     for integral_time in np.geomspace(0.02, 2.0, TIMES) * times[0]:
-        gain = _find_gain(response * (1.0 + share / integral_time) * np.sign(rest), sensitivity, abs(rest))
+        gain = _find_gain(response * (1.0 + integrator / integral_time) * np.sign(rest), sensitivity, abs(rest))
         if gain / integral_time > best[1]:
             best = gain, gain / integral_time
     return float(np.sign(rest) * best[0]), float(np.sign(rest) * best[1])
 
 
 def _find_gain(loop: Numbers, sensitivity: float, size: float) -> float:
-    """Return the gain up to which max |1/(1 + K L)| stays within a bound, from small ones on."""
-
     def exceeds(gain: float) -> bool:
         return bool(np.min(np.abs(1.0 + gain * loop)) < 1.0 / sensitivity)
 
-    tried = np.geomspace(10.0**-DECADES, 10.0**DECADES, GAINS) / size
-    k = next((k for k, gain in enumerate(tried) if exceeds(gain)), len(tried))
-    if k in (0, len(tried)):
+    gains = np.geomspace(10.0**-DECADES, 10.0**DECADES, GAINS) / size
+    k = next((k for k, gain in enumerate(gains) if exceeds(gain)), len(gains))
+    if k in (0, len(gains)):
         return 0.0
-    low, high = tried[k - 1], tried[k]
+    low, high = gains[k - 1], gains[k]
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if exceeds(middle) else (middle, high)

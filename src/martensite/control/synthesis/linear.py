@@ -1,16 +1,15 @@
-"""The linear system of a plant around an operating point, exact and in discrete time.
+"""Linear system of a plant around an operating point, exact and in discrete time.
 
     x_k+1 = A x_k + B u_k,    y_k = C x_k + D u_k
 
-for deviations from rest, with signals held for a period. The derivatives are those of the step
-itself, by dual numbers, and hold for the direction in which the plant got where it rests: on the
-heating branch under a signal a little higher, on the cooling branch under one a little lower. In
-the other direction it leaves the branch, at first with hardly any transformation: no linear
-system holds for both. What a controller designed here does there, a run must show.
+for deviations from the steady state, with signals held for a period. The derivatives of the step by dual numbers hold
+for the direction in which the operating point was reached: for a slightly higher signal on the heating branch, for a
+slightly lower one on the cooling branch. In the other direction the plant leaves the branch with hardly any
+transformation, so that no linear system holds for both. Test a design in a run.
 
-The flat state of a plant holds numbers that do not take part in small motions: the last turning point of the law, the
-stress of the step before. `realise_readings` uses outputs that can be measured or estimated instead: with z = C_z x
-for chosen outputs, A_z is the least-squares solution of
+The flat state of a plant holds values without a part in small motions, such as the last turning point of the law.
+`realise_readings` uses outputs that can be measured or estimated instead: with z = C_z x for chosen outputs, A_z is the
+least-squares solution of
 
     C_z A v = A_z C_z v    for all v that signals reach,    v = B, A B, A² B, …
 
@@ -37,11 +36,11 @@ from martensite.simulate.api import steps_in
 from martensite.simulate.operating_point import SteadyPoint
 
 PUSH = 1e-3
-"""Change of the signal that says where it goes, over the signal."""
+"""Relative change of the signal that selects the branch."""
 REACHED = 400
-"""Samples after an impulse of which the reached states are taken."""
+"""Number of samples after an impulse in the set of reached states."""
 NOISE = 1e-9
-"""Singular values below this share of the largest are rounding."""
+"""Singular values over the largest below which they are rounding."""
 
 
 def linearise_plant(
@@ -50,13 +49,13 @@ def linearise_plant(
     """Return the linear system around an operating point, with the flat state of the plant.
 
     Args:
-        point: where the plant rests, and on which branch.
-        period: time for which signals are held [s]; of a system in discrete time its own.
-        inputs: names of drives; the one that is varied if none are given.
-        push: by how much of itself the signal is raised (heating) or lowered (cooling).
+        point: steady state with its branch.
+        period: time for which signals are held [s]; default: the period of a system in discrete time.
+        inputs: names of drives; default: the varied drive.
+        push: relative increase (heating) or decrease (cooling) of the signal.
 
     Raises:
-        InputError: a name does not fit, or no period is given.
+        InputError: a name does not fit, or there is no period.
     """
     system = point.system
     names = [drive.name for drive in system.drives()]
@@ -87,7 +86,7 @@ def linearise_plant(
 
 
 def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, interval: float) -> Numbers:
-    """Return the derivatives of the next state and of the outputs now, by state and signals."""
+    """Return the derivatives of the next state and of the present outputs, by state and signals."""
     shape = NestedShape(system.init(floats, *at[size:]))
     turns = 1 if system.sample_time() else steps_in(system, interval)
 
@@ -102,7 +101,7 @@ def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, int
 def compute_slopes(
     function: Callable[[Any, Sequence[Any]], Sequence[Any]], at: Sequence[float]
 ) -> tuple[Numbers, Numbers]:
-    """Return the values of a kernel and all their slopes, shape (values, variables), in one pass: tangents are rows."""
+    """Return the values of a kernel and all their slopes, shape (values, variables), in one pass."""
     xp, rows = DualNamespace(floats), np.eye(len(at))
     pairs = [xp.parts(one) for one in function(xp, [Dual(x, row, xp.level) for x, row in zip(at, rows, strict=True)])]
     slopes = [np.zeros(len(at)) if slope is None else slope + np.zeros(len(at)) for _, slope in pairs]
@@ -111,27 +110,27 @@ def compute_slopes(
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """A plant for small signals, in what can be read of it."""
+    """A plant for small signals with readings as its states."""
 
     linear: LinearSystem
-    """With the readings as states and as outputs."""
+    """System with the readings as states and outputs."""
     residual: float
-    """Share of their motion that these readings do not explain; 0 if they say all."""
+    """Fraction of the motion of the readings that they do not determine."""
 
 
 def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     """Return a linear system whose states are some of its outputs.
 
     Args:
-        linear: from `linearise_plant`.
-        states: names of outputs. Such as only repeat each other do no harm.
+        linear: system from `linearise_plant`.
+        states: names of outputs; redundant outputs are allowed.
 
     Raises:
-        InputError: the output does not exist, or it jumps with the signal.
+        InputError: an output does not exist, or jumps with the signal.
     """
     places = [_find_output(linear, name) for name in states]
-    seen, direct = linear.c[places], linear.d[places]
-    reached = _compute_reached(linear, seen)
+    output_rows, direct = linear.c[places], linear.d[places]
+    reached = _compute_reached(linear, output_rows)
     sizes = np.maximum(np.abs(reached).max(axis=(0, 2)), 1e-300)
     if np.any(np.abs(direct) > NOISE * sizes[:, None]):
         name = states[int(np.argmax(np.abs(direct).max(axis=1) / sizes))]
@@ -139,11 +138,11 @@ def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     scaled = reached / sizes[:, None]
     now, then = (np.concatenate(list(part), axis=1) for part in (scaled[:-1], scaled[1:]))
     a = cast("Numbers", np.linalg.lstsq(now.T, then.T, rcond=NOISE)[0].T)
-    left = float(np.linalg.norm(then - a @ now) / max(float(np.linalg.norm(then)), 1e-300))
+    residual = float(np.linalg.norm(then - a @ now) / max(float(np.linalg.norm(then)), 1e-300))
     a, count = a * sizes[:, None] / sizes, len(places)
     inner = LinearSystem(
         a,
-        seen @ linear.b,
+        output_rows @ linear.b,
         np.eye(count),
         np.zeros((count, linear.b.shape[1])),
         linear.interval,
@@ -153,16 +152,16 @@ def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
         linear.input_names,
         tuple(states),
     )
-    return Readings(inner, left)
+    return Readings(inner, residual)
 
 
-def _compute_reached(linear: LinearSystem, seen: Numbers) -> Numbers:
-    """C_z Aᵏ B for all k, shape (samples, states, inputs)."""
-    kept, found = linear.b, np.empty((REACHED, len(seen), linear.b.shape[1]))
+def _compute_reached(linear: LinearSystem, output_rows: Numbers) -> Numbers:
+    """Return C_z Aᵏ B for all k, shape (samples, states, inputs)."""
+    motion, reached = linear.b, np.empty((REACHED, len(output_rows), linear.b.shape[1]))
     for k in range(REACHED):
-        found[k] = seen @ kept
-        kept = linear.a @ kept
-    return found
+        reached[k] = output_rows @ motion
+        motion = linear.a @ motion
+    return reached
 
 
 def _find_output(linear: LinearSystem, name: str) -> int:

@@ -2,17 +2,15 @@
 
     J = Σ_k  Σ_i (Δz_i/s_i)² + (I/s_I)² + (Δu/s_u)²,    u = u_0 - K Δz + K_I I
 
-over the plant in discrete time with the integral as a further state (Franklin, Powell and
-Workman 1998), solved by the discrete algebraic Riccati equation. Sizes s are deviations that
-weigh the same (Bryson's rule). With
+for the plant in discrete time with the integral as a further state (Franklin, Powell and Workman 1998), by the discrete
+algebraic Riccati equation. The sizes s are deviations of equal weight (Bryson's rule). With the feed-forward gain
 
     N = (1 + K M_z)/M_y
 
-where M are gains at rest from the signal, a reference away from the operating point needs no
-error to get there as far as the plant is linear.
+and static gains M from the signal, a linear plant reaches any reference without a steady error of the integral.
 
-A plant with hysteresis has a linear system for each branch; one design may serve both, by their
-mean or by the gains of the faster branch. What it does on either must be looked at in a run.
+A plant with hysteresis has a linear system for each branch; one design may serve both, by their mean or by the gains of
+the faster branch. Test the design in a run.
 """
 
 from __future__ import annotations
@@ -33,10 +31,10 @@ from martensite.signals.sampling.sampled import Numbers
 
 @dataclass(frozen=True)
 class LqrSizes:
-    """Deviations that weigh the same in the cost."""
+    """Deviations of equal weight in the cost."""
 
     states: tuple[float, ...]
-    """Tolerated deviation of every state, in its SI unit; infinite for a state that does not count."""
+    """Tolerated deviation of every state, in its SI unit; infinite for a state without a weight."""
     integral: float
     """Tolerated integral of the error, in the unit of the error times s."""
     signal: float
@@ -48,7 +46,6 @@ class Regulator:
     """Gains that minimise the cost."""
 
     readings: Readings
-    """The linear plant that they are for."""
     measured: str
     gains: tuple[float, ...]
     """K, one per state."""
@@ -68,9 +65,9 @@ class Regulator:
         return a - b @ np.array([[*self.gains, -self.Ki]])
 
     def poles(self) -> Numbers:
-        """Return the poles of the closed loop in the plane of z, the slowest first."""
-        found = np.linalg.eigvals(self.closed())
-        return found[np.argsort(-np.abs(found), kind="stable")]
+        """Return the poles of the closed loop in the z plane, slowest first."""
+        poles = np.linalg.eigvals(self.closed())
+        return poles[np.argsort(-np.abs(poles), kind="stable")]
 
     def controller(
         self, low: float, high: float, *, reference: Any, names: Sequence[str] | None = None
@@ -80,12 +77,11 @@ class Regulator:
         Args:
             low: least signal.
             high: largest signal.
-            reference: waveform that shall be followed.
-            names: what the states are called on a bench, such as `estimated.temperature`, in
-                their order; by default as in the plant.
+            reference: waveform of the reference.
+            names: names of the states on a bench, such as `estimated.temperature`; default: as in the plant.
 
         Raises:
-            ParameterError: there are not as many names as states.
+            ParameterError: the number of names does not fit.
         """
         states = self.linear.output_names
         called = tuple(names or states)
@@ -109,7 +105,7 @@ class Regulator:
 
 
 def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Numbers]:
-    """Return a and B with the integral of the error as the last state, and the row of what is measured."""
+    """Return A and B with the integral of the error as the last state, and the row of the measured output."""
     if measured not in linear.output_names:
         raise ParameterError(
             f"`{measured}` is no state of the linear plant. {suggest_name(measured, linear.output_names)}"
@@ -124,13 +120,13 @@ def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regu
     """Return the regulator that minimises the cost of a linear plant with one input.
 
     Args:
-        readings: from `realise_readings`, or the mean of both branches.
-        measured: which of its states shall follow a reference.
-        sizes: of the cost.
+        readings: plant from `realise_readings`, or the mean of both branches.
+        measured: state that follows the reference.
+        sizes: sizes of the cost.
 
     Raises:
         ParameterError: a name or the sizes do not fit.
-        SolveError: no feedback from these states makes the plant stable.
+        SolveError: no feedback from these states stabilises the plant.
     """
     linear = readings.linear
     if linear.b.shape[1] != 1 or len(sizes.states) != len(linear.a):
@@ -143,14 +139,14 @@ def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regu
         raise ParameterError(f"All sizes must be above 0, but they are {sizes}.")
     a, b, row = augment_plant(linear, measured)
     gains = solve_riccati(a, b, np.diag(every[:-1] ** -2.0), np.array([[every[-1] ** -2.0]]))[0]
-    inside = np.linalg.solve(np.eye(len(linear.a)) - linear.a, linear.b)
-    prefilter = (1.0 + float(gains[:-1] @ inside[:, 0])) / float((row @ inside)[0, 0])
-    kept = tuple(float(gain) for gain in gains[:-1])
-    return Regulator(readings, measured, kept, -float(gains[-1]), prefilter)
+    static_gains = np.linalg.solve(np.eye(len(linear.a)) - linear.a, linear.b)
+    prefilter = (1.0 + float(gains[:-1] @ static_gains[:, 0])) / float((row @ static_gains)[0, 0])
+    state_gains = tuple(float(gain) for gain in gains[:-1])
+    return Regulator(readings, measured, state_gains, -float(gains[-1]), prefilter)
 
 
 def solve_riccati(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> Numbers:
-    """K of u = -K x that minimises Σ xᵀ Q x + uᵀ R u along x_k+1 = A x_k + B u_k.
+    """Return K of u = -K x that minimises Σ xᵀ Q x + uᵀ R u along x_k+1 = A x_k + B u_k.
 
     Raises:
         SolveError: the equation has no stabilising solution.

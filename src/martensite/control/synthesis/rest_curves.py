@@ -1,6 +1,6 @@
-"""Steady states of a plant under constant signals, along both branches, and the readings there.
+"""Steady states of a plant under constant signals, along both branches, with their readings.
 
-The heating branch is reached from rest without a signal, the cooling branch from where the heating branch ends.
+The heating branch starts without a signal, the cooling branch at the end of the heating branch.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from martensite.simulate.lanes import Lanes
 from martensite.simulate.operating_point import Direction, SteadyPoint, settle_lanes
 
 PATIENCE, SETTLED = 6, 1e-6
-"""Doublings of a stretch after which a plant counts as unsettled; change that counts as zero, over the least size."""
+"""Doublings after which a plant is unsettled; relative change that counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class RestCurve:
-    """States of rest under signals that go one way."""
+    """Steady states under rising or falling signals."""
 
     system: AbstractSystem
     drive: str
@@ -35,19 +35,19 @@ class RestCurve:
     signals: Numbers
     """Signals of all drives, shape (drives, points)."""
     states: Numbers
-    """Flat, shape (states, points)."""
+    """Flat states, shape (states, points)."""
     outputs: dict[str, Numbers]
 
     @property
     def levels(self) -> Numbers:
-        """Return the signals of the drive that is varied."""
+        """Return the signals of the varied drive."""
         return self.signals[[one.name for one in self.system.drives()].index(self.drive)]
 
     def point(self, k: int) -> SteadyPoint:
-        """Return the operating point at one of the signals."""
-        seen = {name: float(column[k]) for name, column in self.outputs.items()}
+        """Return the operating point at signal k."""
+        outputs = {name: float(column[k]) for name, column in self.outputs.items()}
         signals = cast("list[float]", self.signals[:, k].tolist())
-        return SteadyPoint(self.system, tuple(signals), self.drive, self.states[:, k].copy(), seen, self.direction)
+        return SteadyPoint(self.system, tuple(signals), self.drive, self.states[:, k].copy(), outputs, self.direction)
 
 
 def compute_rest_curve(
@@ -58,17 +58,17 @@ def compute_rest_curve(
     others: Mapping[str, float] | None = None,
     start: Numbers | None = None,
 ) -> RestCurve:
-    """Rest under each signal of a row: on the heating branch from rest, on the cooling branch from a hot `start`.
+    """Compute the steady state under each signal of a row.
 
     Args:
         system: the plant.
-        drive: the one that is varied.
+        drive: varied drive.
         row: its signals.
-        others: constant signals of other drives; what is not named gets 0.
-        start: flat state from which it cools.
+        others: constant signals of other drives; default: 0.
+        start: flat state from which the plant cools; default: heating without a prior signal.
 
     Raises:
-        SolveError: it does not come to rest.
+        SolveError: the plant does not settle.
     """
     names = [one.name for one in system.drives()]
     base = np.array([float((others or {}).get(name, 0.0)) for name in names])
@@ -79,24 +79,26 @@ def compute_rest_curve(
     if start is not None:
         lanes.state = np.repeat(start[:, None], len(row), axis=1)
     settle_lanes(lanes, table, PATIENCE, SETTLED)
-    seen = lanes.observe(table)
-    good = np.array([not one.failed for one in lanes.status]) & np.isfinite(seen).all(axis=0)
+    table_of_outputs = lanes.observe(table)
+    good = np.array([not one.failed for one in lanes.status]) & np.isfinite(table_of_outputs).all(axis=0)
     if not good.any():
         raise SolveError("The plant fails under every constant signal.")
-    outputs = dict(zip(lanes.names, seen[:, good], strict=True))
+    outputs = dict(zip(lanes.names, table_of_outputs[:, good], strict=True))
     way: Direction = "heating" if start is None else "cooling"
     return RestCurve(system, drive, way, table[:, good], lanes.state[:, good], outputs)
 
 
 def read_at_rest(bench: Bench, truth: Mapping[str, float]) -> dict[str, float]:
-    """Return the readings of controllers at rest: readings of sensors, true estimates, and ages of 0."""
-    known = dict(truth)
+    """Return the steady readings of controllers: readings of sensors, true estimates, and ages of 0."""
+    truth_with_ambient = dict(truth)
     for port, one in bench.plant.actuators().items():
-        known[bench.plant.label(port, AMBIENT)] = float(one.environment.temperature)
+        truth_with_ambient[bench.plant.label(port, AMBIENT)] = float(one.environment.temperature)
     mounted = bench.sensors.members().items()
-    seen = {name: float(one.rest(floats, known, 0.0, 1).reading) for name, one in mounted} or known
-    guessed = {name: known.get(name.removeprefix(ESTIMATED), 0.0) for name in list_readings(bench)}
-    return {name: 0.0 if name.endswith(AGE) else seen.get(name, guessed[name]) for name in guessed}
+    readings = {
+        name: float(one.rest(floats, truth_with_ambient, 0.0, 1).reading) for name, one in mounted
+    } or truth_with_ambient
+    estimates = {name: truth_with_ambient.get(name.removeprefix(ESTIMATED), 0.0) for name in list_readings(bench)}
+    return {name: 0.0 if name.endswith(AGE) else readings.get(name, estimates[name]) for name in estimates}
 
 
 def read_curve(bench: Bench, curve: RestCurve, name: str) -> Numbers:

@@ -1,1 +1,1 @@
-"""Tuning: gains of controllers from rules and by search."""
+"""Tuning of gains by rules and by search."""

@@ -1,10 +1,8 @@
-"""Tuning on the bench itself: parameters of controllers of least cost, over a batch of plants.
+"""Tuning on the bench: parameters of controllers of least cost, over a batch of plants.
 
-The cost is that of `martensite.control.tuning.goals`, the search that of
-`martensite.control.tuning.gain_search`, with exact derivatives through the loop. Starts are the
-numbers of the bench and those that are given, such as gains by rules.
-
-Sensors, observers and controllers are those of the bench in every run; what is drawn are plants.
+`martensite.control.tuning.goals` defines the cost, `martensite.control.tuning.gain_search` the search, with exact
+derivatives through the loop. Starts are the parameters of the bench and given ones, such as gains by rules. Sensors,
+observers and controllers are the same in every run; only plants are drawn.
 """
 
 from __future__ import annotations
@@ -36,45 +34,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class TunedBench:
-    """Parameters that were found, and what the loop does with them."""
+    """Tuned parameters, and the loop before and after."""
 
     bench: Bench
-    """The bench with them."""
     before: dict[str, float]
-    """By path."""
     after: dict[str, float]
     cost_before: float
     cost: float
     measured_before: Measures
-    """On the nominal plant."""
+    """Measures on the nominal plant."""
     measured: Measures
     seen_before: Seen
     seen: Seen
-    """The run on the nominal plant, sample by sample."""
     times: Numbers
     evaluations: int
-    """Runs, one per plant."""
     gradients: int
-    """Runs with derivatives."""
     ends: tuple[float, ...]
-    """Costs at which searches ended, best first."""
     judgement: TuningJudgement
-    """Errors before and after on the plants that it is judged on."""
     notes: list[str] = field(default_factory=list[str])
-    """Sentences on bounds that were hit."""
 
     @property
     def worse(self) -> bool:
-        """Return True if the error on the judged plants is larger than before."""
+        """Return True if the error is larger than before."""
         return self.judgement.worse
 
     def save(self, scenario: Scenario, path: str | PathLike[str], *, anyway: bool = False) -> None:
-        """Write a scenario with the new numbers.
+        """Write a scenario with the tuned parameters.
 
         Args:
-            scenario: the scenario whose bench was tuned.
+            scenario: scenario of the tuned bench.
             path: file to write.
-            anyway: also write a result that is worse than before.
+            anyway: whether to write a result that is worse than before.
 
         Raises:
             InputError: the result is worse than before.
@@ -83,11 +73,11 @@ class TunedBench:
         write_file(Path(path), scenario.write_changed(self.after, "tuned"))
 
     def rows(self) -> list[tuple[str, float, float]]:
-        """Return the name, and number before and after, of everything, for people to read; SI."""
-        found = [(path, self.before[path], value) for path, value in self.after.items()]
-        found.append(("cost", self.cost_before, self.cost))
+        """Return name, value before and value after of all parameters and measures, in SI."""
+        rows = [(path, self.before[path], value) for path, value in self.after.items()]
+        rows.append(("cost", self.cost_before, self.cost))
         after = self.measured.to_dict()
-        return found + [(n, v, after[n]) for n, v in self.measured_before.to_dict().items()]
+        return rows + [(n, v, after[n]) for n, v in self.measured_before.to_dict().items()]
 
 
 def tune_bench(
@@ -110,46 +100,45 @@ def tune_bench(
     """Return the parameters of controllers of least cost.
 
     Args:
-        bench: with controllers, whose references are what shall be followed.
-        duration: length of every run [s].
-        free: paths, or unique endings, of parameters of controllers, with bounds if they are not
-            to be chosen: `Kp=1..100`.
-        goal: what a loop shall do.
-        plants: those it shall do it on; the nominal one alone if None.
-        judged: plants on which the result is compared with the numbers of the bench; the nominal one if None.
-        starts: numbers by path where searches begin, beside those of the bench.
-        drive: whose loop is judged; needed if there are several.
-        search: how to search.
-        noise_seed: of the noise of the sensors, the same in every run; None for none.
-        waveforms: of drives of the plant that no controller has.
-        watch: called with a sentence and the share that is done.
-        keep: called with every set of numbers, by path, that is the best so far.
-        native: whether to run in C; by default if there is a compiler.
+        bench: bench with controllers and their references.
+        duration: duration of every run [s].
+        free: paths, or unique endings, of parameters of controllers, optionally with bounds: `Kp=1..100`.
+        goal: weights of the cost.
+        plants: plants of the search; default: the nominal plant.
+        judged: plants of the comparison with the parameters of the bench; default: the nominal plant.
+        starts: further starts of the search, as parameters by path.
+        drive: drive of the loop; required for several controllers.
+        search: settings of the search.
+        noise_seed: seed of the sensor noise, equal in every run; None for runs without noise.
+        waveforms: signals of drives without a controller.
+        watch: called with a sentence and the completed fraction.
+        keep: called with every best set of parameters so far, by path.
+        native: whether to run in C; default: if there is a compiler.
 
     Raises:
-        ParameterError: an unknown name, a parameter that cannot be searched, no reference.
+        ParameterError: an unknown name, a parameter that cannot be searched, or a constant reference at the output.
         SolveError: no start can be run.
     """
     runs = LoopRuns(bench, duration, drive=drive, seed=noise_seed, waveforms=waveforms, native=native)
-    own = {path: float(value) for path, value in zip(runs.paths, runs.base, strict=True)}
-    freed = build_free_gains(bench, free, starts)
-    before = {one.path: own[one.path] for one in freed}
+    values = {path: float(value) for path, value in zip(runs.paths, runs.base, strict=True)}
+    parameters = build_free_gains(bench, free, starts)
+    before = {one.path: values[one.path] for one in parameters}
     first = runs.run(runs.table({}, 1))
     course = Course(first.one(0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
-    how = search or TuningSearch()
-    costs = GainCosts(runs, Cost(goal or TuningGoal(), course), freed, plants, how.slopes)
-    cost, best, ends = search_gains(costs, [before, *[{**before, **start} for start in starts]], how, watch, keep)
+    settings = search or TuningSearch()
+    costs = GainCosts(runs, Cost(goal or TuningGoal(), course), parameters, plants, settings.slopes)
+    cost, best, ends = search_gains(costs, [before, *[{**before, **start} for start in starts]], settings, watch, keep)
     after = {path: float(value) for path, value in costs.numbers(best).items()}
     measure = MEASURES[costs.cost.goal.error]
-    found = compare_gains(runs, after, course, judged, measure)
+    comparison = compare_gains(runs, after, course, judged, measure)
     return replace(
-        found,
+        comparison,
         cost_before=float(costs.compute_costs({p: [v] for p, v in before.items()}, 1)[0]),
         cost=cost,
         evaluations=costs.evaluations,
         gradients=costs.gradients,
         ends=ends,
-        notes=_list_bounds(freed, best / costs.widths),
+        notes=_list_bounds(parameters, best / costs.widths),
     )
 
 
@@ -160,18 +149,19 @@ def compare_gains(
     judged: Plants | None = None,
     measure: str = "rms",
 ) -> TunedBench:
-    """Return a loop on the nominal plant before and after a change of numbers by path.
+    """Return a loop on the nominal plant before and after a change of parameters by path.
 
-    Costs are those of the default goal; `course` says with what scales, by default those of the
-    loop before. The result is judged on the plants `judged` by a `measure` of `judgement`.
+    Costs use the default goal with the scales of `course`, by default of the loop before. The errors are compared on
+    the
+    plants `judged` by a `measure` of `judgement`.
 
     Raises:
-        ParameterError: the reference asks for nothing.
+        ParameterError: the reference stays where the output begins.
     """
     before = {path: float(runs.base[runs.place(path)]) for path in after}
     both = runs.run(runs.table({p: [before[p], after[p]] for p in after}, 2))
-    begun, ended = both.one(0), both.one(1)
-    course = course or Course(begun, runs.bench.period)
+    first, second = both.one(0), both.one(1)
+    course = course or Course(first, runs.bench.period)
     costs = Cost(TuningGoal(), course)(both)
     return TunedBench(
         runs.bench.with_values(after),
@@ -179,10 +169,10 @@ def compare_gains(
         dict(after),
         float(costs[0]),
         float(costs[1]),
-        measure_loop(begun, course),
-        measure_loop(ended, course),
-        begun,
-        ended,
+        measure_loop(first, course),
+        measure_loop(second, course),
+        first,
+        second,
         runs.times,
         evaluations=2,
         gradients=0,
@@ -196,22 +186,20 @@ def _is_finite(seen: Seen) -> bool:
 
 
 def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
-    """Return the scales from the first start that runs, where the bench itself does not."""
     for start in starts:
-        found = runs.run(runs.table(start, 1))
-        if _is_finite(found):
-            return Course(found.one(0), runs.bench.period)
+        outputs = runs.run(runs.table(start, 1))
+        if _is_finite(outputs):
+            return Course(outputs.one(0), runs.bench.period)
     raise SolveError("The loop fails with its present parameters and with all starting points.")
 
 
 def _list_bounds(free: Sequence[FreeNumber], shares: Numbers) -> list[str]:
-    """Return the sentences on bounds that were hit."""
-    found: list[str] = []
-    for one, share in zip(free, shares.tolist(), strict=True):
-        bound = one.bound(share)
+    remarks: list[str] = []
+    for one, fraction in zip(free, shares.tolist(), strict=True):
+        bound = one.bound(fraction)
         if bound is not None:
             end = one.low if bound == "lower" else one.high
-            found.append(
+            remarks.append(
                 f"`{one.path}` ended at its bound {end:.4g}: a better number may be beyond it, or it does not matter."
             )
-    return found
+    return remarks

@@ -1,19 +1,19 @@
 """A PID controller around an identified model, as one block that runs in C.
 
-In every sample the output of the model is measured, under the signal of the sample before; the
-controller answers, and the model goes on under that answer. A model whose output follows its
-input only a sample later (delay 1) thus sees no delay of the loop.
+In every sample the output of the model is measured under the signal of the last sample; the controller answers, and the
+model advances under the answer. A model with a delay of one sample therefore adds no delay to the loop.
 
-    in: reference        out: what is measured, then the signal
+    in: reference        out: measured output, then the signal
 
-The free numbers are the logarithms of the gains, so a loop is run for other gains, and its exact
-derivatives with respect to them are had, without another compilation; the numbers of the model
-are fixed numbers of the block, so that loops around models of one structure share a program.
+The free numbers are the logarithms of the gains: other gains, and exact derivatives with respect to them, need no
+compilation. The parameters of the model are fixed numbers of the block, so that loops around models of one structure
+share a program.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 from typing import Any, NamedTuple, Self, cast
 
 import numpy as np
@@ -28,69 +28,60 @@ from martensite.identify.chains.engine import ChainEngine
 from martensite.kernels.namespace import Namespace, Scalar
 
 KEPT = 4
-"""States of the loop itself: three of the controller, and its last signal."""
+"""Number of states of the loop: three of the controller, and its last signal."""
 SMALLEST_GAIN = 1e-30
-"""Gains below are this, so that they have a logarithm."""
+"""Lower bound of a gain for its logarithm."""
 
 
 class ClosedLoop(AbstractBlock):
-    """A controller and the blocks of a model. Use `closed_loop` to make one."""
+    """A controller and the blocks of a model, made by `ControlledModel`."""
 
     short = "loop"
 
     blocks: tuple[AbstractBlock, ...] = part("blocks of the model")
     values: tuple[Any, ...] = part("free and fixed numbers of all blocks, in their order")
-    tap: tuple[int, int] = part("which block and which of its outputs is measured")
-    offset: Any = part("what is taken off that output", default=0.0)
+    tap: tuple[int, int] = part("block and output that are measured")
+    offset: Any = part("offset that is subtracted from that output", default=0.0)
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
     sign: Number = param("1", "-1 if the output falls when the signal rises, else 1", default=1.0)
 
     @property
     def outputs(self) -> int:
-        """Return the number of outputs: the measured output and the signal."""
         return 2
 
     def numbers(self) -> tuple[str, ...]:
-        """Return the gains."""
         return "log_Kp", "log_Ki", "log_Kd"
 
     def states(self) -> int:
-        """Return the number of states: of the controller, its last signal, and of the model."""
         return KEPT + sum(block.states() for block in self.blocks)
 
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Return the names of the numbers of the model, and the offset."""
         return (*(f"m{k}" for k in range(len(self.values))), "offset")
 
     def given(self) -> tuple[float, ...]:
-        """Return the numbers of the model, and the offset."""
         return (*self.values, self.offset)
 
     def with_given(self, values: Sequence[Any]) -> Self:
-        """Return a twin around a model with other numbers."""
         return self.rebuilt({"values": tuple(values[:-1]), "offset": values[-1]})
 
     def structure(self) -> tuple[Any, ...]:
-        """Return the structure of the blocks, and all numbers of the law."""
         inner = tuple(block.structure() for block in self.blocks)
         return type(self), inner, self.tap, repr(self.law), self.sign
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Return the model at rest under the idle signal, before it is controlled."""
         signals: Column = (self.law.idle,)
-        kept: list[Scalar] = []
+        states: list[Scalar] = []
         measured: Scalar = 0.0
-        for k, (block, own) in enumerate(self._parts()):
-            state = block.rest(xp, own, signals, dt)
-            signals, _ = block.step(xp, own, state, signals, dt)
+        for k, (block, values) in enumerate(self._parts()):
+            state = block.rest(xp, values, signals, dt)
+            signals, _ = block.step(xp, values, state, signals, dt)
             measured = signals[self.tap[1]] if k == self.tap[0] else measured
-            kept += state
+            states += state
         memory = self.law.rest(xp, x[0], measured - self.offset)
-        return [*memory, self.law.idle, *kept]
+        return [*memory, self.law.idle, *states]
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Measure, answer, go on."""
         memory, before, inner = PidMemory(*state[:3]), state[3], state[KEPT:]
         measured, _ = self._model(xp, inner, before, dt)
         gains = Gains(*(self.sign * xp.exp(number) for number in theta))
@@ -99,30 +90,24 @@ class ClosedLoop(AbstractBlock):
         return (measured, signal), [*memory, signal, *inner]
 
     def _model(self, xp: Namespace, state: Column, signal: Scalar, dt: Scalar) -> tuple[Scalar, list[Scalar]]:
-        """Return the measured output of the model under a signal, and its next state."""
         signals: Column = (signal,)
         after: list[Scalar] = []
         measured: Scalar = 0.0
         first = 0
-        for k, (block, own) in enumerate(self._parts()):
+        for k, (block, values) in enumerate(self._parts()):
             last = first + block.states()
-            signals, held = block.step(xp, own, state[first:last], signals, dt)
+            signals, state_after = block.step(xp, values, state[first:last], signals, dt)
             measured = signals[self.tap[1]] if k == self.tap[0] else measured
-            after += held
+            after += state_after
             first = last
         return measured - self.offset, after
 
     def _parts(self) -> list[tuple[AbstractBlock, Column]]:
-        """Return the blocks with their fixed numbers set, and their free numbers."""
-        found: list[tuple[AbstractBlock, Column]] = []
-        place = 0
-        for block in self.blocks:
-            free, fixed = len(block.numbers()), len(block.fixed)
-            own = self.values[place : place + free]
-            given = self.values[place + free : place + free + fixed]
-            found.append((block.with_given(given), own))
-            place += free + fixed
-        return found
+        rest = iter(self.values)
+        rows = [
+            (one, *(tuple(islice(rest, len(names))) for names in (one.numbers(), one.fixed))) for one in self.blocks
+        ]
+        return [(block.with_given(fixed), free) for block, free, fixed in rows]
 
 
 class Trajectory(NamedTuple):
@@ -130,15 +115,13 @@ class Trajectory(NamedTuple):
 
     reference: Numbers
     output: Numbers
-    """Measured output."""
     signal: Numbers
-    """Signal of the controller."""
     interval: float
-    """[s]"""
+    """Sample time [s]."""
 
 
 class ControlledModel:
-    """A model under PID control, ready to run for any gains."""
+    """A model under PID control, ready to run with any gains."""
 
     def __init__(
         self,
@@ -152,12 +135,12 @@ class ControlledModel:
         """Close the loop around a model.
 
         Args:
-            chain: the model; one input.
+            chain: model with one input.
             law: limits, set-point weights and filter of the controller.
-            measured: which of its outputs is controlled.
-            zeroed: whether the output at rest under the idle signal counts as zero.
+            measured: number of the controlled output.
+            zeroed: whether the steady output under the idle signal is subtracted.
             reverse: whether the output falls when the signal rises.
-            compiled: whether to run in C; by default if there is a compiler.
+            compiled: whether to run in C; default: if there is a compiler.
 
         Raises:
             ParameterError: the model has several inputs, or has no such output.
@@ -170,7 +153,7 @@ class ControlledModel:
         self.chain, law = chain, law or PidLaw()
         self._measured, self._zeroed = measured, zeroed
         parts = zip(chain.blocks, chain.split(), strict=True)
-        values = [float(v) for block, own in parts for v in (*own, *block.given())]
+        values = [float(v) for block, values_of_block in parts for v in (*values_of_block, *block.given())]
         block = ClosedLoop(
             blocks=chain.blocks, values=tuple(values), tap=taps[measured], law=law, sign=-1.0 if reverse else 1.0
         )
@@ -180,20 +163,21 @@ class ControlledModel:
         self.block, self.engine = block, ChainEngine([block], chain.interval, compiled=compiled)
 
     def check_static_curve(self, targets: Sequence[float]) -> None:
-        """Raise `ParameterError` if the model is at rest where its records never were, or is to be driven there."""
+        """Raise `ParameterError` if the model or a target is outside the range of its records."""
         wanted = targets if self._zeroed else ()
         check_static_curve(self.chain, self.block.law.idle, wanted, self._measured)
 
     def run(self, gains: Gains, reference: Numbers) -> Trajectory:
-        """Return a run from rest, for gains of one sign or 0."""
-        found = self.engine.simulate(compute_logarithms(gains), _build_column(reference))
-        return Trajectory(reference, found[:, 0], found[:, 1], self.chain.interval)
+        """Return a run from the steady state for gains of one sign or 0."""
+        columns = self.engine.simulate(compute_logarithms(gains), _build_column(reference))
+        return Trajectory(reference, columns[:, 0], columns[:, 1], self.chain.interval)
 
     def slopes(self, gains: Gains, reference: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the output and signal, shape (samples, 2), and derivatives with respect to log gains.
+        """Return output and signal, shape (samples, 2), and their derivatives with respect to log gains.
 
-        They are those between the switchings of the controller: where another gain makes the
-        integral stop or go on a sample earlier, the run itself jumps a little.
+        The derivatives hold between switchings of the controller: where another gain changes the sample at which the
+        integral
+        stops, the run itself jumps a little.
         """
         return self.engine.jacobian(compute_logarithms(gains), _build_column(reference))
 

@@ -1,4 +1,4 @@
-r"""Goal of a tuned loop, as one smooth number with its derivatives.
+"""Goal of a tuned loop: a smooth cost with derivatives.
 
     cost = E + w_o O + w_e P + w_a A
 
@@ -7,16 +7,14 @@ r"""Goal of a tuned loop, as one smooth number with its derivatives.
     P = mean power/P₀                          energy
     A = mean |u_k - u_k-1|/U                   activity of the signal
 
-with the error e = r - y, the span Δ of the reference and where it starts from, P₀ and U the mean
-power and the range of the signal in a first run: every part is a share, and a weight says what it
-is worth beside the error. The time t of ITAE restarts at every step of the reference, which is
-a change by more than 5 % of Δ within a sample. `beyond` is how far the output is on the other side
-of the new level, counted from a step until the reference moves again. |x| is √(x² + δ²) - δ with
-δ a thousandth of the span, so that derivatives exist; a power mean of order 8 stands for the
-largest excess.
+with the error e = r - y, the span Δ of the reference and the initial output, and the mean power P₀ and the range U of
+the signal in a first run. Every part is a ratio, and its weight is relative to the error. The time t of ITAE restarts
+at every step of the reference, a change by more than 5 % of Δ within a sample. `beyond` is the excess of the output
+over the new level, from a step until the reference moves again. |x| is √(x² + δ²) - δ with δ a thousandth of the span;
+a power mean of order 8 approximates the largest excess.
 
-A batch of plants is judged by the mean of their costs, or by the mean over the worst share of
-them (conditional value at risk: Rockafellar and Uryasev (2000)).
+The cost of a batch of plants is the mean of their costs, or the mean over the worst fraction of them (conditional value
+at risk: Rockafellar and Uryasev (2000)).
 """
 
 from __future__ import annotations
@@ -37,15 +35,14 @@ STEP, SMOOTH, ORDER = 0.05, 1e-3, 8.0
 
 @dataclass(frozen=True)
 class TuningGoal:
-    """Weights of the cost beside the error."""
+    """Weights of the cost."""
 
     error: str = "itae"
-    """itae, iae or ise."""
     overshoot: float = 0.2
     energy: float = 0.01
     activity: float = 0.1
     worst: float = 1.0
-    """Share of a batch that counts, the worst of it; 1 for the mean of all."""
+    """Fraction of a batch that counts, its worst plants; 1 for all."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` for an invalid goal."""
@@ -68,10 +65,14 @@ class TuningGoal:
 
 
 class Course:
-    """A reference and the scales of a first run: what costs are counted with."""
+    """A reference with the scales of the cost from a first run."""
 
     def __init__(self, seen: Seen, period: float) -> None:
-        """Learn from a first run, arrays of shape (samples,); `ParameterError` if the reference asks for nothing."""
+        """Take the scales from a run, arrays of shape (samples,).
+
+        Raises:
+            ParameterError: the reference stays where the output begins.
+        """
         reference, start = seen.reference, float(seen.output[0])
         self.span = float(max(reference.max(), start) - min(reference.min(), start))
         if not self.span > 0.0:
@@ -88,37 +89,37 @@ class Course:
         self.way = self._way()
 
     def _way(self) -> Numbers:
-        """Return the direction of the last step while the reference stands; 0 while it moves."""
-        found = np.zeros(len(self.change))
+        """Return the direction of the last step while the reference is constant, else 0."""
+        directions = np.zeros(len(self.change))
         way = 0.0
         for k, (change, step) in enumerate(zip(self.change, self.steps, strict=True)):
             if step:
                 way = float(np.sign(change))
             elif change != 0.0:
                 way = 0.0
-            found[k] = way
-        return found
+            directions[k] = way
+        return directions
 
 
 class Cost:
-    """A goal on a course: costs of runs, and their derivatives."""
+    """Costs of runs by a goal, and their derivatives."""
 
     def __init__(self, goal: TuningGoal, course: Course) -> None:
         self.goal, self.course = goal, course
 
     def __call__(self, seen: Seen) -> Numbers:
-        """Return the costs of runs, shape (runs, samples) -> (runs,); infinite where a run failed."""
+        """Return the costs of runs, shape (runs, samples) -> (runs,); infinite for a failed run."""
         with np.errstate(invalid="ignore"):
-            found = np.asarray(self.parts(seen)[0])
-        return np.where(np.isfinite(found), found, np.inf)
+            costs = np.asarray(self.parts(seen)[0])
+        return np.where(np.isfinite(costs), costs, np.inf)
 
     def slope(self, seen: Seen, slopes: Seen) -> Numbers:
-        """Return the derivatives of the cost of one run, from the derivatives of its outputs (samples, parameters)."""
+        """Return the derivatives of the cost of a run, from slopes of its outputs of shape (samples, parameters)."""
         _, output, signal, power = self.parts(seen)
         return output @ slopes.output + signal @ slopes.signal + power @ slopes.power
 
     def parts(self, seen: Seen) -> tuple[Any, Numbers, Numbers, Numbers]:
-        """Return the costs, and derivatives with respect to output, signal and power at every sample."""
+        """Return the costs, and their derivatives by output, signal and power at every sample."""
         goal, course = self.goal, self.course
         error, by_output = self._error(seen.output - seen.reference)
         beyond, more = self._overshoot(seen.output - seen.reference)
@@ -154,6 +155,6 @@ class Cost:
 
 
 def _smooth_size(x: Numbers) -> tuple[Numbers, Numbers]:
-    """|x| and its derivative, smooth around 0."""
+    """Return |x| and its derivative, smooth around 0."""
     root = np.sqrt(x**2 + SMOOTH**2)
     return root - SMOOTH, x / root

@@ -1,9 +1,9 @@
-"""Comparison of a tuned loop with the loop before: the same plants, the same noise, one measure of the error.
+"""Comparison of a loop before and after tuning: same plants, same noise, one measure of the error.
 
     rms = √(mean over plants of rms²)        itae, iae = mean over plants
 
-The measure is the error of the goal that was searched (`rms` for `ise`), else `rms`. A run that fails has an infinite
-error. A result is worse if its error is larger than before.
+The measure is the error of the goal of the search (`rms` for `ise`), else `rms`. A failed run has an infinite error. A
+result is worse if its error is larger than before.
 """
 
 from __future__ import annotations
@@ -22,17 +22,16 @@ from martensite.control.tuning.measures import UNITS, compute_itae
 from martensite.control.tuning.plant_spread import Plants
 
 MEASURES = {"itae": "itae", "iae": "iae", "ise": "rms"}
-"""Error of a goal -> measure of a comparison."""
+"""Measure of the comparison by error of the goal."""
 ROUNDING = 1e-9
-"""Share by which two errors that are the same may differ."""
 
 
 class JudgedLoop(NamedTuple):
-    """A loop of a comparison."""
+    """A loop in a comparison."""
 
     runs: LoopRuns
     values: Mapping[str, float]
-    """Numbers by path that differ from those of the bench."""
+    """Changed parameters by path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +39,13 @@ class TuningJudgement:
     """Errors of a loop on plants, before and after a tuning."""
 
     measure: str
-    """rms, itae or iae."""
+    """Measure: rms, itae or iae."""
     unit: str
-    """SI unit of what is controlled."""
     before: Numbers
-    """One error per plant, in SI."""
+    """Error of every plant, in SI."""
     after: Numbers
     drawn: bool
-    """True for plants drawn within spreads, False for the nominal plant alone."""
+    """True for drawn plants, False for the nominal plant alone."""
 
     @property
     def errors(self) -> tuple[float, float]:
@@ -64,12 +62,12 @@ class TuningJudgement:
 
     @property
     def word(self) -> str:
-        """Return the verdict, in two words or three."""
+        """Return the verdict as two or three words."""
         before, after = self.errors
         return "Worse than before" if self.worse else "As before" if after >= before else "Better than before"
 
     def describe(self) -> str:
-        """Return both errors and the plants, such as `rms 0.3 mm instead of 0.7 mm on 16 plants, better on 15`."""
+        """Describe both errors and the plants, such as `rms 0.3 mm instead of 0.7 mm on 16 plants, better on 15`."""
         shown, factor = choose_difference_unit(self.unit)
         unit = typeset_unit(UNITS[self.measure].format(shown))
         before, after = (f"{x / factor:.3g} {unit}" if np.isfinite(x) else "a run that fails" for x in self.errors)
@@ -79,12 +77,11 @@ class TuningJudgement:
         return f"{name} {after} instead of {before}{self._write_ratio()} on {where}"
 
     def _write_ratio(self) -> str:
-        """Return the factor by which the error grew, for a worse result."""
         before, after = self.errors
         return f" ({after / before:.2g} times)" if self.worse and 0.0 < before and np.isfinite(after) else ""
 
     def to_dict(self) -> dict[str, float | int | str | bool]:
-        """Return all of it for programs, in SI."""
+        """Return all results by name, in SI."""
         before, after = self.errors
         ratios = self.after / self.before
         return {
@@ -99,7 +96,7 @@ class TuningJudgement:
         }
 
     def require_better(self, *, anyway: bool = False) -> None:
-        """Raise `InputError` for a worse result, unless it is saved anyway."""
+        """Raise `InputError` for a worse result unless `anyway` is True."""
         if self.worse and not anyway:
             raise InputError(f"{self.word}: {self.describe()}; not saved. Pass `anyway=True` to save it.")
 
@@ -110,19 +107,19 @@ def judge_loops(
     """Run a loop before and after a tuning on the same plants, and compare the errors.
 
     Args:
-        before: the present loop.
-        after: the tuned loop; its bench has the same plant.
-        plants: plants to judge on; the nominal plant if None.
+        before: present loop.
+        after: tuned loop on the same plant.
+        plants: plants of the comparison; default: the nominal plant.
         measure: rms, itae or iae.
 
     Raises:
-        ParameterError: the reference asks for nothing.
+        ParameterError: the reference stays where the output begins.
     """
     rows = [_run_plants(one, plants) for one in (before, after)]
     period = before.runs.bench.period
     finite = (row.one(int(k)) for row in rows for k in np.flatnonzero(np.isfinite(row.output).all(-1)))
-    known = next(finite, None)
-    course = None if known is None else Course(known, period)
+    first = next(finite, None)
+    course = None if first is None else Course(first, period)
     unit = before.runs.bench.outputs()[before.runs.output].unit
     errors = [_measure_errors(row, course, measure, period) for row in rows]
     return TuningJudgement(measure, unit, errors[0], errors[1], plants is not None)
@@ -138,7 +135,7 @@ def _measure_errors(seen: Seen, course: Course | None, measure: str, period: flo
     if course is None:
         return np.full(len(off), np.inf)
     if measure == "itae":
-        found = np.asarray(compute_itae(seen, course))
+        errors = np.asarray(compute_itae(seen, course))
     else:
-        found = off[:, 1:].sum(-1) * period if measure == "iae" else np.sqrt((off**2).mean(-1))
-    return np.where(np.isfinite(found), found, np.inf)
+        errors = off[:, 1:].sum(-1) * period if measure == "iae" else np.sqrt((off**2).mean(-1))
+    return np.where(np.isfinite(errors), errors, np.inf)

@@ -1,12 +1,11 @@
-"""Runs of a bench for many sets of numbers: outputs of batches, and exact derivatives.
+"""Runs of a bench for many sets of parameters: outputs of batches, and exact derivatives.
 
-A bench is traced whole, so gains and numbers of the plant are parameters of one program: in C
-batches go side by side, and derivatives with respect to any of them are marched beside the values
-(`martensite.simulate.native_slopes`). Without a compiler every run is made on plain floats, and
-there are no derivatives.
+A bench is traced whole, so gains and plant parameters are parameters of one program: in C batches run in vector
+registers, and derivatives are integrated with the values (`martensite.simulate.native_slopes`). Without a compiler
+every run is on floats, without derivatives.
 
-Derivatives are those between switchings: where another gain makes a limit or an anti-windup act a
-sample earlier, the run itself jumps a little.
+Derivatives hold between switchings: where another gain makes a limit or an anti-windup act a sample earlier, the run
+itself jumps a little.
 """
 
 from __future__ import annotations
@@ -28,25 +27,25 @@ from martensite.simulate.drive_waveforms import grid_of
 
 
 class Seen(NamedTuple):
-    """Outputs of runs that the goal uses; with many runs, their axis is before the axis of samples."""
+    """Outputs of runs for the goal, shape (samples,) or (runs, samples)."""
 
     output: Numbers
-    """Output that follows the reference, without noise if it is an output of the plant."""
+    """Output that follows the reference; without noise if it is an output of the plant."""
     reference: Numbers
     signal: Numbers
-    """Signal of the controller, within its limits."""
+    """Limited signal of the controller."""
     power: Numbers
     """Electrical power of all elements [W]."""
     hottest: Numbers
     """Highest temperature of any element [K]."""
 
     def one(self, k: int) -> Seen:
-        """Return the outputs of one run of many."""
+        """Return the outputs of run k."""
         return Seen(*(column[k] for column in self))
 
 
 class LoopRuns(BatchRunner):
-    """A bench, ready to be run with any numbers."""
+    """A bench, ready to run with any parameters."""
 
     def __init__(
         self,
@@ -61,12 +60,12 @@ class LoopRuns(BatchRunner):
         """Prepare runs of one loop of a bench.
 
         Args:
-            bench: with controllers.
-            duration: length of every run [s].
-            drive: whose controller is looked at; needed if there are several.
-            seed: of noise and jitter, the same in every run; None for runs without.
-            waveforms: of drives of the plant that no controller has.
-            native: whether to run in C; by default if there is a compiler.
+            bench: bench with controllers.
+            duration: duration of every run [s].
+            drive: drive of the loop; required for several controllers.
+            seed: seed of noise and jitter, equal in every run; None for runs without noise.
+            waveforms: signals of drives without a controller.
+            native: whether to run in C; default: if there is a compiler.
 
         Raises:
             ParameterError: the controller does not exist.
@@ -83,22 +82,18 @@ class LoopRuns(BatchRunner):
         super().__init__(bench, grid, self._names, native=native)
 
     def run(self, table: Numbers) -> Seen:
-        """Runs of a table of numbers, shape (runs, samples); NaN where a run fails."""
+        """Run a table of parameters, shape (runs, parameters); NaN for a failed run."""
         return self._sort_columns(self.run_many(table))
 
     def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
-        """Run one loop; return the run and its derivatives with respect to parameters, None if it fails.
-
-        Derivatives have shape (samples, parameters).
-        """
+        """Return a run and its derivatives, shape (samples, parameters); None if it fails."""
         seeds = np.zeros((len(values), len(moving)))
         for k, path in enumerate(moving):
             seeds[self.place(path), k] = 1.0
-        found = self.run_slopes(values, seeds)
-        return found and (self._sort_columns(found[0]), self._sort_columns(found[1], axis=1))
+        run = self.run_slopes(values, seeds)
+        return run and (self._sort_columns(run[0]), self._sort_columns(run[1], axis=1))
 
     def _name_columns(self) -> Seen:
-        """Return the names of what is judged; several where they are put together."""
         plant = self.bench.plant
         reference, wanted, _ = name_loop_columns(self.bench, self.drive)
         ports = list(plant.actuators())
@@ -112,16 +107,16 @@ class LoopRuns(BatchRunner):
         return Seen(*names)
 
     def _sort_columns(self, rows: Numbers, axis: int = -1) -> Seen:
-        """Return the columns by what they are, power added up and the hottest element chosen."""
+        """Return the outputs, with the sum of the powers and the maximum of the temperatures."""
         where: Any = self._groups
-        taken = [rows.take([self._names.index(n) for n in group], axis) for group in where]
-        first: list[Any] = [one.take(0, axis) for one in taken[:3]]
-        hottest = taken[4].max(axis) if taken[4].size else np.zeros_like(first[0])
-        return Seen(first[0], first[1], first[2], taken[3].sum(axis), hottest)
+        groups = [rows.take([self._names.index(n) for n in group], axis) for group in where]
+        first: list[Any] = [one.take(0, axis) for one in groups[:3]]
+        hottest = groups[4].max(axis) if groups[4].size else np.zeros_like(first[0])
+        return Seen(first[0], first[1], first[2], groups[3].sum(axis), hottest)
 
 
 def find_loop(bench: Bench, drive: str | None) -> str:
-    """Return the drive of the controller to be tuned.
+    """Return the drive of a controller.
 
     Raises:
         ParameterError: the controller does not exist, or several exist and the name is missing.
@@ -130,19 +125,19 @@ def find_loop(bench: Bench, drive: str | None) -> str:
     if drive is None and len(names) == 1:
         return names[0]
     if drive not in names:
-        said = "Name one of the loops of this bench" if drive is None else f"No loop `{drive}`"
-        raise ParameterError(f"{said}. {suggest_name(drive or '', names)}")
+        problem = "Name one of the loops of this bench" if drive is None else f"No loop `{drive}`"
+        raise ParameterError(f"{problem}. {suggest_name(drive or '', names)}")
     return drive
 
 
 def find_judged_output(bench: Bench, drive: str) -> str:
-    """Return the output by which a loop is judged: the truth where there is one, else the reading."""
+    """Return the true output of a loop if there is one, else the reading."""
     name = bench.controllers.members()[drive].measured
-    known = bench.plant.outputs()
+    outputs = bench.plant.outputs()
     mounted = bench.sensors.members().get(name)
     if mounted is not None:
-        seen = mounted.sees()[0]
-        same = seen in known and mounted.sensor.unit in (None, known[seen].unit)
-        return seen if same else MEASURED + name
+        output = mounted.sees()[0]
+        same = output in outputs and mounted.sensor.unit in (None, outputs[output].unit)
+        return output if same else MEASURED + name
     bare = name.removeprefix(ESTIMATED)
-    return bare if bare in known else name
+    return bare if bare in outputs else name

@@ -1,18 +1,17 @@
-"""Measures of a loop in common terms: errors, overshoot, settling, energy, temperature.
+"""Measures of a loop: errors, overshoot, settling, energy, temperature.
 
     IAE = ∫ |e| dt      ISE = ∫ e² dt      ITAE = ∫ t |e| dt, t from the last step of the reference
     rms = √(ISE/T)      energy = ∫ P dt
 
-Overshoot is the largest excess over a new level, in shares of the span of the reference; settling
-is the longest time after which the output stays within 5 % of a step around its level, infinite
-where it never does so before the reference moves again. Both count steps after which the reference
-stands.
+Overshoot is the largest excess over a new level, over the span of the reference. Settling is the longest time after
+which the output stays within 5 % of a step around its level, infinite if it does not before the reference moves again.
+Both count steps after which the reference is constant.
 
-Of steps and sines of a reference, each ending where the next begins:
+For a reference of steps, each lasting until the next:
 
-    rise        time from the step until the output has gone 90 % of it
-    settling    time from the step after which it stays within 5 % of it around the new level
-    overshoot   how far it goes beyond the new level, in shares of the step
+    rise        time from the step until the output has made 90 % of it
+    settling    time from the step after which the output stays within 5 % of it around the new level
+    overshoot   excess over the new level, over the step
     error       mean of reference less output over the last tenth of the level
 """
 
@@ -36,21 +35,18 @@ class StepResponse(NamedTuple):
     """Response to one step."""
 
     before: float
-    """Level of the reference before the step, in the unit of the output."""
     after: float
-    """Level after it."""
     rise: float
-    """[s]"""
+    """Rise time [s]."""
     settling: float
-    """[s]"""
+    """Settling time [s]."""
     overshoot: float
-    """In shares of the step."""
+    """Overshoot over the step."""
     error: float
-    """Steady error, in the unit of the output."""
 
 
 def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
-    """Return a reference that stands at levels, each for some time.
+    """Return a reference that is constant at each level for some time.
 
     Args:
         levels: pairs of level and time [s].
@@ -66,7 +62,7 @@ def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbe
 
 
 def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
-    """Measure the responses to all steps of a reference, both (samples,) in one unit, at an interval [s]."""
+    """Measure the responses to all steps of a reference, both of shape (samples,) in one unit, at an interval [s]."""
     turns = np.flatnonzero(np.diff(reference)) + 1
     ends = [*turns[1:], len(reference)]
     return [
@@ -93,7 +89,7 @@ def _measure_step(before: float, after: float, output: Numbers, interval: float)
 
 @dataclass(frozen=True)
 class Measures:
-    """Numbers of one run, in SI units of what is controlled."""
+    """Measures of one run, in SI units of the controlled output."""
 
     itae: float
     """[unit s²]"""
@@ -102,13 +98,11 @@ class Measures:
     rms: float
     """[unit]"""
     overshoot: float
-    """In shares of the span of the reference."""
     settling: float
     """[s]"""
     energy: float
     """[J]"""
     activity: float
-    """Mean change of the signal from sample to sample."""
     hottest: float
     """[K]"""
 
@@ -127,11 +121,11 @@ UNITS = {
     "activity": "signal",
     "hottest": "K",
 }
-"""Unit of every measure; {} is that of what is controlled."""
+"""Unit of every measure; {} is the unit of the controlled output."""
 
 
 def measure_loop(seen: Seen, course: Course) -> Measures:
-    """Return the numbers of one run, arrays of shape (samples,)."""
+    """Return the measures of one run, arrays of shape (samples,)."""
     e = seen.reference - seen.output
     period, after = course.period, np.abs(e[1:])
     iae = float(after.sum() * period)
@@ -148,17 +142,17 @@ def measure_loop(seen: Seen, course: Course) -> Measures:
 
 
 def compute_itae(seen: Seen, course: Course) -> Any:
-    """∫ t |e| dt of runs, shape (..., samples) -> (...,); NaN where a run failed."""
-    found = np.abs(seen.reference - seen.output) @ course.clock * course.period
-    return float(found) if np.ndim(found) == 0 else found
+    """Return ∫ t |e| dt of runs, shape (..., samples) -> (...,); NaN for a failed run."""
+    itae = np.abs(seen.reference - seen.output) @ course.clock * course.period
+    return float(itae) if np.ndim(itae) == 0 else itae
 
 
 def _measure_settling(e: Numbers, course: Course) -> float:
-    """Return the longest settling of all steps after which the reference stands [s]."""
-    found, ends = 0.0, np.flatnonzero((course.way == 0.0) | course.steps).tolist()
+    """Return the longest settling time of all steps with a constant reference [s]."""
+    settling, ends = 0.0, np.flatnonzero((course.way == 0.0) | course.steps).tolist()
     for first in np.flatnonzero(course.steps & (course.way != 0.0)).tolist():
         last = next((place for place in ends if place > first), len(e))
         outside = np.abs(e[first:last]) > BAND * abs(course.change[first])
         late = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
-        found = max(found, late * course.period if late < last - first else np.inf)
-    return found
+        settling = max(settling, late * course.period if late < last - first else np.inf)
+    return settling

@@ -1,11 +1,9 @@
-"""Plants that are not quite the one that a model describes: numbers drawn within declared spreads.
+"""Plants around a nominal plant: parameters drawn within declared spreads.
 
     p = p₀ (1 + s z),       temperatures p = p₀ + s z,       z in [-1, 1]
 
-with z evenly spread: a scrambled Sobol' sequence (Owen (1998); SciPy) or a Latin hypercube, both of
-a seed. Only the plant is drawn. What a controller or an observer believes of it stays nominal.
-
-Gains are put beside each other on many plants: who has the smaller ITAE, how often and by how much.
+z is uniform: a scrambled Sobol' sequence (Owen (1998); SciPy) or a Latin hypercube, with a seed. Only the plant is
+drawn; models of controllers and observers stay nominal. `compare_over_plants` compares the ITAE of sets of gains.
 """
 
 from __future__ import annotations
@@ -35,15 +33,15 @@ class Plants:
     """Plants of one bench."""
 
     values: Mapping[str, Any]
-    """Path in the bench -> one number per plant, in SI."""
+    """One value per plant, in SI, by path in the bench."""
     count: int
     seed: int
 
     def bench(self, bench: Bench, k: int) -> Bench:
-        """Return the bench with plant number k; its controllers and observers keep the nominal model.
+        """Return the bench with plant k; its controllers and observers keep the nominal model.
 
         Raises:
-            ParameterError: no plant has this number.
+            ParameterError: there is no plant k.
         """
         if not 0 <= k < self.count:
             raise ParameterError(f"There are {self.count} plants from 0 on; there is no {k}.")
@@ -53,14 +51,13 @@ class Plants:
 def draw_plants(
     bench: Bench, spreads: Mapping[str, float], count: int = 64, seed: int = 0, method: str = "sobol"
 ) -> Plants:
-    """Draw plants around that of a bench.
+    """Draw plants around the plant of a bench.
 
     Args:
-        bench: the nominal one.
-        spreads: half the width by path, or unique ending of a path, in the plant: in shares of
-            the number, in K for temperatures.
-        count: how many; a power of 2 spreads best.
-        seed: of the draw.
+        bench: bench with the nominal plant.
+        spreads: half widths by path, or unique ending of a path, in the plant: relative, or in K for temperatures.
+        count: number of plants; a power of 2 covers the spread best.
+        seed: seed of the draw.
         method: sobol or latin-hypercube.
 
     Raises:
@@ -73,15 +70,12 @@ def draw_plants(
             f"Plants need a spread and must be at least 1, but are {count} with {len(spreads)} spreads."
         )
     unit = _draw_unit(len(spreads), count, seed, method)
-    values: dict[str, Any] = {}
-    for (name, spread), z in zip(spreads.items(), unit.T, strict=True):
-        path, column = _draw_parameter(bench, name, spread, z)
-        values[path] = column
-    return Plants(values, count, seed)
+    rows = zip(spreads.items(), unit.T, strict=True)
+    return Plants(dict(_draw_parameter(bench, name, spread, z) for (name, spread), z in rows), count, seed)
 
 
 def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
-    """Return the numbers in [-1, 1], shape (count, width)."""
+    """Return values in [-1, 1], shape (count, width)."""
     if method == "sobol":
         return 2.0 * draw_points(width, count, seed) - 1.0
     qmc: Any = import_module("scipy.stats.qmc")
@@ -89,63 +83,57 @@ def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.flo
 
 
 def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
-    """Return the path in the bench and numbers of one parameter."""
     leaf = find_plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread > 0.0):
         raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
     if leaf.value == 0.0 and leaf.declared.unit != "K":
         raise ParameterError(f"`{name}` is 0, and a relative spread needs another value.")
-    found = leaf.value + parse_half_width(leaf, spread) * z
-    require_allowed(leaf, float(found.min()), float(found.max()))
-    return PLANT + leaf.path, found
-
-
-# ---------------------------------------------------------------- gains beside each other
+    values = leaf.value + parse_half_width(leaf, spread) * z
+    require_allowed(leaf, float(values.min()), float(values.max()))
+    return PLANT + leaf.path, values
 
 
 @dataclass(frozen=True)
 class Ratio:
-    """ITAE of one set of numbers over that of another, plant by plant."""
+    """ITAE of one set of parameters over another, on all plants."""
 
     median: float
     worst: float
-    """Largest."""
     won: float
-    """Share of the plants on which it is below 1."""
+    """Fraction of the plants with a ratio below 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class OverPlants:
-    """ITAE of sets of numbers on plants."""
+    """ITAE of sets of parameters on plants."""
 
     itae: dict[str, Numbers]
-    """One number per plant, in the unit of what is controlled times s²; infinite where a run
-    fails."""
+    """One value per plant, in the unit of the controlled output times s²; infinite for a failed run."""
 
     def best(self) -> str:
         """Return the set with the least median."""
         return min(self.itae, key=lambda name: float(np.median(self.itae[name])))
 
     def ratio(self, one: str, other: str) -> Ratio:
-        """Return the ratio of one set to another; raise `ParameterError` if a set does not exist."""
+        """Return the ratio of two sets; raise `ParameterError` if a set does not exist."""
         for name in (one, other):
             if name not in self.itae:
                 raise ParameterError(f"There is no set `{name}`. {suggest_name(name, self.itae)}")
-        found = self.itae[one] / self.itae[other]
-        return Ratio(float(np.median(found)), float(found.max()), float((found < 1.0).mean()))
+        ratios = self.itae[one] / self.itae[other]
+        return Ratio(float(np.median(ratios)), float(ratios.max()), float((ratios < 1.0).mean()))
 
 
 def compare_over_plants(runs: LoopRuns, sets: Mapping[str, Mapping[str, float]], plants: Plants) -> OverPlants:
-    """Run every set of numbers, given by path, on every plant.
+    """Run every set of parameters, given by path, on every plant.
 
     Raises:
-        ParameterError: the reference asks for nothing.
+        ParameterError: the reference stays where the output begins.
     """
     nominal = runs.run(runs.table({}, 1))
     course = Course(nominal.one(0), runs.bench.period)
-    found: dict[str, Numbers] = {}
+    itae: dict[str, Numbers] = {}
     for name, numbers in sets.items():
-        seen = runs.run(runs.table({**plants.values, **numbers}, plants.count))
-        values = np.asarray(compute_itae(seen, course))
-        found[name] = np.where(np.isfinite(values), values, np.inf)
-    return OverPlants(found)
+        outputs = runs.run(runs.table({**plants.values, **numbers}, plants.count))
+        values = np.asarray(compute_itae(outputs, course))
+        itae[name] = np.where(np.isfinite(values), values, np.inf)
+    return OverPlants(itae)

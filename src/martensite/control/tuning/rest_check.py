@@ -1,4 +1,4 @@
-"""Check that the steady states of a model that a controller is tuned on lie within its records."""
+"""Check that the steady states of a model for tuning lie within its records."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linearise import operating_point, static_curve
 
 REST_MARGIN = 0.25
-"""Share of a range by which a model may be at rest beside it, and still be designed on."""
+"""Fraction of a range by which a steady state may exceed it."""
 CURVE = 21
-"""Points of a static curve that is checked."""
+"""Number of checked points of a static curve."""
 
 
 def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (), number: int = -1) -> None:
-    """Raise `ParameterError` if a model is at rest where its records never were.
+    """Raise `ParameterError` if a model has steady states outside its records.
 
-    A controller that is designed on such a model is designed on what nothing was measured of. The idle input is that
-    before it is controlled, targets of the output are counted from where it rests then; a model of several inputs, or
-    one that does not know the ranges of its records, is not checked.
+    Targets of the output are relative to the steady output at the idle input. A model of several inputs, or without the
+    ranges of its records, is not checked.
     """
     name, output = chain.input_names[0], chain.output_names[number]
     if chain.inputs != 1 or name not in chain.ranges or output not in chain.ranges:
@@ -36,8 +35,8 @@ def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (),
     levels, outputs = static_curve(chain, min(idle, low), max(idle, high), CURVE)
     rest = float(operating_point(chain, idle).outputs[number])
     curve = [(u, y, 1.0) for u, y in zip(levels, outputs[:, number].tolist(), strict=True)]
-    for level, y, share in ((idle, rest, REST_MARGIN), *curve):
-        if not least - share * room <= y <= most + share * room:
+    for level, y, margin in ((idle, rest, REST_MARGIN), *curve):
+        if not least - margin * room <= y <= most + margin * room:
             raise ParameterError(
                 f"Model `{chain.name}` rests at {output} = {y:.4g} under {name} = {level:.4g}, but its records hold "
                 f"{output} from {least:.4g} to {most:.4g}: its static curve leaves what was measured{ways}."

@@ -2,10 +2,9 @@
 
     cost = mean|e| + overshoot + 2 mean|Δu| + 10⁻⁴ K_p + 10⁻⁶ K_d
 
-with errors and overshoot in one unit of the output and changes Δu per sample in one unit of the
-signal (`CostScale`). Overshoot is the largest excess over the new level of any step. Searched by
-Nelder and Mead's method over the logarithms of the gains, from several starts; nothing is taken
-from the plant itself, so that what the plant then does judges the model.
+with errors and overshoot in a unit of the output and changes Δu per sample in a unit of the signal (`CostScale`).
+Overshoot is the largest excess of any step. The method of Nelder and Mead searches the logarithms of the gains from
+several starts. The plant itself is not used, so that it can validate the model.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from martensite.control.tuning.measures import StepResponse, build_steps, measur
 from martensite.signals.sampling.sampled import Numbers
 
 STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.001, 1000.0))
-"""Gains that searches begin with, in the units of the cost."""
 
 
 @dataclass(frozen=True)
@@ -31,9 +29,7 @@ class CostScale:
     """Units of the cost, in SI."""
 
     output: float = 1e-3
-    """One unit of the output, such as a millimetre."""
     signal: float = 0.01
-    """One unit of the signal, such as a percent."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,7 @@ class CostWeights:
 
 @dataclass(frozen=True)
 class ModelTuning:
-    """Settings of the search for gains."""
+    """Settings of the search."""
 
     levels: tuple[tuple[float, float], ...]
     """Reference: levels in the unit of the output, and times [s]."""
@@ -56,22 +52,20 @@ class ModelTuning:
     weights: CostWeights = field(default_factory=CostWeights)
     starts: Sequence[tuple[float, float, float]] = STARTS
     evaluations: int = 600
-    """Evaluations of all starts together."""
     beyond_data: bool = False
-    """True if a model may be tuned whose steady states lie outside its records."""
+    """True to allow steady states outside the records of the model."""
 
 
 @dataclass(frozen=True, eq=False)
 class TunedGains:
-    """Gains that were found, and what the model does with them."""
+    """Tuned gains, and the run of the model with them."""
 
     gains: Gains
-    """In signal per unit of the output, per sample."""
+    """Gains per sample, in signal per unit of the output."""
     cost: float
     trajectory: Trajectory
     responses: tuple[StepResponse, ...]
     costs: tuple[float, ...]
-    """Costs at the ends of the searches, best first."""
     evaluations: int
     scale: CostScale
 
@@ -80,20 +74,20 @@ class TunedGains:
         return Gains(*(gain * self.scale.output / self.scale.signal for gain in self.gains))
 
     def rows(self) -> list[tuple[str, float, str]]:
-        """Return the name, value and unit of everything, for people to read."""
-        found = [(name, float(gain), "1") for name, gain in self.gains._asdict().items()]
+        """Return name, value and unit of all results."""
+        rows = [(name, float(gain), "1") for name, gain in self.gains._asdict().items()]
         for k, step in enumerate(self.responses, start=1):
-            found += [
+            rows += [
                 (f"step {k} rise", step.rise, "s"),
                 (f"step {k} settling", step.settling, "s"),
                 (f"step {k} overshoot", step.overshoot, "1"),
                 (f"step {k} error", step.error, "unit of the output"),
             ]
-        return found
+        return rows
 
 
 def compute_cost(run: Trajectory, gains: Gains, tuning: ModelTuning) -> float:
-    """Return the cost of a run; infinite where the run is not finite."""
+    """Return the cost of a run; infinite for a run that is not finite."""
     if not np.all(np.isfinite(run.output)):
         return np.inf
     scale, weights = tuning.scale, tuning.weights
@@ -117,13 +111,13 @@ def tune_model(
     """Search the gains of least cost on a model.
 
     Args:
-        model: the model in its loop.
+        model: model in its loop.
         tuning: reference, cost and starts.
-        watch: called with a sentence and the share that is done.
+        watch: called with a sentence and the completed fraction.
 
     Raises:
-        ParameterError: starts are missing, or no start gives a finite run; or the steady states lie outside the
-            records (`rest_check.check_static_curve`).
+        ParameterError: starts are missing, no start gives a finite run, or steady states lie outside the records
+            (`rest_check.check_static_curve`).
     """
     if not tuning.beyond_data:
         model.check_static_curve([level for level, _ in tuning.levels])
@@ -159,10 +153,10 @@ def _build_gains(theta: Numbers, model: ControlledModel) -> Gains:
 def _search_simplex(value: Callable[[Numbers], float], begin: Numbers, evaluations: int) -> tuple[float, Numbers]:
     simplex = np.vstack([begin, begin + np.eye(len(begin))])
     with np.errstate(all="ignore"):
-        found = minimize(
+        result = minimize(
             value,
             begin,
             method="Nelder-Mead",
             options={"maxfev": evaluations, "initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-6},
         )
-    return float(found.fun), np.asarray(found.x)
+    return float(result.fun), np.asarray(result.x)
