@@ -1,12 +1,9 @@
-"""The contract of every block of a dynamic model: signals in, signals out, sample by sample.
+"""Interface of the blocks of a dynamic model: signals in, signals out, sample by sample.
 
-A block has a structure (orders, numbers of units), fixed numbers (the range of its input, set
-from a record before any fit) and free numbers θ, which a fit moves without bounds: a time
-constant is held as its logarithm, weights that must be positive as a softmax, so that whatever
-a fit proposes is a model that can be simulated. `step` is a straight-line kernel: it runs on
-plain floats, and traced in C with all its partial derivatives.
-
-A block is one file: what it computes, its free numbers, and values to start from.
+A block has a structure (orders, numbers of units), fixed numbers (the range of its input, set from a record before a
+fit) and free numbers θ, which a fit moves without bounds: time constants as logarithms, positive weights as a softmax,
+so that any values can be simulated. `step` is a straight-line kernel that runs on floats, and in C with all its partial
+derivatives.
 """
 
 from __future__ import annotations
@@ -26,30 +23,28 @@ from martensite.kernels.namespace import Namespace, Scalar
 BLOCKS: Registry[AbstractBlock] = Registry("block", "martensite.identify.blocks")
 Column = Sequence[Scalar]
 Numbers: TypeAlias = NDArray[Any]
-"""Arrays of floats, or of what counts them."""
 
 MAX_COUNT = 10_000
-"""Largest count of a block parameter (order, units, knots); tracing time grows with the count."""
+"""Largest count of a block parameter (order, units, knots), which limits the tracing time."""
 
 
 class AbstractBlock(Parametrised):
     """Interface of a block. Its declared parameters are structure, unless named in `fixed`."""
 
     short: ClassVar[str] = ""
-    """Name of the block in the text of a chain, such as `poly` in `poly2`."""
+    """Name in the text of a chain, such as `poly` in `poly2`."""
     shape: ClassVar[tuple[str, ...]] = ()
-    """The declared parameters that are written in brackets, in their order; a choice last."""
+    """Declared parameters in brackets, in order; a choice last."""
     fixed: ClassVar[tuple[str, ...]] = ()
-    """The declared parameters that `adapted` sets from a record."""
+    """Declared parameters that `adapt_to` sets from a record."""
     linear: ClassVar[bool] = False
     """True for a linear dynamic system."""
     bounded: ClassVar[bool] = True
-    """False if some free numbers make it grow without bound."""
+    """False if some free numbers give unbounded outputs."""
     fenced: ClassVar[bool] = False
     """True if nonlinear terms must stay within the range of the records; see `fence_in`."""
 
     def check(self) -> None:
-        """Raise `ParameterError` unless the numbers in the text of the block are whole, and at most `MAX_COUNT`."""
         for name in self.shape:
             value = getattr(self, name)
             if isinstance(value, float) and value != int(value):
@@ -63,12 +58,12 @@ class AbstractBlock(Parametrised):
 
     @property
     def inputs(self) -> int:
-        """Return the number of signals it takes."""
+        """Return the number of inputs."""
         return 1
 
     @property
     def outputs(self) -> int:
-        """Return the number of signals it gives."""
+        """Return the number of outputs."""
         return 1
 
     def numbers(self) -> tuple[str, ...]:
@@ -76,83 +71,77 @@ class AbstractBlock(Parametrised):
         return ()
 
     def states(self) -> int:
-        """Return the number of states that the block stores from one sample to the next."""
+        """Return the number of states."""
         return 0
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Return the state at rest under a constant input."""
+        """Return the steady state under a constant input."""
         return ()
 
     @abstractmethod
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Return the outputs of this sample and the state for the next, `dt` [s] later."""
+        """Return the outputs of this sample, and the state `dt` [s] later."""
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Return the block with its fixed numbers set for an input of shape (samples, inputs)."""
         return self
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        """Return the block whose nonlinear terms go no further than in records; itself if they are bounded as they are.
+        """Return the block with nonlinear terms limited to their range in the records; unchanged if it is bounded.
 
         Args:
-            theta: its free numbers.
-            states: those that it had in the records, shape (samples, states).
+            theta: free numbers.
+            states: states in the records, shape (samples, states).
             dt: sample time [s].
         """
         return self
 
     def start(self) -> Numbers:
-        """Return the values of the free numbers to begin with: the plainest behaviour."""
+        """Return initial values of the free numbers with the simplest behaviour."""
         return np.zeros(len(self.numbers()))
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Return random values to begin with, for records of some duration [s]."""
+        """Return random initial values for records of a duration [s]."""
         return self.start()
 
     def twin(self) -> AbstractBlock | None:
-        """Return the linear block without the nonlinear terms; the block itself if it is linear.
-
-        None for a block without linear dynamics. A search begins at the best linear block.
-        """
+        """Return the linear block without nonlinear terms, where a search begins; None without linear dynamics."""
         return None
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
-        """Return the block, and free numbers with which it runs as a linear one, nonlinear terms 0.
+        """Return the block, and free numbers with which it equals a linear block.
 
         Args:
-            linear: what `twin` gives.
+            linear: block from `twin`.
             theta: its free numbers.
-            x: what enters, shape (samples, inputs): fixed numbers may suit it.
+            x: input, shape (samples, inputs), for the fixed numbers.
             dt: sample time [s].
         """
         return self, theta
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Return the expected values of the free numbers, and 1/σ of each; 0 for those of which none is known.
+        """Return the expected values of the free numbers, and 1/σ of each; 0 without a prior.
 
-        A fit counts (θ - expected)/σ as one more residual each.
+        A fit adds the residual (θ - expected)/σ of each.
         """
         return self.start(), np.zeros(len(self.numbers()))
 
     def gains(self) -> tuple[str, ...]:
-        """For each output the free number that it is proportional to; empty where there is none.
-
-        A search begins with those that suit the record.
-        """
+        """Return the free number that each output is proportional to; empty without one. A search fits these first."""
         return ("",) * self.outputs
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Return the name, value and unit of what the free numbers mean, for people to read."""
+        """Return name, value and unit of the physical meaning of the free numbers."""
         return [(name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)]
 
     def text(self) -> str:
-        """Return the block as it is written in the text of a chain."""
-        told = [getattr(self, name) for name in self.shape]
-        for name in reversed(self.shape):  # what is read goes by place: only the last may be left out
-            if not isinstance(told[-1], str) or told[-1] != self.declarations[name].default:
+        """Return the block in the text of a chain."""
+        values = [getattr(self, name) for name in self.shape]
+        for name in reversed(self.shape):  # a default may be left out at the end only
+            if not isinstance(values[-1], str) or values[-1] != self.declarations[name].default:
                 break
-            told.pop()
-        inner = ",".join(v if isinstance(v, str) else f"{v:g}" for v in told)
+            values.pop()
+        inner = ",".join(v if isinstance(v, str) else f"{v:g}" for v in values)
         return f"{self.short}({inner})" if inner else self.short
 
     def given(self) -> tuple[float, ...]:
@@ -160,13 +149,13 @@ class AbstractBlock(Parametrised):
         return tuple(getattr(self, name) for name in self.fixed)
 
     def with_given(self, values: Sequence[Any]) -> Self:
-        """Return a twin with other fixed numbers, unchecked: for tracing kernels."""
+        """Return the block with other fixed numbers, unchecked, for tracing."""
         return self.rebuilt(dict(zip(self.fixed, values, strict=True)))
 
     def structure(self) -> tuple[Any, ...]:
-        """Return all that makes it another program: everything but the fixed and the free numbers."""
-        kept = (n for n in self.declarations if n not in self.fixed)
-        return type(self), tuple((name, getattr(self, name)) for name in kept)
+        """Return all that determines the program: everything but the fixed and free numbers."""
+        names = (n for n in self.declarations if n not in self.fixed)
+        return type(self), tuple((name, getattr(self, name)) for name in names)
 
 
 class AbstractRanged(AbstractBlock):
@@ -178,14 +167,13 @@ class AbstractRanged(AbstractBlock):
     high: Number = param("1", "upper end of the range of the input", default=1.0)
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Takes the range of the input."""
         low, high = float(np.min(x)), float(np.max(x))
         spread = high - low if high > low else max(abs(high), 1.0)
         return self.with_parts(low=low, high=low + spread)
 
     @property
     def half(self) -> float:
-        """Return half the range of the input: what 1 on its scale is."""
+        """Return half the range of the input."""
         return 0.5 * (self.high - self.low)
 
     @property
@@ -199,9 +187,9 @@ class AbstractRanged(AbstractBlock):
 
 
 class AbstractStatic(AbstractRanged):
-    """A block without memory: one signal in, one out."""
+    """A block without memory, with one input and one output."""
 
-    offset: str = option("whether the output at zero input is free; else it is 0", "yes", "no", default="yes")
+    offset: str = option("free output at zero input; `no`: it is 0", "yes", "no", default="yes")
 
     @abstractmethod
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
@@ -209,19 +197,14 @@ class AbstractStatic(AbstractRanged):
 
     @abstractmethod
     def line(self, slope: float, offset: float) -> Numbers:
-        """Return the free numbers that make it a straight line, as well as it can be one."""
+        """Return the free numbers of the nearest straight line."""
 
     def scale_departure(self, departure: Numbers, factor: float) -> Numbers:
-        """Return a departure from a line with its outputs times a factor.
-
-        All numbers unless the block says otherwise: those of position and width do not scale.
-        """
+        """Return a departure from a line with its outputs multiplied; positions and widths do not scale."""
         return departure * factor
 
     def start(self) -> Numbers:
-        """Return the identity."""
         return self.line(1.0, 0.0)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Return the output of this sample."""
         return (self.value(xp, theta, x[0]),), ()

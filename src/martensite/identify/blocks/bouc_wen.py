@@ -1,11 +1,11 @@
-"""Bouc–Wen hysteresis: a straight line and an element that yields and recovers, side by side.
+"""Bouc–Wen hysteresis: a line in parallel with an element that yields and recovers.
 
     y = α x + (1 - α) w/ϱ,    dw/dx = ϱ (1 - σ |w| sgn(w dx/dt) + (σ - 1) |w|)
 
-the normalised form of Ikhouane and Rodellar with exponent n = 1, on an input scaled by half its
-range. w stays between -1 and 1 and the slope of y at w = 0 is 1. On a way of one direction w
-follows exponentials, one before it passes 0 and one after, so that steps of any size are exact.
-With ϱ > 0 and σ > 1/2, which their logarithms ensure, every model is bounded and passive.
+Normalised form of Ikhouane and Rodellar with exponent n = 1, on an input scaled by half its range. w stays between -1
+and 1, and the slope of y at w = 0 is 1. In one direction w follows exponentials, one before and one after it passes 0,
+so that steps of any size are exact. Free numbers are the logarithms of ϱ > 0 and of 2σ - 1 > 0, so every model is
+bounded and passive.
 """
 
 from __future__ import annotations
@@ -23,25 +23,21 @@ STRONGEST = 9.0
 
 @BLOCKS.register("bouc-wen")
 class BoucWen(AbstractRanged):
-    """One input, one output of slope 1 at rest, where w = 0; rate independent."""
+    """Rate-independent hysteresis with initial slope 1 at w = 0."""
 
     short = "boucwen"
     cites = ("wen1976", "ikhouane2007")
 
     def numbers(self) -> tuple[str, ...]:
-        """Logit of α, log ϱ, log (2σ - 1)."""
         return ("logit_line", "log_stiffness", "log_recovery")
 
     def states(self) -> int:
-        """Return the input before, and w."""
         return 2
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Unstrained: w = 0."""
         return x[0], 0.0
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Along two exponentials."""
         before, w = state
         half = self.half
         line = compute_logistic(xp, theta[0])
@@ -54,16 +50,13 @@ class BoucWen(AbstractRanged):
         return (line * x[0] + (1.0 - line) * half * w / stiffness,), (x[0], w)
 
     def start(self) -> Numbers:
-        """Return half a line; yields within a third of the range; σ = 1."""
         return np.array([0.0, np.log(3.0), 0.0])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Return any share of the line; yields within all of the range or a tenth."""
         low, high = np.array([-2.0, 0.0, -2.0]), np.array([2.0, np.log(10.0), 1.0])
         return rng.uniform(low, high)
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """α, 1/ϱ in units of the input, σ."""
         half = self.half
         return [
             ("line", float(1.0 / (1.0 + np.exp(-theta[0]))), "1"),
@@ -73,10 +66,10 @@ class BoucWen(AbstractRanged):
 
 
 def _yield_way(xp: Namespace, v: Scalar, way: Scalar, recovery: Scalar) -> Scalar:
-    """v = ±w after a way ≥ 0: dv = (1 - c v) below 0, then dv = 1 - v; c = 2σ - 1."""
+    """Return v = ±w after a way ≥ 0: dv = (1 - c v) below 0, then dv = 1 - v; c = 2σ - 1."""
     below, above = xp.minimum(v, 0.0), xp.maximum(v, 0.0)
     to_zero = xp.log(1.0 - recovery * below) / recovery
     first = xp.minimum(way, to_zero)
-    gone = minus_expm1(xp, recovery * first)
-    v = above + below + (1.0 - recovery * below) * gone / recovery
+    decay = minus_expm1(xp, recovery * first)
+    v = above + below + (1.0 - recovery * below) * decay / recovery
     return v + (1.0 - v) * minus_expm1(xp, way - first)

@@ -1,12 +1,11 @@
-"""Saturating hysteresis of Duhem's type: a fraction z between 0 and 1 that follows two branches.
+"""Saturating hysteresis of Duhem type: a fraction z between 0 and 1 that follows two branches.
 
     (1 - z)/(1 - z₀) = (1 - F_r(x))/(1 - F_r(x₀)) for rising x,    z/z₀ = F_f(x)/F_f(x₀) for falling
 
-F_r and F_f are sums of one or two logistic functions of the input on the scale of its range
-(`operators.branches`; Ivshin and Pence 1994). Rate independent; inner loops are scaled copies of the
-branches. Unlike plays it saturates by itself, and rising and falling branches have shapes of
-their own: the transformation of a shape-memory alloy over temperature, a relay with soft edges.
-The output is the bare fraction, so that a gain or a static block belongs after it.
+F_r and F_f are sums of one or two logistic functions of the scaled input (`operators.branches`; Ivshin and Pence 1994).
+Inner loops are scaled copies of the branches. Unlike plays it saturates, and both branches have their own shapes, as in
+the transformation of a shape-memory alloy over temperature. The output is the fraction; a gain or a static block
+follows.
 """
 
 from __future__ import annotations
@@ -21,9 +20,9 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 @BLOCKS.register("duhem")
 class Duhem(AbstractRanged):
-    """One input, one output z; steps in one direction are exact, however long.
+    """Rate-independent fraction z; steps in one direction are exact.
 
-    At rest z lies on the rising branch, as after a start from far below, or on the falling one.
+    The initial z lies on the rising branch (`below`) or on the falling branch.
     """
 
     short = "duhem"
@@ -31,15 +30,13 @@ class Duhem(AbstractRanged):
     cites = ("ivshin1994",)
 
     logistics: Number = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
-    history: str = option("where the input came from before the first sample", "below", "above", default="below")
+    history: str = option("direction of the input before the first sample", "below", "above", default="below")
 
     def numbers(self) -> tuple[str, ...]:
-        """Return the centres, widths and share of the rising branch, then of the falling one."""
         count = int(self.logistics)
         return branches.name_branch("rising", count) + branches.name_branch("falling", count)
 
     def states(self) -> int:
-        """Return the input before, and z."""
         return 2
 
     def _branches(self, xp: Namespace, theta: Column) -> tuple[branches.LogisticBranch, branches.LogisticBranch]:
@@ -47,7 +44,6 @@ class Duhem(AbstractRanged):
         return branches.branch_of(xp, theta[:half]), branches.branch_of(xp, theta[half:])
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """On one of the branches."""
         rising, falling = self._branches(xp, theta)
         r = self.unit(x[0])
         if self.history == "below":
@@ -55,7 +51,6 @@ class Duhem(AbstractRanged):
         return r, branches.from_above(xp, falling, r)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Along the branch of the direction; an input that stays changes nothing."""
         before, z = state
         rising, falling = self._branches(xp, theta)
         r = self.unit(x[0])
@@ -63,24 +58,21 @@ class Duhem(AbstractRanged):
         return (z,), (r, z)
 
     def start(self) -> Numbers:
-        """Return a loop in the middle of the range, half as wide as it is far from its ends."""
         if int(self.logistics) == 1:
             return np.array([0.2, np.log(0.15), -0.2, np.log(0.15)])
         widths = np.log([0.1, 0.3])
         return np.array([0.2, 0.3, *widths, 1.0, -0.2, -0.3, *widths, 1.0])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Return the loops anywhere in the range, up to as wide as it, their branches steep or flat."""
-        made = self.start()
+        theta = self.start()
         count = int(self.logistics)
         middle, half = rng.uniform(-0.4, 0.4), rng.uniform(0.0, 0.5)
-        for first, side in ((0, half), (len(made) // 2, -half)):
-            made[first : first + count] = middle + side + rng.uniform(-0.15, 0.15, count)
-            made[first + count : first + 2 * count] += rng.uniform(-0.7, 0.7, count)
-        return made
+        for first, side in ((0, half), (len(theta) // 2, -half)):
+            theta[first : first + count] = middle + side + rng.uniform(-0.15, 0.15, count)
+            theta[first + count : first + 2 * count] += rng.uniform(-0.7, 0.7, count)
+        return theta
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Return the centres and widths in units of the input, shares of the first logistic functions."""
         half = self.half
         rows: list[tuple[str, float, str]] = []
         for name, value in zip(self.numbers(), map(float, theta), strict=True):

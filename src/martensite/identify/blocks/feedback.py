@@ -2,19 +2,17 @@
 
     z = B(q) u - h φ(r, δ),   y = G(q) z,   r = (y₋ - c)/h,   δ = (y₋ - y₋₋)/(h s)
 
-G is a cascade of sections with unit gain (`operators.sections`), φ a polynomial in the output one
-sample back and, with `past = 2`, in its last change: r alone is a stiffness, terms with δ are a
-damping or a capacity that changes. Terms of degree 0 and 1 are left out, since G has them. No
-blocks in series give what this gives: a resonance that moves with the amplitude, or latent heat.
-The input comes through B(q) u = u + Σ_k β_k ∇^k u/s^k, ∇u = u - u₋, which spans all numerators of
-as many coefficients; without feed-through it is that of the sample before. c and h are middle and
-half width of the range of the input; s = √d₂ of the last section (p of a first-order one) is its
-frequency times the sample time, so the numbers keep their size at every sample time. In a fitted model r and δ
-are limited to 1.5 times what they were in the records and φ to as much as that power of 1.5 which is its degree
-(`fence_in`): it is bounded for bounded inputs.
+G is a cascade of sections with unit gain (`operators.sections`), φ a polynomial in the last output and, with `past` =
+2, in its last change: r is a stiffness, terms with δ are a varying damping or capacity. φ has no terms of degree 0 and
+1, which G has. Blocks in series cannot give a resonance that moves with the amplitude, or latent heat.
 
-Source: the structure of Paduart et al. 2010 with one nonlinearity in feedback; the oscillator of
-the benchmark "Silverbox" (Wigren & Schoukens 2013) is one of second order and degree 3.
+The input enters as B(q) u = u + Σ_k β_k ∇^k u/s^k, ∇u = u - u₋, which spans all numerators of this length; without
+feed-through u is the last sample. c and h are middle and half width of the range of the input; s = √d₂ of the last
+section (p for first order) is its frequency times the sample time. In a fitted model r and δ are limited to 1.5 times
+their size in the records, and φ to 1.5 to the power of its degree (`fence_in`), so that it is bounded.
+
+Sources: the structure of Paduart et al. 2010 with one nonlinearity in feedback; the oscillator of the benchmark
+"Silverbox" (Wigren & Schoukens 2013) has second order and degree 3.
 """
 
 from __future__ import annotations
@@ -33,20 +31,19 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
 BEYOND = 1.5
-"""Range in which terms grow, over the largest output and change of the records."""
+"""Range of growth of the terms, over the largest output and change in the records."""
 LEAST = 1e-3
 """Least limit, over half the range of the input."""
 WIDE = 1e300
-"""No limit of what is fed back."""
+"""Limit without an effect."""
 NEWTON = 25
-"""Iterations in which the output at rest is found."""
 
 
 @BLOCKS.register("feedback")
 class Feedback(AbstractRanged):
-    """One input, one output. The linear part is stable; the whole may grow without bound before it is fenced in.
+    """A stable linear part with nonlinear feedback, which is bounded only after `fence_in`.
 
-    Unit gain at rest where φ = 0. A fit refuses numbers with which a record grows beyond floats.
+    The static gain is 1 where φ = 0. A fit rejects numbers with which a record overflows.
     """
 
     short = "fb"
@@ -57,7 +54,7 @@ class Feedback(AbstractRanged):
 
     order: Number = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
     degree: Number = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
-    past: Number = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0)
+    past: Number = param("1", "past outputs that are fed back: 1 or 2", low=1.0, high=2.0, default=2.0)
     fence_output: Number = param("1", "limit of r in what is fed back", above=0.0, default=WIDE)
     fence_change: Number = param("1", "limit of δ in what is fed back", above=0.0, default=WIDE)
     fence_fed: Number = param("1", "limit of φ as a whole", above=0.0, default=WIDE)
@@ -70,7 +67,6 @@ class Feedback(AbstractRanged):
         return [(n - j, j) for n in total for j in changes if j <= n]
 
     def numbers(self) -> tuple[str, ...]:
-        """Return the poles, β_k, coefficients of φ by their powers of r and δ."""
         beta = (f"beta{k + 1}" for k in range(self._zeros))
         return (*sections.name_sections(int(self.order)), *beta, *(f"c{i}{j}" for i, j in self.powers()))
 
@@ -80,29 +76,27 @@ class Feedback(AbstractRanged):
 
     @property
     def _earlier(self) -> bool:
-        """Return whether the output two samples back is a separate state."""
+        """Return whether the output two samples ago is a separate state."""
         return self.past > 1.5 and int(self.order) == 1
 
     def states(self) -> int:
-        """Past inputs, sections, and the output two samples back where they do not hold it."""
         return 2 * int(self.order) + self._earlier
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Return the output y with y + h φ(r, 0) = u."""
         order, u = int(self.order), x[0]
-        own = theta[order + self._zeros :]
-        fed = [(i, c) for (i, j), c in zip(self.powers(), own, strict=True) if j == 0]
+        coefficients = theta[order + self._zeros :]
+        terms = [(i, c) for (i, j), c in zip(self.powers(), coefficients, strict=True) if j == 0]
         root = xp.detach(u)
-        held = [(i, xp.detach(c)) for i, c in fed]
+        detached = [(i, xp.detach(c)) for i, c in terms]
         for _ in range(NEWTON):
-            root = root + self._step_towards(xp, held, root, xp.detach(u), self.half)
-        y = xp.implicit_root(root, root + self._step_towards(xp, fed, root, u, 1e300))
+            root = root + self._step_towards(xp, detached, root, xp.detach(u), self.half)
+        y = xp.implicit_root(root, root + self._step_towards(xp, terms, root, u, 1e300))
         r = (root - self.middle) / self.half
         y = xp.where(xp.abs(r) < self.fence_output, y, u - self.half * self._sum_terms(xp, theta, r, 0.0))
         return [u] * order + sections.rest_cascade(order, y) + [y] * self._earlier
 
     def _step_towards(self, xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, most: Scalar) -> Scalar:
-        """Newton's step towards y + h φ(r, 0) = u, `most` at a time."""
+        """Return Newton's step towards y + h φ(r, 0) = u, limited to `most`."""
         r = (y - self.middle) / self.half
         value, slope = y - u, 1.0
         for power, c in fed:
@@ -112,7 +106,6 @@ class Feedback(AbstractRanged):
         return xp.clip(-value / xp.detach(steep), -most, most)
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        """Output and change limited to a half more than the largest that they had, and all terms together."""
         order = int(self.order)
         size = self._size(floats, list(map(float, theta[:order])), dt)
         place = order if order == 1 else 2 * order - 2
@@ -127,21 +120,20 @@ class Feedback(AbstractRanged):
         )
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Compute the step with feedback of earlier samples, which avoids an algebraic loop."""
         order, half = int(self.order), self.half
         poles, zeros = list(theta[:order]), theta[order : order + self._zeros]
-        past, held = list(state[:order]), list(state[order : 2 * order])
+        past, section_states = list(state[:order]), list(state[order : 2 * order])
         size = self._size(xp, poles, dt)
-        before = held[0] if order == 1 else held[-2]
-        change = held[0] - state[-1] if order == 1 else held[-1]
+        before = section_states[0] if order == 1 else section_states[-2]
+        change = section_states[0] - state[-1] if order == 1 else section_states[-1]
         fed = self._sum_terms(xp, theta, (before - self.middle) / half, change / (half * size))
         z = _shape_inputs([x[0], *past] if self.feedthrough == "yes" else past, zeros, size) - half * fed
-        made = sections.step_cascade(xp, order, poles, held, z, dt)
-        after = [x[0], *past[:-1], *made.state, *([before] * self._earlier)]
-        return (made.signals[0],), after
+        cascade = sections.step_cascade(xp, order, poles, section_states, z, dt)
+        after = [x[0], *past[:-1], *cascade.state, *([before] * self._earlier)]
+        return (cascade.signals[0],), after
 
     def _sum_terms(self, xp: Namespace, theta: Column, r: Scalar, d: Scalar) -> Scalar:
-        """φ, within the fences."""
+        """Return φ within its limits."""
         r = xp.clip(r, -self.fence_output, self.fence_output)
         d = xp.clip(d, -self.fence_change, self.fence_change)
         fed: Scalar = 0.0
@@ -150,40 +142,34 @@ class Feedback(AbstractRanged):
         return xp.clip(fed, -self.fence_fed, self.fence_fed)
 
     def _size(self, xp: Namespace, poles: list[Scalar], dt: Scalar) -> Scalar:
-        """Change per sample, over the amplitude, at the frequency of the last section."""
+        """Return the change per sample over the amplitude, at the frequency of the last section."""
         if int(self.order) == 1:
             return sections.first_order(xp, poles[0], dt)
         return xp.sqrt(sections.second_order(xp, poles[-2], poles[-1], dt).d2)
 
     def start(self) -> Numbers:
-        """Return the poles about one second apart in scale; nothing fed back."""
-        made = np.zeros(len(self.numbers()))
-        made[int(self.order) % 2 + 1 : int(self.order) : 2] = np.log(1.2)
-        return made
+        theta = np.zeros(len(self.numbers()))
+        theta[int(self.order) % 2 + 1 : int(self.order) : 2] = np.log(1.2)
+        return theta
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Return the poles as those of a transfer function; little fed back."""
-        made = rng.uniform(-0.1, 0.1, len(self.numbers()))
-        made[: int(self.order)] = sections.draw_numbers(int(self.order), rng, duration, dt)
-        return made
+        theta = rng.uniform(-0.1, 0.1, len(self.numbers()))
+        theta[: int(self.order)] = sections.draw_numbers(int(self.order), rng, duration, dt)
+        return theta
 
     def twin(self) -> AbstractBlock:
-        """Return a transfer function of the same order, with as many numerator coefficients."""
         delay = self.feedthrough == "no"
         return TransferFunction(nb=self._zeros + 1, nf=self.order, nk=int(delay))
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Feedback, Numbers]:
-        """Return the block and `like`."""
-        own = isinstance(linear, TransferFunction)
-        return self, self.like(linear, theta, dt) if own else self.start()
+        suits = isinstance(linear, TransferFunction)
+        return self, self.like(linear, theta, dt) if suits else self.start()
 
     def like(self, linear: TransferFunction, theta: Numbers, dt: float) -> Numbers:
-        """Return the free numbers with which it is a transfer function, nothing fed back: a start for a fit.
-
-        That is of the same order, with as many numerator coefficients or fewer, at a sample time of dt [s].
+        """Return the free numbers of a transfer function of the same order, without feedback, for a sample time [s].
 
         Raises:
-            ParameterError: it has another order, or a delay or numerator that this has not.
+            ParameterError: its order, delay or numerator does not fit.
         """
         order, delay = int(self.order), int(self.feedthrough == "no")
         if int(linear.nf) != order or int(linear.nk) != delay or linear.nb > self._zeros + 1:
@@ -194,13 +180,12 @@ class Feedback(AbstractRanged):
         response = _respond_to_impulse(linear, theta, dt, order + 1)
         numerator = np.convolve(response, denominator)[delay : order + 1]
         size = self._size(floats, list(map(float, theta[:order])), dt)
-        made = np.zeros(len(self.numbers()))
-        made[:order] = theta[:order]
-        made[order : order + self._zeros] = _in_differences(numerator, size)
-        return made
+        numbers = np.zeros(len(self.numbers()))
+        numbers[:order] = theta[:order]
+        numbers[order : order + self._zeros] = _in_differences(numerator, size)
+        return numbers
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Return the poles in their units, then the other numbers."""
         order = int(self.order)
         rest = zip(self.numbers()[order:], theta[order:], strict=True)
         poles = sections.show_numbers(self.numbers()[:order], theta[:order])
@@ -208,12 +193,11 @@ class Feedback(AbstractRanged):
 
 
 def _respond_to_impulse(linear: TransferFunction, theta: Numbers, dt: float, count: int) -> Numbers:
-    """Return the outputs to an input of 1 in the first sample."""
-    state, found = [0.0] * linear.states(), np.zeros(count)
+    state, outputs = [0.0] * linear.states(), np.zeros(count)
     for k in range(count):
-        (found[k],), after = linear.step(floats, list(map(float, theta)), state, (float(k == 0),), dt)
+        (outputs[k],), after = linear.step(floats, list(map(float, theta)), state, (float(k == 0),), dt)
         state = list(after)
-    return found
+    return outputs
 
 
 def _in_differences(numerator: Numbers, size: float) -> Numbers:

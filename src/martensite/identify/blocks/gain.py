@@ -1,17 +1,10 @@
-"""Straight line: y = gain x + offset.
+"""Gain y = gain x + offset, and a unit gain without free numbers.
 
-Free numbers are the output in the middle of the range of the input and the rise over half of
-it, which a fit can tell apart wherever the range lies.
-
-Unit gain: the output is the input.
-
-It has no free numbers, and no offset: it stands beside other blocks where a signal is to pass
-unchanged, such as `[poly2 & unit]`.
+The free numbers are the output in the middle of the range of the input, and the rise over half the range: a fit can
+distinguish them for any range. `unit` passes a signal unchanged next to other blocks, as in `[poly2 & unit]`.
 """
 
 from __future__ import annotations
-
-import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.operators.static_curves import AbstractCurve
@@ -25,29 +18,23 @@ class Gain(AbstractCurve):
     short = "gain"
 
     def heights(self) -> tuple[str, ...]:
-        """Return the rise over half the range."""
         return ("rise",)
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """Return the line through 0 in the middle of the range."""
         return heights[0] * r
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """Return every line."""
-        rise = slope * self.half
-        return np.array([offset + slope * self.middle, rise] if self.first else [rise])
+        return self.join_numbers(offset + slope * self.middle, [slope * self.half])
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Return the gain, and the output at zero input."""
         return [("gain", float(theta[-1]) / self.half, "1"), *self.offset_shown(theta)]
 
 
 @BLOCKS.register("unit-gain")
 class UnitGain(AbstractBlock):
-    """Passes its signal on."""
+    """The input itself."""
 
     short = "unit"
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Return the input of this sample."""
         return (x[0],), ()

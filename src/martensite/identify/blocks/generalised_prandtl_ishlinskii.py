@@ -1,17 +1,16 @@
-"""Generalised plays: hysteresis between two curves, one for rising input and one for falling.
+"""Generalised plays: hysteresis between two curves, for rising and for falling input.
 
     p_i⁺ = max(g_l(x) - r_i, min(g_u(x) + r_i, p_i)),    y = offset + rise Σ a_i p_i
 
-The curves are piecewise linear and rise from -1 to 1 over the range of the input: rising input
-follows the lower one, g_l, falling input the upper one, g_u. Loops may be asymmetric and saturate;
-they close at the ends of the range but for the thresholds. At the knots, on a scale from 0 to 1,
+The curves are piecewise linear and rise from -1 to 1 over the range of the input: rising input follows the lower curve
+g_l, falling input the upper curve g_u. Loops may be asymmetric and saturate; they close at the ends of the range but
+for the thresholds. At the knots, on a scale from 0 to 1,
 
     u_k = u_{k-1} + (1 - u_{k-1}) σ(α_k),    l_k = l_{k-1} + (u_k - l_{k-1}) σ(β_k),
 
-σ the logistic function, so that both rise and never cross. Weights a_i are positive with the sum
-1, thresholds are even from r_1 = 0. Beyond the range curves go on and cross, so it should hold
-all that reaches the block. At rest plays are half way between the curves. It does not depend on
-time, carries the size of the output, and is placed like a static block.
+with the logistic function σ, so that both rise and never cross. Weights a_i are positive with the sum 1, thresholds are
+even from r_1 = 0. Beyond the range the curves cross, so the range must hold all inputs. Initially plays are half way
+between the curves. The block is rate independent, carries the size of the output, and is placed like a static block.
 
 Source: Al Janaideh, Rakheja and Su 2011 (with two different envelopes).
 """
@@ -27,12 +26,12 @@ from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
 
 OPEN = 0.15
-"""Half the height of the loop to begin with, over the rise; at most 1/4."""
+"""Initial half height of the loop over the rise; at most 1/4."""
 
 
 @BLOCKS.register("generalised-prandtl-ishlinskii")
 class GeneralisedPrandtlIshlinskii(AbstractCurve):
-    """Asymmetric, saturating loops from few numbers."""
+    """Asymmetric, saturating loops with few numbers."""
 
     short = "gpi"
     shape = ("plays", "knots")
@@ -42,26 +41,23 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     plays: Number = param("1", "number of plays", low=1.0, high=200.0, default=4.0, typical=3.0)
     knots: Number = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
     reach: Number = param(
-        "1", "what thresholds end below, over the rise of the curves", above=0.0, high=1.0, default=0.25
+        "1", "upper bound of the thresholds, over the rise of the curves", above=0.0, high=1.0, default=0.25
     )
 
     def heights(self) -> tuple[str, ...]:
-        """Return the rise over half the range."""
         return ("rise",)
 
     def places(self) -> tuple[str, ...]:
-        """Return the logits of weights but the first, then of both curves at the inner knots."""
         names = [f"weight{i}" for i in range(2, int(self.plays) + 1)]
         for curve in ("upper", "lower"):
             names += [f"{curve}{k}" for k in range(2, int(self.knots))]
         return tuple(names)
 
     def states(self) -> int:
-        """Return the plays."""
         return int(self.plays)
 
     def _split_parameters(self, theta: Column) -> tuple[Scalar, Column, Column]:
-        """Rise, logits of weights, logits of both curves."""
+        """Return the rise, the logits of weights, and the logits of both curves."""
         own = theta[self.first + 1 :]
         count = int(self.plays) - 1
         return theta[self.first], own[:count], own[count:]
@@ -77,22 +73,18 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return xp.minimum(lower, upper), xp.maximum(lower, upper)
 
     def _slopes(self, values: Column) -> list[Scalar]:
-        """Between knots, on the scale of the range, of values from 0 to 1."""
         pairs = zip(values[1:], values[:-1], strict=True)
         return [(int(self.knots) - 1.0) * (after - before) for after, before in pairs]
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """Return the curve at rest, half way between the two."""
         lower, upper = self.curves(xp, places[int(self.plays) - 1 :], r)
         return heights[0] * 0.5 * (lower + upper)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Return all plays half way between the curves."""
         lower, upper = self.curves(xp, self._split_parameters(theta)[2], self.unit(x[0]))
         return [0.5 * (lower + upper)] * int(self.plays)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Return the plays between the curves, and their sum."""
         rise, weights, logits = self._split_parameters(theta)
         lower, upper = self.curves(xp, logits, self.unit(x[0]))
         gap = 2.0 * self.reach / int(self.plays)
@@ -106,30 +98,27 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return ((theta[0] + y if self.offset == "yes" else y - zero),), after
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """Return a line at rest, half way between two curves."""
-        level = (offset + slope * self.middle,)[: self.first]
         weights = np.zeros(int(self.plays) - 1)
-        return np.concatenate([level, [slope * self.half], weights, *self._open_curves(OPEN)])
+        rise = [slope * self.half]
+        return self.join_numbers(offset + slope * self.middle, rise, weights, *self._open_curves(OPEN))
 
     def _open_curves(self, half: float) -> tuple[Numbers, Numbers]:
-        """Return the logits of curves on both sides of a line, apart by a parabola."""
-        share = np.linspace(0.0, 1.0, int(self.knots))
-        apart = 4.0 * half * share * (1.0 - share)
-        above, below = share + apart, share - apart
+        """Return the logits of curves on both sides of a line, separated by a parabola."""
+        position = np.linspace(0.0, 1.0, int(self.knots))
+        gap = 4.0 * half * position * (1.0 - position)
+        above, below = position + gap, position - gap
         upper = np.diff(above)[:-1] / (1.0 - above[:-2])
         lower = np.diff(below)[:-1] / (above[1:-1] - below[:-2])
         return np.log(upper / (1.0 - upper)), np.log(lower / (1.0 - lower))
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Return the logits within some tens."""
         widths = np.zeros(len(self.numbers()))
         widths[self.first + 1 :] = 1.0 / FARTHEST
         return self.start(), widths
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Return the loops more or less open, slopes and weights scattered."""
-        made = self.start()
+        theta = self.start()
         curves = np.concatenate(self._open_curves(rng.uniform(0.02, 0.24)))
-        made[len(made) - len(curves) :] = curves
-        made[self.first + 1 :] += rng.normal(0.0, 0.5, len(self.places()))
-        return made
+        theta[len(theta) - len(curves) :] = curves
+        theta[self.first + 1 :] += rng.normal(0.0, 0.5, len(self.places()))
+        return theta

@@ -1,24 +1,20 @@
-"""A heated shape-memory actuator in few numbers: heat balance, latent heat, hysteresis, lags.
+"""A heated shape-memory actuator with few parameters: heat balance, latent heat, hysteresis, lags.
 
     τ (1 + Λ dz/dθ) dθ/dt = K u exp(ρ z) - θ (1 - r + r |θ|/θ_m)
     z along the branches of `operators.branches`, rising where the right side is above 0
     temperature = T_a + κ (θ through a lag τ_s),    position = S (z through a lag τ_p)
 
-θ is the rise of temperature over the surroundings, u the input (power, or duty), z the fraction
-of austenite. Latent heat is a feedback: while the wire transforms, its heat capacity is 1 + Λ dz/dθ
-times as large, which no blocks in series can do. With the power p of one unit of u, heat capacity
-is p τ/K, loss p/K and latent heat p τ Λ/K. ρ is the logarithm of how much more power a unit of
-input gives in austenite, r the share of the loss at θ_m that grows with θ.
+θ is the temperature rise over ambient, u the input (power or duty cycle), z the austenite fraction. Latent heat is a
+feedback: during the transformation the heat capacity is 1 + Λ dz/dθ times larger, which blocks in series cannot give.
+With the power p of one unit of u, the heat capacity is p τ/K, the loss p/K and the latent heat p τ Λ/K. ρ is the
+logarithm of the power in austenite over martensite, r the fraction of the loss at θ_m that grows with θ.
 
-One combination cannot be told from input, temperature and position: the scale of θ. Twice all
-rises with half of κ give the same outputs, so that it is known from the priors alone; a sensor
-whose κ is known, or transformation temperatures from a test, belong into the expected values.
+The scale of θ cannot be identified from input, temperature and position: twice all rises with half of κ give the same
+outputs. Only the priors determine it; enter a known κ, or measured transformation temperatures, as expected values.
+Temperatures are in the unit of the record, degC or K; only `ambient` must fit.
 
-Temperatures are those of the record, in degC or K: only the `ambient` one must suit it.
-
-Each step is linearly implicit in the loss and solves the enthalpy of the step by one step of
-Newton's method after the slope at its start, within the bounds that no transformation and no loss
-of heat would give: stable for every step, where explicit coupling is not once Λ dz/dθ > 1.
+Each step is linearly implicit in the loss and solves the enthalpy of the step by one Newton step after the slope at its
+start, within the bounds without transformation and without heat loss. It is stable for every step size.
 """
 
 from __future__ import annotations
@@ -37,9 +33,8 @@ from martensite.kernels.namespace import Namespace, Scalar
 MIDDLE = 40.0
 """θ_m [K]."""
 TYPICAL = 50.0
-"""Mean rise [K] of the records of an actuator, if nothing better is known."""
+"""Default mean rise in the records of an actuator [K]."""
 NEWTON = 12
-"""Steps to the temperature at rest."""
 SPREADS = (
     ("log_time_constant", 1.0),
     ("log_gain", 1.0),
@@ -62,27 +57,26 @@ SPREADS = (
     ("stroke", np.inf),
     ("log_stroke_lag", 1.0),
 )
-"""Free numbers, and how far from their expected values they may well be."""
+"""Free numbers and the standard deviations of their priors."""
 
 
 class _Heat(NamedTuple):
-    """The heat balance and the branches, from the free numbers."""
+    """Heat balance and branches from the free numbers."""
 
     tau: Scalar
     gain: Scalar
     growing: Scalar
-    """r."""
     latent: Scalar
     resistance: Scalar
     rising: branches.LogisticBranch
     falling: branches.LogisticBranch
 
     def power(self, xp: Namespace, u: Scalar, z: Scalar) -> Scalar:
-        """Return the rise [K] that the input would hold."""
+        """Return the steady rise of the input [K]."""
         return self.gain * u * xp.exp(self.resistance * z)
 
     def loss(self, xp: Namespace, rise: Scalar) -> Scalar:
-        """Loss of heat [K], 1 K per K at θ_m."""
+        """Return the heat loss [K], 1 K per K at θ_m."""
         return rise * (1.0 - self.growing + self.growing * xp.abs(rise) / MIDDLE)
 
     def loss_slope(self, xp: Namespace, rise: Scalar) -> Scalar:
@@ -92,10 +86,11 @@ class _Heat(NamedTuple):
 
 @BLOCKS.register("heated-duhem")
 class HeatedDuhem(AbstractBlock):
-    """From heating to measured temperature and position; 20 free numbers.
+    """From heating to measured temperature and position, with 20 free numbers.
 
-    The declared parameters are expected values: where a fit begins, and the centres of priors of
-    the free numbers. All but the gain are typical of a wire of half a millimetre in air.
+    The declared parameters are expected values: start of a fit, and centres of priors. All but the gain are typical
+    of a
+    wire of half a millimetre in air.
     """
 
     short = "heated"
@@ -114,7 +109,7 @@ class HeatedDuhem(AbstractBlock):
     )
     cites = ("ivshin1994",)
 
-    gives: str = option("what it gives", "both", "temperature", "position", default="both")
+    gives: str = option("outputs", "both", "temperature", "position", default="both")
     ambient: Number = param("1", "temperature of the surroundings [degC or K]", default=23.0)
     gain: Number = param("1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0)
     time_constant: Number = param("s", "time constant of cooling", above=0.0, default=10.0)
@@ -128,15 +123,12 @@ class HeatedDuhem(AbstractBlock):
 
     @property
     def outputs(self) -> int:
-        """Return the temperature, position or both."""
         return 2 if self.gives == "both" else 1
 
     def numbers(self) -> tuple[str, ...]:
-        """Heat balance, branches, sensors."""
         return tuple(name for name, _ in SPREADS)
 
     def states(self) -> int:
-        """Rise, z, and both behind their lags."""
         return 4
 
     def _heat(self, xp: Namespace, theta: Column) -> _Heat:
@@ -151,18 +143,15 @@ class HeatedDuhem(AbstractBlock):
         )
 
     def gains(self) -> tuple[str, ...]:
-        """Return the stroke, of the position."""
         return {"both": ("", "stroke"), "position": ("stroke",), "temperature": ("",)}[self.gives]
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Warm as the input holds it, reached from below."""
         heat = self._heat(xp, theta)
         rise = _hold_rise(xp, heat, x[0])
         z = branches.from_below(xp, heat.rising, rise)
         return rise, z, rise, z
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Return the measured quantities now, and the states of heat, transformation and lags at the next sample."""
         rise, z, seen, moved = state
         new_rise, new_z = _heat_step(xp, self._heat(xp, theta), rise, z, x[0], dt)
         temperature = theta[5] + theta[16] * seen
@@ -178,12 +167,10 @@ class HeatedDuhem(AbstractBlock):
         return (temperature if self.gives == "temperature" else position,), after
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Takes a gain from the mean input, unless one is given."""
         mean = float(np.mean(np.abs(x)))
         return self.with_parts(gain=TYPICAL / max(mean, 1e-12)) if self.gain == 0.0 else self
 
     def start(self) -> Numbers:
-        """Return the expected values, with branches of a steep and a flat part."""
         log, widths = np.log, np.log([3.0, 12.0])
         gain = self.gain if self.gain > 0.0 else TYPICAL
         return np.array(
@@ -210,16 +197,13 @@ class HeatedDuhem(AbstractBlock):
         )
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Return the expected values, and 1/σ of each; the stroke is free."""
         return self.start(), np.array([1.0 / spread for _, spread in SPREADS])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Within half of what the priors allow."""
         spread = np.array([s if np.isfinite(s) else 0.0 for _, s in SPREADS])
         return self.start() + 0.5 * spread * rng.uniform(-1.0, 1.0, len(spread))
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Return the numbers as they stand in the equations, temperatures as the record has them."""
         return [self._row(n, float(v), float(theta[5])) for n, v in zip(self.numbers(), theta, strict=True)]
 
     def _row(self, name: str, value: float, ambient: float) -> tuple[str, float, str]:
@@ -232,14 +216,14 @@ class HeatedDuhem(AbstractBlock):
 
 
 def _lag_ramp(xp: Namespace, log_tau: Scalar, y: Scalar, before: Scalar, after: Scalar, dt: Scalar) -> Scalar:
-    """Return a lag of first order over a step in which its input goes straight: exact."""
+    """Return the exact first-order lag over a step with a linear input."""
     p = first_order(xp, log_tau, dt)
     steps = dt * xp.exp(-xp.clip(log_tau, -14.0, 14.0))
     return y + p * (before - y) + (after - before) * (1.0 - p / steps)
 
 
 def _heat_step(xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, dt: Scalar) -> tuple[Scalar, Scalar]:
-    """Rise and z after a step: θ - θ₀ + Λ (z - z₀) = (dt/τ) (net heat)."""
+    """Return rise and z after a step: θ - θ₀ + Λ (z - z₀) = (dt/τ) (net heat)."""
     part = dt / heat.tau
     net = part * (heat.power(xp, u, z) - heat.loss(xp, rise))
     leg = branches.follow_leg(xp, heat.rising, heat.falling, net > 0.0, rise, z)
@@ -254,7 +238,7 @@ def _heat_step(xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, d
 
 
 def _hold_rise(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
-    """Return the rise at which the loss is the power, on the rising branch, by Newton's method."""
+    """Return the rise at which the loss equals the power, on the rising branch, by Newton's method."""
 
     def newton(rise: Scalar) -> Scalar:
         z = branches.from_below(xp, heat.rising, rise)

@@ -1,4 +1,4 @@
-"""Polynomial: y = θ_0 + Σ_k θ_k (r^k - r_0^k), r the input on the scale of its range.
+"""Polynomial: y = θ_0 + Σ_k θ_k (r^k - r_0^k) of the input r on the scale of its range.
 
 r_0 is r at zero input, so that θ_0 is the output there; without offset it is 0.
 """
@@ -14,7 +14,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 @BLOCKS.register("polynomial")
 class Polynomial(AbstractStatic):
-    """Powers of the input up to a degree; linear in its free numbers."""
+    """Powers of the input up to a degree."""
 
     short = "poly"
     shape = ("degree",)
@@ -22,12 +22,10 @@ class Polynomial(AbstractStatic):
     degree: Number = param("1", "highest power", low=1.0, high=15.0, default=2.0)
 
     def numbers(self) -> tuple[str, ...]:
-        """Return the offset, if it is free, and the coefficients."""
         powers = tuple(f"c{k}" for k in range(1, int(self.degree) + 1))
         return ("offset", *powers) if self.offset == "yes" else powers
 
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
-        """Return the polynomial."""
         r, zero = self.unit(x), self.unit(0.0)
         free = int(self.offset == "yes")
         total: Scalar = theta[0] if free else 0.0
@@ -38,16 +36,14 @@ class Polynomial(AbstractStatic):
         return total
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """Return the linear coefficient alone."""
-        made = np.zeros(len(self.numbers()))
+        theta = np.zeros(len(self.numbers()))
         free = int(self.offset == "yes")
-        made[:free] = offset
-        made[free] = slope * self.half
-        return made
+        theta[:free] = offset
+        theta[free] = slope * self.half
+        return theta
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Higher coefficients within 0.3 of the linear one."""
-        made = self.start()
+        theta = self.start()
         first = 1 + (self.offset == "yes")
-        made[first:] = rng.uniform(-0.3, 0.3, len(made) - first) * made[first - 1]
-        return made
+        theta[first:] = rng.uniform(-0.3, 0.3, len(theta) - first) * theta[first - 1]
+        return theta

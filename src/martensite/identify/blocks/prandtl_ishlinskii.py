@@ -1,13 +1,12 @@
-"""Prandtl–Ishlinskii hysteresis: the input and plays of it, weighted.
+"""Prandtl–Ishlinskii hysteresis: a weighted sum of the input and its plays.
 
     y = (1 - Σ a_i) x + Σ a_i p_i,    p_i⁺ = max(x - r_i, min(x + r_i, p_i)),    i = 1 … K
 
-Loops are closed, odd, and the same wherever they start from; a static block before or after it
-bends and saturates them. Its gain at rest is 1 and it has no offset: a chain that has no other
-static block needs one, `gain` behind it, for the size of its output. Thresholds are shares of the
-range of the input; at rest p_i = x. It does not depend on time.
+Loops are closed, odd, and independent of their starting point; a static block before or after bends and saturates
+them. The static gain is 1 without offset: a chain without another static block needs a `gain`. Thresholds are fractions
+of the range of the input; initially p_i = x. The block is rate independent.
 
-Source: Krasnosel'skii and Pokrovskii 1989 (plays), Kuhnen 2003 (the inverse).
+Sources: Krasnosel'skii and Pokrovskii 1989 (plays), Kuhnen 2003 (inverse).
 """
 
 from __future__ import annotations
@@ -21,14 +20,14 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
 STEADY = 3.0
-"""Standard deviation of logarithms of thresholds."""
+"""Prior standard deviation of logarithms of thresholds."""
 PLAYING = 0.5
-"""Share of the plays in the output, to start with."""
+"""Initial weight of all plays."""
 
 
 @BLOCKS.register("prandtl-ishlinskii")
 class PrandtlIshlinskii(AbstractRanged):
-    """A weighted sum of plays. With positive weights it is monotone and has an exact inverse."""
+    """A weighted sum of plays; with positive weights it is monotone and has an exact inverse."""
 
     short = "pi"
     shape = ("plays", "weights", "thresholds")
@@ -37,15 +36,12 @@ class PrandtlIshlinskii(AbstractRanged):
 
     plays: Number = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
     reach: Number = param("1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25)
-    weights: str = option(
-        "whether the weights of input and plays are all positive", "positive", "free", default="positive"
-    )
+    weights: str = option("signs of the weights of input and plays", "positive", "free", default="positive")
     thresholds: str = option(
         "even with a free reach, even up to the given reach, or all free", "scaled", "even", "free", default="scaled"
     )
 
     def numbers(self) -> tuple[str, ...]:
-        """Return the weights or their logits, then logarithms of the reach or of steps of thresholds."""
         each = [str(i) for i in range(1, int(self.plays) + 1)]
         word = "logit" if self.weights == "positive" else "weight"
         weights = tuple(f"{word}{i}" for i in each)
@@ -54,15 +50,12 @@ class PrandtlIshlinskii(AbstractRanged):
         return (*weights, "log_reach") if self.thresholds == "scaled" else weights
 
     def states(self) -> int:
-        """Return the plays."""
         return int(self.plays)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Return all plays are where the input is."""
         return [x[0]] * int(self.plays)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Return the plays, and their sum."""
         radii = self.radii(xp, theta)
         after = [move_play(xp, x[0], r, p) for r, p in zip(radii, state, strict=True)]
         sizes, whole = self._sizes(xp, theta)
@@ -72,69 +65,62 @@ class PrandtlIshlinskii(AbstractRanged):
         return (x[0] + away / whole,), after
 
     def _sizes(self, xp: Namespace, theta: Column) -> tuple[list[Scalar], Scalar]:
-        """Return the weights of the input and of the plays, times a number that is returned too."""
-        own = theta[: int(self.plays)]
+        """Return the weights of input and plays times a number, and that number."""
+        logits = theta[: int(self.plays)]
         if self.weights == "positive":
-            return compute_sizes(xp, own)
+            return compute_sizes(xp, logits)
         rest: Scalar = 1.0
-        for weight in own:
+        for weight in logits:
             rest = rest - weight
-        return [rest, *own], 1.0
+        return [rest, *logits], 1.0
 
     def radii(self, xp: Namespace, theta: Column) -> list[Scalar]:
         """Return the thresholds, in the unit of the input."""
         count = int(self.plays)
         step = self.reach * (self.high - self.low) / count
-        own = theta[count:]
+        logits = theta[count:]
         if self.thresholds == "free":
             total: Scalar = 0.0
-            made: list[Scalar] = []
-            for log in own:
+            thresholds: list[Scalar] = []
+            for log in logits:
                 total = total + step * xp.exp(xp.clip(log, -9.0, 9.0))
-                made.append(total)
-            return made
+                thresholds.append(total)
+            return thresholds
         if self.thresholds == "scaled":
-            step = step * xp.exp(xp.clip(own[0], -9.0, 9.0))
+            step = step * xp.exp(xp.clip(logits[0], -9.0, 9.0))
         return [(i + 1.0) * step for i in range(count)]
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Return the logits within some tens: a play that is not needed would send its own to infinity."""
         count = int(self.plays)
         widths = np.full(len(self.numbers()), 1.0 / STEADY)
         widths[:count] = 1.0 / FARTHEST if self.weights == "positive" else 0.0
         return self.start(), widths
 
     def start(self) -> Numbers:
-        """Return the plays of equal weight with half of the output; thresholds even up to the reach."""
-        made = np.zeros(len(self.numbers()))
-        count = int(self.plays)
-        each = np.full(count, PLAYING / count)
+        return self._spread_weights(PLAYING)
+
+    def _spread_weights(self, fraction: float) -> Numbers:
+        theta, count = np.zeros(len(self.numbers())), int(self.plays)
+        each = np.full(count, fraction / count)
         positive = self.weights == "positive"
-        made[:count] = compute_logits(np.array([1.0 - PLAYING, *each])) if positive else each
-        return made
+        theta[:count] = compute_logits(np.array([1.0 - fraction, *each])) if positive else each
+        return theta
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Return another share of the plays in the output, and another reach if it is free."""
-        made = self.start()
-        count = int(self.plays)
-        share = rng.uniform(0.05, 0.95)
-        each = np.full(count, share / count)
-        positive = self.weights == "positive"
-        made[:count] = compute_logits(np.array([1.0 - share, *each])) if positive else each
+        theta = self._spread_weights(rng.uniform(0.05, 0.95))
         if self.thresholds == "scaled":
-            made[count:] = rng.uniform(-1.5, 0.7)
-        return made
+            theta[int(self.plays) :] = rng.uniform(-1.5, 0.7)
+        return theta
 
     def operator(self, theta: Numbers) -> PlaySum:
-        """Return the operator with these numbers, for its inverse."""
-        own = [float(value) for value in theta]
-        sizes, whole = self._sizes(floats, own)
-        return PlaySum(tuple(self.radii(floats, own)), tuple(size / whole for size in sizes))
+        """Return the operator with these numbers."""
+        numbers = [float(value) for value in theta]
+        sizes, whole = self._sizes(floats, numbers)
+        return PlaySum(tuple(self.radii(floats, numbers)), tuple(size / whole for size in sizes))
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Return the weight of the input, thresholds and weights of the plays."""
-        made = self.operator(theta)
-        rows = [("weight of the input", made.weights[0], "1")]
-        for i, (r, a) in enumerate(zip(made.thresholds, made.weights[1:], strict=True), 1):
+        operator = self.operator(theta)
+        rows = [("weight of the input", operator.weights[0], "1")]
+        for i, (r, a) in enumerate(zip(operator.thresholds, operator.weights[1:], strict=True), 1):
             rows += [(f"threshold {i}", r, "1"), (f"weight {i}", a, "1")]
         return rows

@@ -1,1 +1,1 @@
-"""Operators that several blocks share: plays, sections, curves."""
+"""Operators of several blocks: plays, sections, curves."""

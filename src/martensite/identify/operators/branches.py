@@ -1,14 +1,12 @@
-"""Two branches of a hysteresis loop, and the exact way along them: a model of Duhem's type.
+"""Two branches of a hysteresis loop with exact paths along them: a model of Duhem type.
 
-A branch is the share F(x) that has gone over when x comes from far below (rising) or has not yet
-gone back when x comes from far above (falling): a sum of one or two logistic functions. Inner
-loops are scaled copies of the branches,
+A branch is the fraction F(x) that has transformed when x comes from far below (rising), or has not transformed back
+when x comes from far above (falling): a sum of one or two logistic functions. Inner loops are scaled copies,
 
     dz/dx = (1 - z) F_r'/(1 - F_r) for rising x,    dz/dx = z F_f'/F_f for falling x
 
-which integrate to (1 - z)/(1 - z₀) = (1 - F_r(x))/(1 - F_r(x₀)) and z/z₀ = F_f(x)/F_f(x₀): steps
-of any size are exact as long as x goes one way (Ivshin and Pence 1994). A small number is added
-to both denominators, so z stays between 0 and 1 whatever the branches are.
+which integrate to (1 - z)/(1 - z₀) = (1 - F_r(x))/(1 - F_r(x₀)) and z/z₀ = F_f(x)/F_f(x₀): steps of any size in one
+direction are exact (Ivshin and Pence 1994). A small number in both denominators keeps z between 0 and 1.
 """
 
 from __future__ import annotations
@@ -20,13 +18,13 @@ from martensite.identify.blocks.base import Column
 from martensite.kernels.namespace import Namespace, Scalar
 
 GUARD = 1e-6
-"""Added to the share that is left, so that it may be divided by."""
+"""Number that is added to a denominator."""
 FLATTEST = 14.0
 """Limit of |log width|."""
 
 
 class LogisticBranch(NamedTuple):
-    """Logistic functions: their shares, centres and widths."""
+    """Weights, centres and widths of logistic functions."""
 
     shares: Sequence[Scalar]
     centres: Sequence[Scalar]
@@ -34,7 +32,7 @@ class LogisticBranch(NamedTuple):
 
 
 def name_branch(branch: str, logistics: int) -> tuple[str, ...]:
-    """Return the free numbers of a branch: centres, logarithms of widths, and the logit of the first share."""
+    """Return the free numbers of a branch: centres, logarithms of widths, and the logit of the first weight."""
     places = ("",) if logistics == 1 else ("1", "2")
     centres = tuple(f"{branch}_centre{k}" for k in places)
     widths = tuple(f"log_{branch}_width{k}" for k in places)
@@ -42,7 +40,7 @@ def name_branch(branch: str, logistics: int) -> tuple[str, ...]:
 
 
 def compute_logistic(xp: Namespace, x: Scalar) -> Scalar:
-    """1/(1 + exp(-x))."""
+    """Return 1/(1 + exp(-x))."""
     return 0.5 + 0.5 * xp.tanh(0.5 * x)
 
 
@@ -55,7 +53,7 @@ def branch_of(xp: Namespace, theta: Column) -> LogisticBranch:
 
 
 def compute_share(xp: Namespace, branch: LogisticBranch, x: Scalar) -> Scalar:
-    """F(x)."""
+    """Return F(x)."""
     total: Scalar = 0.0
     for part, centre, width in zip(*branch, strict=True):
         total = total + part * compute_logistic(xp, (x - centre) / width)
@@ -63,7 +61,7 @@ def compute_share(xp: Namespace, branch: LogisticBranch, x: Scalar) -> Scalar:
 
 
 def compute_density(xp: Namespace, branch: LogisticBranch, x: Scalar) -> Scalar:
-    """F'(x)."""
+    """Return F'(x)."""
     total: Scalar = 0.0
     for part, centre, width in zip(*branch, strict=True):
         t = xp.tanh(0.5 * (x - centre) / width)
@@ -72,7 +70,7 @@ def compute_density(xp: Namespace, branch: LogisticBranch, x: Scalar) -> Scalar:
 
 
 class BranchLeg(NamedTuple):
-    """A way in one direction from (x₀, z₀): z = z₀ + scale (F(x) - F(x₀))."""
+    """A path in one direction from (x₀, z₀): z = z₀ + scale (F(x) - F(x₀))."""
 
     branch: LogisticBranch
     scale: Scalar
@@ -82,34 +80,34 @@ class BranchLeg(NamedTuple):
     """z₀."""
 
     def fraction(self, xp: Namespace, x: Scalar) -> Scalar:
-        """z at x; exactly z₀ at x₀."""
+        """Return z at x; exactly z₀ at x₀."""
         return self.z + self.scale * (compute_share(xp, self.branch, x) - self.at_start)
 
     def slope(self, xp: Namespace, x: Scalar) -> Scalar:
-        """dz/dx at x, never negative."""
+        """Return dz/dx ≥ 0 at x."""
         return self.scale * compute_density(xp, self.branch, x)
 
 
 def follow_leg(
     xp: Namespace, rising: LogisticBranch, falling: LogisticBranch, upward: bool, x: Scalar, z: Scalar
 ) -> BranchLeg:
-    """Return the way on from x and z, upward or not."""
+    """Return the path from x and z, upward or not."""
 
     def chosen(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
         return [xp.where(upward, p, q) for p, q in zip(a, b, strict=True)]
 
     branch = LogisticBranch(*(chosen(a, b) for a, b in zip(rising, falling, strict=True)))
     start = compute_share(xp, branch, x)
-    left = xp.where(upward, 1.0 - start, start)
-    going = xp.where(upward, 1.0 - z, z)
-    return BranchLeg(branch, going / (left + GUARD), start, z)
+    reach = xp.where(upward, 1.0 - start, start)
+    remaining = xp.where(upward, 1.0 - z, z)
+    return BranchLeg(branch, remaining / (reach + GUARD), start, z)
 
 
 def from_below(xp: Namespace, rising: LogisticBranch, x: Scalar) -> Scalar:
-    """z after x has come from far below, where z was 0."""
+    """Return z after x has come from far below, where z was 0."""
     return compute_share(xp, rising, x) / (1.0 + GUARD)
 
 
 def from_above(xp: Namespace, falling: LogisticBranch, x: Scalar) -> Scalar:
-    """z after x has come from far above, where z was 1."""
+    """Return z after x has come from far above, where z was 1."""
     return (compute_share(xp, falling, x) + GUARD) / (1.0 + GUARD)

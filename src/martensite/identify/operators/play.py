@@ -1,10 +1,9 @@
-"""Plays: the operators of hysteresis that sums and superpositions of this family are made of.
+"""Plays, the operators of this family of hysteresis, and their weighted sum.
 
     p⁺ = max(x - r, min(x + r, p))
 
-A play of threshold r holds its value until the input x leaves it behind by r. Sums of plays with
-positive weights, the Prandtl–Ishlinskii operator y = a_0 x + Σ a_i p_i, are invertible, and the
-inverse is of the same form with thresholds and weights in closed form (Kuhnen 2003).
+A play of threshold r holds its value until the input x is more than r away. Sums of plays with positive weights
+(Prandtl–Ishlinskii, y = a_0 x + Σ a_i p_i) have an inverse of the same form in closed form (Kuhnen 2003).
 """
 
 from __future__ import annotations
@@ -22,32 +21,28 @@ from martensite.kernels.namespace import Namespace, Scalar
 STRONGEST = 50.0
 """Limit of the size of a logit."""
 FARTHEST = 30.0
-"""Standard deviation that is expected of logits, of which 5 is as good as infinite.
-
-A share that is not needed would else send its logit away, step by step, and the search with it.
-"""
+"""Weak prior standard deviation of logits, so that the logit of an unused weight stays finite."""
 
 
 def move_play(xp: Namespace, x: Scalar, r: Scalar, p: Scalar) -> Scalar:
-    """Return the next value of a play of threshold r ≥ 0 that was at p."""
+    """Return the next value of a play of threshold r ≥ 0 at p."""
     return keep_between(xp, x - r, x + r, p)
 
 
 def keep_between(xp: Namespace, lower: Scalar, upper: Scalar, p: Scalar) -> Scalar:
-    """Return the next value of a play that is kept between two bounds, lower ≤ upper."""
+    """Return the next value of a play between two bounds, lower ≤ upper."""
     return xp.maximum(lower, xp.minimum(upper, p))
 
 
 def compute_logistic(xp: Namespace, z: Scalar) -> Scalar:
-    """1/(1 + exp(-z)), between 0 and 1."""
+    """Return 1/(1 + exp(-z))."""
     return 1.0 / (1.0 + xp.exp(xp.clip(-z, -STRONGEST, STRONGEST)))
 
 
 def compute_sizes(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
-    """Return the positive sizes, one more than logits: the first has the logit 0; and their sum.
+    """Return positive sizes, the first for the logit 0, and their sum.
 
-    Shares are sizes over the sum. A kernel divides what it has summed up with sizes: each
-    derivative is then one product, where that of every share would depend on every logit.
+    Weights are sizes over the sum. Kernels divide the weighted sum by it, so that each derivative is one product.
     """
     sizes = [1.0, *(xp.exp(xp.clip(z, -STRONGEST, STRONGEST)) for z in logits)]
     whole = sizes[0]
@@ -57,10 +52,7 @@ def compute_sizes(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
 
 
 def evaluate_hinges(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Scalar) -> Scalar:
-    """0 at -half, and from there lines of given slopes between even knots up to half.
-
-    The end lines go on beyond.
-    """
+    """Return the curve from 0 at -half with given slopes between even knots up to half, and linear ends."""
     gap = 2.0 * half / len(rises)
     total, before = rises[0] * (p + half), rises[0]
     for k, rise in enumerate(rises[1:], 1):
@@ -70,20 +62,20 @@ def evaluate_hinges(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Sca
 
 
 def compute_logits(shares: Numbers) -> Numbers:
-    """Return the logits that give positive shares."""
+    """Return the logits of positive weights."""
     return np.log(shares[1:] / shares[0])
 
 
 @dataclass(frozen=True)
 class PlaySum:
-    """y = a_0 x + Σ_i a_i p_i, the Prandtl–Ishlinskii operator with numbers, and its inverse.
+    """Prandtl–Ishlinskii operator y = a_0 x + Σ_i a_i p_i with numbers, and its inverse.
 
     Args:
         thresholds: r_1 < r_2 < …, above 0, in the unit of the input.
         weights: a_0, a_1, …, one more than thresholds.
 
     Raises:
-        ParameterError: thresholds do not rise from above 0, or weights are not one more.
+        ParameterError: thresholds do not rise from above 0, or the number of weights does not fit.
     """
 
     thresholds: tuple[float, ...]
@@ -104,33 +96,33 @@ class PlaySum:
         return np.array(self.thresholds), np.array(self.weights)
 
     def rest(self, x: float) -> Numbers:
-        """Return the plays at rest under a constant input."""
+        """Return the initial plays under a constant input."""
         return np.full(len(self.thresholds), float(x))
 
     def step(self, state: Numbers, x: float) -> tuple[float, Numbers]:
-        """Return the output of this sample, and where the plays are now."""
+        """Return the output of this sample, and the plays."""
         r, a = self._arrays
         p = np.maximum(x - r, np.minimum(x + r, state))
         return float(a[0] * x + a[1:] @ p), p
 
     def simulate(self, inputs: Sequence[float] | Numbers, state: Numbers | None = None) -> Numbers:
-        """Return the outputs for inputs of shape (samples,); from rest if no state is given."""
-        made = np.empty(len(inputs))
+        """Return the outputs for inputs of shape (samples,), by default from the initial state."""
+        outputs = np.empty(len(inputs))
         state = self.rest(inputs[0]) if state is None else state
         for t, x in enumerate(inputs):
-            made[t], state = self.step(state, x)
-        return made
+            outputs[t], state = self.step(state, x)
+        return outputs
 
     def inverse(self) -> PlaySum:
-        """Return the operator that gives back the input: feed-forward against hysteresis.
+        """Return the inverse operator, for feed-forward.
 
             s_i = Σ_{j<i} a_j (r_i - r_j),   b_0 = 1/a_0,
             b_i = -a_i / ((a_0 + … + a_i)(a_0 + … + a_{i-1}))
 
-        with r_0 = 0. It starts from the state that `matching` gives.
+        with r_0 = 0. It starts from the state of `matching`.
 
         Raises:
-            ParameterError: a sum a_0 + … + a_i is not above 0: loading would turn back.
+            ParameterError: a sum a_0 + … + a_i is not above 0.
         """
         r, a = self._arrays
         slopes = np.cumsum(a)
@@ -144,11 +136,7 @@ class PlaySum:
         return PlaySum(tuple(np.cumsum(slopes[:-1] * steps).tolist()), (float(1.0 / a[0]), *b.tolist()))
 
     def matching(self, state: Numbers) -> Numbers:
-        """Return the state of the inverse that belongs to a state of this operator.
-
-        The state must be one that some input leads to: neighbours differ by no more than their
-        thresholds do, and the first from the input by no more than its own.
-        """
+        """Return the state of the inverse for a reachable state of this operator."""
         a = self._arrays[1]
         slopes = np.cumsum(a)[1:]
         beyond = a[1:] * state

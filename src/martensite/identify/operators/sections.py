@@ -1,10 +1,8 @@
-"""Sections of first and second order, safe for any sample time: the poles of a linear system.
+"""Sections of first and second order for any sample time: the poles of a linear system.
 
-Free numbers are log τ [s] and (log ω [rad/s], log ζ), so every section is stable, whatever a fit
-proposes, and means the same at every sample time. Poles are matched, exp(s dt); the recursion is
-in delta form, x + p (w - x) and not a x + b w, because with time constants of thousands of
-samples a is 1 to the last digits and p is not. Every section has unit gain at rest and answers
-within the sample:
+Free numbers are log τ [s] and (log ω [rad/s], log ζ), so every section is stable for any values, with the same meaning
+at every sample time. Poles are matched, exp(s dt); the recursion is in delta form, x + p (w - x), which keeps its
+precision for time constants of thousands of samples. Every section has unit static gain and responds within the sample:
 
     first order    v = v₋ + p (w - v₋),                     p = 1 - exp(-dt/τ)
     second order   Δ = Δ₋ + d₂ (w - v₋₋) - d₁ Δ₋,  v = v₋ + Δ,   v₋₋ = v₋ - Δ₋
@@ -34,18 +32,18 @@ class Second(NamedTuple):
 
 
 def first_order(xp: Namespace, log_tau: Scalar, dt: Scalar) -> Scalar:
-    """p = 1 - exp(-dt/τ), to the last digits for long τ."""
+    """Return p = 1 - exp(-dt/τ), precise for long τ."""
     return minus_expm1(xp, dt * xp.exp(-xp.clip(log_tau, -LONGEST, LONGEST)))
 
 
 def minus_expm1(xp: Namespace, x: Scalar) -> Scalar:
-    """1 - exp(-x) = 2 t/(1 + t), t = tanh(x/2), for x ≥ 0."""
+    """Return 1 - exp(-x) = 2 t/(1 + t), t = tanh(x/2), for x ≥ 0."""
     t = xp.tanh(0.5 * xp.minimum(x, 700.0))
     return 2.0 * t / (1.0 + t)
 
 
 def second_order(xp: Namespace, log_omega: Scalar, log_zeta: Scalar, dt: Scalar) -> Second:
-    """d₂ = (1 - z₁)(1 - z₂) and d₁ = 2 - z₁ - z₂ of the matched poles z = exp(s dt)."""
+    """Return d₂ = (1 - z₁)(1 - z₂) and d₁ = 2 - z₁ - z₂ of the matched poles z = exp(s dt)."""
     w = dt * xp.exp(xp.clip(log_omega, -LONGEST, LONGEST))
     zeta = xp.exp(xp.clip(log_zeta, -STRONGEST, STRONGEST))
     complex_ = zeta < 1.0
@@ -64,17 +62,17 @@ def second_order(xp: Namespace, log_omega: Scalar, log_zeta: Scalar, dt: Scalar)
 
 
 class SectionOutput(NamedTuple):
-    """Output of a cascade in one sample."""
+    """Signals of a cascade in one sample."""
 
     signals: list[Scalar]
-    """From the last section back: its output, its scaled change if it is of second order, …"""
+    """Signals from the last section back: output, then scaled change of a section of second order."""
     unit_gain: list[bool]
-    """Which of them follow the input at rest; the others rest at 0."""
+    """True for signals with a static gain of 1; the others have 0."""
     state: list[Scalar]
 
 
 def name_sections(order: int) -> tuple[str, ...]:
-    """Return the free numbers of the sections that make up an order."""
+    """Return the free numbers of the sections of an order."""
     first = ("log_tau",) if order % 2 else ()
     pairs = (f"log_{symbol}{k + 1}" for k in range(order // 2) for symbol in ("omega", "zeta"))
     return (*first, *pairs)
@@ -89,23 +87,22 @@ def step_cascade(
     dt: Scalar,
     more: Sequence[Scalar] = (),
 ) -> SectionOutput:
-    """Return the sections in series, fed with w; the state holds v₋ (and Δ₋) of every section.
+    """Return the sections in series with input w; the state holds v₋ (and Δ₋) of every section.
 
-    The first `nb` signals span all numerators of `nb` coefficients, nb ≤ order. With `more`,
-    order - 1 further inputs enter the other states: a section of second order takes one into
-    its input and √d₂ times one into its output.
+    The first `nb` ≤ order signals span all numerators of `nb` coefficients. With `more`, order - 1 further inputs enter
+    the other states: a section of second order adds one to its input and √d₂ times one to its output.
     """
     signals: list[Scalar] = []
     gains: list[bool] = []
     after: list[Scalar] = []
-    numbers, held, fed = iter(poles), iter(state), iter(more)
+    numbers, states, fed = iter(poles), iter(state), iter(more)
     if order % 2:
-        before = next(held)
+        before = next(states)
         w = before + first_order(xp, next(numbers), dt) * (w - before)
         signals, gains, after = [w], [True], [w]
     for k in range(order // 2):
         d = second_order(xp, next(numbers), next(numbers), dt)
-        before, change = next(held), next(held)
+        before, change = next(states), next(states)
         w = w + next(fed) if more and (k or order % 2) else w
         change = change + d.d2 * (w - (before - change)) - d.d1 * change
         w = before + change
@@ -117,23 +114,23 @@ def step_cascade(
 
 
 def rest_cascade(order: int, w: Scalar) -> list[Scalar]:
-    """Return the state of a cascade at rest under a constant input."""
+    """Return the steady state of a cascade under a constant input."""
     return [w] * (order % 2) + [w, 0.0] * (order // 2)
 
 
 def fed_resting(xp: Namespace, order: int, poles: list[Scalar], fed: list[Scalar], dt: Scalar) -> list[Scalar]:
-    """Return the state of a cascade at rest under constant inputs of all its states."""
-    w, held = fed[0], [fed[0]] * (order % 2)
+    """Return the steady state of a cascade under constant inputs of all its states."""
+    w, states = fed[0], [fed[0]] * (order % 2)
     for k in range(order % 2, order, 2):
         d = second_order(xp, poles[k], poles[k + 1], dt)
         change = -xp.sqrt(d.d2) * fed[k + 1]
         w = (w + fed[k] if k else w) + change * (1.0 - d.d1 / d.d2)
-        held += [w, change]
-    return held
+        states += [w, change]
+    return states
 
 
 def find_poles(order: int, numbers: Numbers, dt: float) -> Numbers:
-    """Return the poles z = exp(s dt) of a cascade, from its free numbers; all inside the unit circle."""
+    """Return the poles z = exp(s dt) of a cascade, all inside the unit circle."""
     first = order % 2
     s: list[complex] = [complex(-np.exp(-np.clip(log_tau, -LONGEST, LONGEST))) for log_tau in numbers[:first]]
     for k in range(first, order, 2):
@@ -146,16 +143,16 @@ def find_poles(order: int, numbers: Numbers, dt: float) -> Numbers:
 
 
 def find_time_range(duration: float, dt: float) -> tuple[float, float]:
-    """Return the logarithms of the shortest and longest time constants [s] that a record may tell."""
+    """Return the logarithms of the shortest and longest time constants that a record determines [s]."""
     return float(np.log(max(5.0 * dt, 1e-3 * duration))), float(np.log(0.25 * duration))
 
 
 def compute_weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
-    """Return the weights of the second signal on, from the last section back, for zeros at s = -1/lead.
+    """Return the weights of the signals after the first, from the last section back, for zeros at s = -1/lead.
 
-    As many signals take part as there are zeros and one, the input of all last; as if samples
-    were dense: the signals have numerators in s of ascending degree, and the sum is to have that
-    of the zeros.
+    There is one more signal than zeros. In the limit of dense samples the signals have numerators in s of ascending
+    degree;
+    their weighted sum has the given zeros.
     """
     count = len(leads) + 1
     matrix = np.zeros((count, count))
@@ -171,30 +168,30 @@ def compute_weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
 
 def _compute_numerators(order: int, numbers: Numbers) -> list[Numbers]:
     """Return the numerators of the signals, coefficients of s^0, s^1, …, from the last section back."""
-    made: list[Numbers] = []
+    numerators: list[Numbers] = []
     behind = np.ones(1)
     for k in range(order - 2, -1, -2):
         tau, zeta = np.exp(-numbers[k]), np.exp(numbers[k + 1])
-        made += [behind, np.convolve(behind, [0.0, tau])]
+        numerators += [behind, np.convolve(behind, [0.0, tau])]
         behind = np.convolve(behind, [1.0, 2.0 * zeta * tau, tau * tau])
     if order % 2:
-        made.append(behind)
+        numerators.append(behind)
         behind = np.convolve(behind, [1.0, np.exp(numbers[0])])
-    return [*made, behind]
+    return [*numerators, behind]
 
 
 def draw_numbers(order: int, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-    """Return the time constants spread over a thousandth to a quarter of a record; damping near 1."""
+    """Return random time constants from a thousandth to a quarter of a record, with damping near 1."""
     short, long = find_time_range(duration, dt)
-    made, first = np.zeros(order), order % 2
-    made[:first] = rng.uniform(short, long, first)
-    made[first::2] = -rng.uniform(short, long, order // 2)
-    made[first + 1 :: 2] = rng.uniform(np.log(0.5), np.log(2.0), order // 2)
-    return made
+    theta, first = np.zeros(order), order % 2
+    theta[:first] = rng.uniform(short, long, first)
+    theta[first::2] = -rng.uniform(short, long, order // 2)
+    theta[first + 1 :: 2] = rng.uniform(np.log(0.5), np.log(2.0), order // 2)
+    return theta
 
 
 def show_numbers(named: Sequence[str], theta: Numbers) -> list[tuple[str, float, str]]:
-    """Return the names without `log_`, with the values and units of what they stand for."""
+    """Return names without `log_`, values and units."""
     units = {"tau": "s", "omega": "rad/s", "zeta": "1"}
     rows: list[tuple[str, float, str]] = []
     for name, value in zip(named, theta, strict=True):
