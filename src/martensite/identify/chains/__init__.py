@@ -1,1 +1,1 @@
-"""Dynamic models from records: blocks in series, estimated, validated, used."""
+"""Dynamic models from records: chains of blocks, estimated, validated and simulated."""

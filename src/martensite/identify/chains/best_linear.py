@@ -1,13 +1,9 @@
-"""The numbers of a linear block that are linear once its poles are given, by least squares.
+"""Best linear approximation: linear models from records without iteration, as starts of searches.
 
-The best linear approximation: linear models from records, their start without iteration.
-
-A regularised impulse response gives poles (Ho–Kalman); with the poles given, a linear block is
-linear in its other numbers, and these follow from least squares. Slow systems are seen at lower
-sample times as well: poles are kept in seconds, so the one that explains the records best wins.
-
-Of a nonlinear system under a Gaussian input the best linear approximation has the poles of its
-linear blocks, whatever the static ones are (Bussgang's theorem): a start for them all.
+A regularised impulse response gives poles (Ho–Kalman); with given poles a linear block is linear in its other numbers,
+which follow from least squares. Slow systems are also examined at lower sample rates; the poles that explain the
+records best are used. For a nonlinear system under a Gaussian input the best linear approximation has the poles of its
+linear blocks for any static blocks (Bussgang's theorem).
 """
 
 from __future__ import annotations
@@ -47,39 +43,38 @@ class LinearStart(NamedTuple):
 
     theta: Numbers
     gain: float
-    """1 for a block whose gain is free."""
+    """1 for a block with a free gain."""
     offset: float
     """Offset of the output; 0 for a block with free offsets, or with several outputs."""
     error: float
-    """Sum of squared errors over the outputs' variances."""
+    """Sum of squared errors over the variances of the outputs."""
 
 
-def fit_weights(block: TransferFunction | StateSpace, known: Numbers, pairs: Sequence[Pair], dt: float) -> LinearStart:
-    """Return the start with given first numbers; all others are linear and follow from least squares."""
+def fit_weights(block: TransferFunction | StateSpace, given: Numbers, pairs: Sequence[Pair], dt: float) -> LinearStart:
+    """Return the start with given first numbers; the others follow from linear least squares."""
     theta = np.zeros(len(block.numbers()))
-    theta[: len(known)] = known
-    own = _find_weights(block, len(known))
-    found, error = _solve_squares(ChainEngine([block], dt), theta, own, pairs)
+    theta[: len(given)] = given
+    own = _find_weights(block, len(given))
+    weights, error = _solve_squares(ChainEngine([block], dt), theta, own, pairs)
     if not np.isfinite(error):
         return LinearStart(theta, 1.0, 0.0, np.inf)
     if isinstance(block, TransferFunction):
-        gain = float(found[0, 0])
-        least = 1e-3 * float(np.abs(found[:-1, 0]).max())
+        gain = float(weights[0, 0])
+        least = 1e-3 * float(np.abs(weights[:-1, 0]).max())
         gain = gain if abs(gain) > least else max(least, 1e-300)
-        theta[own] = found[1:-1, 0] / gain
-        return LinearStart(theta, gain, float(found[-1, 0]), error)
-    # C and D row by row, then the offsets
+        theta[own] = weights[1:-1, 0] / gain
+        return LinearStart(theta, gain, float(weights[-1, 0]), error)
     n, d = int(block.order), block.inputs * (block.nk < 1.0)
-    parts = [found[:n].T.ravel(), found[n : n + d].T.ravel()]
+    parts = [weights[:n].T.ravel(), weights[n : n + d].T.ravel()]
     if block.offset == "yes":
-        parts.append(found[-1])
-    theta[len(known) :] = np.concatenate(parts)
+        parts.append(weights[-1])
+    theta[len(given) :] = np.concatenate(parts)
     single = block.offset == "no" and block.outputs == 1
-    return LinearStart(theta, 1.0, float(found[-1, 0]) if single else 0.0, error)
+    return LinearStart(theta, 1.0, float(weights[-1, 0]) if single else 0.0, error)
 
 
 def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[np.intp]:
-    """Return the places of the linear numbers; those of the first output, as all sum the same signals."""
+    """Return the places of the linear numbers of the first output; all outputs sum the same signals."""
     first = ("weight", "c1_", "d1_")
     names = block.numbers()
     return np.array([i for i in range(known, len(names)) if names[i].startswith(first)], np.intp)
@@ -88,7 +83,7 @@ def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[n
 def _solve_squares(
     engine: ChainEngine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> tuple[Numbers, float]:
-    """Return the weights of the signals and a constant (the last), and the error over the variances."""
+    """Return the weights of the signals and the constant, and the error over the variances."""
     outputs = np.concatenate([y for _, y in pairs])
     outs = outputs.shape[1]
     total: Numbers | None = None
@@ -103,16 +98,16 @@ def _solve_squares(
     count = total.shape[1] - outs
     top, right = total[:count, :count], total[:count, count:]
     scale = np.maximum(np.linalg.norm(top, axis=0), 1e-300)
-    found = np.linalg.lstsq(top / scale, right, rcond=1e-12)[0] / scale[:, None]
-    left = np.sum((right - top @ found) ** 2, axis=0) + np.sum(total[count:, count:] ** 2, axis=0)
+    weights = np.linalg.lstsq(top / scale, right, rcond=1e-12)[0] / scale[:, None]
+    errors = np.sum((right - top @ weights) ** 2, axis=0) + np.sum(total[count:, count:] ** 2, axis=0)
     spread = np.nanvar(outputs, axis=0)
-    return found, float(np.sum(left / np.where(spread > 0.0, spread, 1.0)))
+    return weights, float(np.sum(errors / np.where(spread > 0.0, spread, 1.0)))
 
 
 def _collect_signals(
     engine: ChainEngine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> Iterator[Pair]:
-    """Yield the regressors of the linear parameters, with a constant, and the outputs; only fully known rows."""
+    """Yield the regressors with a constant, and the outputs, for rows without missing outputs."""
     single = isinstance(engine.blocks[0], TransferFunction)
     for u, y in pairs:
         for chunk in engine.sensitivities(theta, u):
@@ -124,21 +119,24 @@ def _collect_signals(
 
 
 LAGS = 256
-"""Most lags of an impulse response, over the number of inputs."""
+"""Largest number of lags of an impulse response, over the number of inputs."""
 SCORED = 20_000
-"""Samples over which poles found at several sample times are compared."""
+"""Samples for the comparison of poles."""
 LEAST_SAMPLES = 200
-"""Samples that a record must keep to be seen at a longer sample time."""
+"""Least number of samples at a lower sample rate."""
 Linear: TypeAlias = TransferFunction | StateSpace
-"""Blocks that these starts are for."""
 
 
 def linear_start(
     block: AbstractBlock, w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers], dt: float
 ) -> LinearStart:
-    """Numbers of an `oe` or `ss` block that reproduce y from w as well as its orders allow, sampled every dt [s].
+    """Return numbers of an `oe` or `ss` block that reproduce y from w, sampled every dt [s].
 
-    Signals are of shape (samples,) or (samples, columns), several records as a list; y is NaN where it is missing.
+    Args:
+        block: the block.
+        w: inputs, shape (samples,) or (samples, columns); a list for several records.
+        y: outputs, likewise; NaN where missing.
+        dt: sample time [s].
 
     Raises:
         InputError: the block is neither an `oe` nor an `ss`.
@@ -150,24 +148,25 @@ def linear_start(
     short = _shorten_records(pairs)
     factors = _list_factors(pairs) if _find_order(block) else [1]
     firsts = [_find_poles(block, thin_records(pairs, factor), dt, factor) for factor in factors]
-    best = min(firsts, key=lambda known: fit_weights(block, known, short, dt).error)
+    best = min(firsts, key=lambda poles: fit_weights(block, poles, short, dt).error)
     return fit_weights(block, best, pairs, dt)
 
 
 def best_linear(
     records: Sampled | Sequence[Sampled], order: int, nk: int = 1, skip: int = 0, iterations: int = 60
 ) -> Chain:
-    """Return the linear model of an order that reproduces records best in free run from rest.
+    """Return the linear model of an order that reproduces records best in free run from the steady state.
 
-    One input and one output give `oe(order, order, nk) | poly1`, with nk = 0 one coefficient
-    more; several give one `ss` block with offsets.
+    One input and output give `oe(order, order, nk) | poly1`, with one more coefficient for nk = 0; several give one
+    `ss`
+    block with offsets.
 
     Args:
         records: one or several, of one sample time.
         order: number of poles.
         nk: delay in samples.
         skip: samples at the start of every record that do not count.
-        iterations: most steps of the search that refines the start; 0 leaves it.
+        iterations: largest number of steps of the refinement.
     """
     records = (records,) if isinstance(records, Sampled) else tuple(records)
     first = max(records, key=len)
@@ -175,17 +174,21 @@ def best_linear(
     block: Linear = StateSpace(order=order, ins=ins, outs=outs, nk=nk, offset="yes")
     if (ins, outs) == (1, 1):
         block = TransferFunction(nb=order + (nk == 0), nf=order, nk=nk)
-    known = [r.with_outputs(_skip_start(r.outputs, skip)) for r in records]
-    return polish_linear(block, known, "rest", skip, iterations)
+    counted = [r.with_outputs(_skip_start(r.outputs, skip)) for r in records]
+    return polish_linear(block, counted, "rest", skip, iterations)
 
 
 def polish_linear(
     block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0, iterations: int = 60
 ) -> Chain:
-    """Return an `oe` or `ss`, with the line that its gain and offset need, refined from its start.
+    """Return an `oe` or `ss`, with gain and offset if needed, refined from its start.
 
-    `start` is the state at the first sample, `rest`, `zero` or `estimate`; samples before `skip` do not count; with 0
-    iterations the start is left.
+    Args:
+        block: the block.
+        records: one or several, of one sample time.
+        start: state at the first sample: `rest`, `zero` or `estimate`.
+        skip: samples at the start of every record that do not count.
+        iterations: largest number of steps of the refinement.
 
     Raises:
         DataError: too few samples are known.
@@ -193,10 +196,10 @@ def polish_linear(
     first = max(records, key=len)
     lined = block.outputs == 1 and (isinstance(block, TransferFunction) or block.offset == "no")
     chain = build_untrained([block, Polynomial(degree=1)] if lined else [block], first)
-    found = linear_start(block, [r.inputs for r in records], [r.outputs for r in records], first.interval)
-    theta = found.theta
+    fitted = linear_start(block, [r.inputs for r in records], [r.outputs for r in records], first.interval)
+    theta = fitted.theta
     if isinstance(line := chain.blocks[-1], Polynomial):
-        theta = np.concatenate([theta, line.line(found.gain, found.offset)])
+        theta = np.concatenate([theta, line.line(fitted.gain, fitted.offset)])
     squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, None, start) for record in records])
     if iterations:
         theta = minimise_cost(squares, squares.extend_parameters(theta), iterations).theta[: len(theta)]
@@ -204,9 +207,9 @@ def polish_linear(
 
 
 def _skip_start(y: Numbers, skip: int) -> Numbers:
-    kept = y.copy()
-    kept[:skip] = np.nan
-    return kept
+    skipped = y.copy()
+    skipped[:skip] = np.nan
+    return skipped
 
 
 def _pair_records(w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]) -> list[Pair]:
@@ -221,7 +224,6 @@ def _pair_records(w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]
 
 
 def _shorten_records(pairs: Sequence[Pair]) -> list[Pair]:
-    """Return the first samples of every record: enough to compare poles."""
     most = max(SCORED // len(pairs), LEAST_SAMPLES)
     return [(u[:most], y[:most]) for u, y in pairs]
 
@@ -231,13 +233,13 @@ def _find_order(block: TransferFunction | StateSpace) -> int:
 
 
 def _list_factors(pairs: Sequence[Pair]) -> list[int]:
-    """Return the multiples of the sample time at which records are looked at."""
+    """Return the divisors of the sample rate."""
     longest = max(len(u) for u, _ in pairs)
     return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= LEAST_SAMPLES]
 
 
 def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt: float, factor: int) -> Numbers:
-    """Return the poles, and the B of several inputs, from records at `factor` times the sample time."""
+    """Return the poles, and B of several inputs, from records at `factor` times the sample time."""
     order = _find_order(block)
     if not order:
         return np.zeros(0)
@@ -247,27 +249,26 @@ def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt:
     g = impulse_response(pairs, lags, nk // factor)
     model = realise_responses(g[max(nb - order, 0) if factor == 1 else 1 :], order)
     z = np.linalg.eigvals(model.a)
-    found = match_poles(z, dt * factor)
+    matched = match_poles(z, dt * factor)
     if block.inputs == 1:
-        return found.numbers
-    return np.concatenate([found.numbers, _find_mixing(block, model, z, found, dt * factor)])
+        return matched.numbers
+    return np.concatenate([matched.numbers, _find_mixing(block, model, z, matched, dt * factor)])
 
 
-def _find_mixing(block: AbstractBlock, model: Realised, z: Numbers, found: Matched, dt: float) -> Numbers:
-    """Return the free numbers of B."""
-    numbers = list(map(float, found.numbers))
+def _find_mixing(block: AbstractBlock, model: Realised, z: Numbers, matched: Matched, dt: float) -> Numbers:
+    numbers = list(map(float, matched.numbers))
     n, m = len(numbers), block.inputs
 
     def after(state: Numbers, fed: Numbers) -> list[float]:
         one, *more = map(float, fed)
-        held = list(map(float, state))
-        return sections.step_cascade(floats, n, numbers, held, one, dt, more or [0.0]).state
+        state_numbers = list(map(float, state))
+        return sections.step_cascade(floats, n, numbers, state_numbers, one, dt, more or [0.0]).state
 
     zero = np.zeros(n)
     a = np.column_stack([after(unit, zero) for unit in np.eye(n)])
     fed = np.column_stack([after(zero, unit) for unit in np.eye(n)])
     summed = model.b @ (1.0 / np.arange(1, m + 1))
     joined = Realised(model.a, np.column_stack([model.b, summed]), model.c)
-    own = sections.find_poles(n, found.numbers, dt)
-    b = find_entering(joined, z[found.places], Realised(a, fed[:, :1], model.c), own)
+    cascade_poles = sections.find_poles(n, matched.numbers, dt)
+    b = find_entering(joined, z[matched.places], Realised(a, fed[:, :1], model.c), cascade_poles)
     return np.linalg.solve(fed, b)[:, :-1].ravel()

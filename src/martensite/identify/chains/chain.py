@@ -1,4 +1,4 @@
-"""A dynamic model: blocks in series with their numbers, ready to simulate."""
+"""A dynamic model: blocks in series with their numbers."""
 
 from __future__ import annotations
 
@@ -17,40 +17,37 @@ from martensite.signals.sampling.sampled import Sampled
 
 
 class RecordStart(NamedTuple):
-    """Start of a record of the fit."""
+    """Start of a record in the fit."""
 
     name: str
-    """Name of the record."""
     kind: str
-    """`rest` under its first inputs, `zero`, or `estimate`: with the state that was found with the model."""
     state: tuple[float, ...] = ()
-    """State at the first sample, if it was estimated."""
+    """Estimated state at the first sample, else empty."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Blocks in series, each with values of its free numbers, at one sample time.
+    """Blocks in series with values of their free numbers, at one sample time.
 
-    A Hammerstein model is static | linear, a Wiener model linear | static, and any other order
-    is as good. Every model is stable: its linear blocks are, by their parameters.
+    static | linear is a Hammerstein model, linear | static a Wiener model; any order is possible. Linear blocks are
+    stable
+    by their parameters.
     """
 
     blocks: tuple[AbstractBlock, ...]
     theta: Numbers
-    """Free numbers of all blocks, in their order."""
     interval: float
     """Sample time [s]."""
     input_names: tuple[str, ...] = ("u",)
     output_names: tuple[str, ...] = ("y",)
     units: dict[str, str] = field(default_factory=dict[str, str])
-    """Unit of every signal."""
     taps: Taps | None = None
-    """Outputs as (block, its output); by default those of the last block."""
+    """Outputs as (block, its output); default: the outputs of the last block."""
     name: str = "model"
     starts: Mapping[str, RecordStart] = field(default_factory=dict[str, RecordStart])
     """Starts of the records of the fit, by hash (`Sampled.hash`)."""
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
-    """Least and greatest value that every signal had in these records; empty if they are not known."""
+    """Smallest and largest value of every signal in these records; empty if unknown."""
 
     def __post_init__(self) -> None:
         if not self.blocks:
@@ -66,7 +63,7 @@ class Chain:
             raise ParameterError(f"Chain `{self.text()}` has {count} free numbers, but {len(self.theta)} are given.")
 
     def text(self) -> str:
-        """Return the chain as it is written: `poly2 | oe(3,3,1) | pwl10`."""
+        """Return the chain as text, such as `poly2 | oe(3,3,1) | pwl10`."""
         return " | ".join(block.text() for block in self.blocks)
 
     @cached_property
@@ -76,7 +73,7 @@ class Chain:
 
     @property
     def inputs(self) -> int:
-        """Return the number of its inputs."""
+        """Return the number of inputs."""
         return self.blocks[0].inputs
 
     def names(self) -> list[str]:
@@ -84,7 +81,7 @@ class Chain:
         return [f"{i + 1}.{n}" for i, block in enumerate(self.blocks) for n in block.numbers()]
 
     def split(self, theta: Numbers | None = None) -> list[Numbers]:
-        """Return the free numbers block by block."""
+        """Return the free numbers by block."""
         counts = [len(block.numbers()) for block in self.blocks]
         values = self.theta if theta is None else theta
         return np.split(values, np.cumsum(counts)[:-1])
@@ -94,29 +91,30 @@ class Chain:
         return replace(self, theta=np.array(theta, dtype=float))
 
     def with_records(self, starts: Mapping[str, RecordStart], ranges: Mapping[str, tuple[float, float]]) -> Chain:
-        """Return the chain with the stored starts and ranges of the records of its fit."""
+        """Return the chain with starts and ranges of the records of its fit."""
         return replace(self, starts=starts, ranges=ranges)
 
     def simulate(self, inputs: Numbers | Sampled, state: Numbers | None = None) -> Numbers:
-        """Return the outputs (samples, outputs) of a free run.
+        """Return the outputs, shape (samples, outputs), of a free run.
 
-        It begins with a state that is given, or as a record that the chain was fitted to began at the fit; else
-        at rest under the first input. See `record_starts.find_start` for other records.
+        The run begins in the given state, or as in the fit for a record of the fit, else in the steady state under
+        the first
+        input. `record_starts.find_start` finds the start of other records.
 
         Raises:
-            InputError: the inputs do not fit, in number or in sample time.
+            InputError: the number of inputs or the sample time does not fit.
         """
         u = self._checked(inputs)
         if state is None and isinstance(inputs, Sampled) and self.starts:
-            known = self.starts.get(inputs.hash)
-            state = None if known is None else self.restore_state(known)
+            start = self.starts.get(inputs.hash)
+            state = None if start is None else self.restore_state(start)
         return self.engine.simulate(self.theta, u, None if state is None else state.copy())
 
-    def restore_state(self, known: RecordStart) -> Numbers | None:
-        """Return the state at the first sample of a record that the chain was fitted to; None for rest."""
-        if known.kind == "rest":
+    def restore_state(self, start: RecordStart) -> Numbers | None:
+        """Return the state at the first sample of a record of the fit; None for the steady state."""
+        if start.kind == "rest":
             return None
-        return np.array(known.state) if known.state else np.zeros(self.engine.plan.states)
+        return np.array(start.state) if start.state else np.zeros(self.engine.plan.states)
 
     def _checked(self, inputs: Numbers | Sampled) -> Numbers:
         if isinstance(inputs, Sampled):
@@ -141,7 +139,7 @@ class Chain:
         return ChainEngine(self.blocks[:block], self.interval).simulate(theta, u)
 
     def then(self, other: Chain) -> Chain:
-        """This model in series with another, whose input is its output; `InputError` if the sample times differ."""
+        """Return this model in series with another; raise `InputError` for different sample times."""
         if abs(other.interval / self.interval - 1.0) > 1e-6:
             raise InputError(
                 f"Models in series need one sample time, but `{self.name}` has "
@@ -162,17 +160,17 @@ class Chain:
 
 
 def build_untrained(blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None) -> Chain:
-    """Return a chain for a record, its blocks one by one adapted to what reaches them from the start."""
-    made: list[AbstractBlock] = []
+    """Return a chain for a record, with each block adapted to its input."""
+    adapted: list[AbstractBlock] = []
     x, theta = record.inputs, np.zeros(0)
     for block in blocks:
         block = block.adapt_to(x, record.interval)
-        made.append(block)
-        own = block.start()
-        x = ChainEngine([block], record.interval).simulate(own, x)
-        theta = np.concatenate([theta, own])
+        adapted.append(block)
+        numbers = block.start()
+        x = ChainEngine([block], record.interval).simulate(numbers, x)
+        theta = np.concatenate([theta, numbers])
     return Chain(
-        tuple(made),
+        tuple(adapted),
         theta,
         record.interval,
         record.input_names,

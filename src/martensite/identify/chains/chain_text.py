@@ -4,15 +4,10 @@
     stage = block  or  "[" chain { "&" chain } "]"  or  "[" chain { "+" chain } "]"  or  "[" chain "<" chain "]"
     block = name [ number ]  or  name "(" word { "," word } ")"
 
-A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in brackets or, if it is
-one number, behind the name. Blocks between `&` in square brackets are in parallel on separate signals: `[poly2 &
-unit]`; between `+` they are summed; the chain behind `<` is the feedback of the chain in front of it. Each may be a
-chain, or in brackets again. Capitals and blanks do not matter.
-
-Patterns of structures: `poly{1..3} | oe({2..3},3,1) | {pwl,sigmoid}{5,10}`.
-
-Braces hold alternatives, separated by commas, `{gpi(6,8),pi(10)}`; `a..b` stands for the whole numbers from a to b.
-Every choice is combined with every other, in the order in which they are written.
+A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in brackets, or a single
+number after the name. In square brackets, blocks between `&` are in parallel on separate signals, blocks between `+`
+are summed, and the chain after `<` is the feedback of the chain before it. Each may be a chain, or in brackets. Case
+and spaces are ignored.
 """
 
 from __future__ import annotations
@@ -28,39 +23,38 @@ from martensite.identify.blocks.side_by_side import AbstractComposite, SideBySid
 
 _BLOCK = re.compile(r"([a-z][a-z_-]*)\s*(?:\(([^()]*)\)|(\d+))?")
 JOINED: dict[str, type[AbstractComposite]] = {one.sign: one for one in (SideBySide, SummedBlocks, FeedbackLoop)}
-"""Blocks made of blocks by the sign between these."""
 
 
 def short_names() -> dict[str, type[AbstractBlock]]:
-    """Return the blocks by the name that they have in texts."""
+    """Return the blocks by their names in texts."""
     blocks = (BLOCKS[name] for name in BLOCKS.names())
     return {block.short: block for block in blocks if block.short}
 
 
 def parse_block(text: str) -> AbstractBlock:
-    """Return one block from its text, or blocks side by side.
+    """Return one block, or a composite block, from its text.
 
     Raises:
-        InputError: it is not written like a block, or there is none of that name.
+        InputError: the text is no block, or the name is unknown.
     """
     text = text.strip()
     if text.startswith("["):
         return _parse_joined(text)
-    found = _BLOCK.fullmatch(text.lower())
-    if found is None:
+    match = _BLOCK.fullmatch(text.lower())
+    if match is None:
         raise InputError(
             f"`{text}` is no block; write a name and its orders, such as `poly2`, `pwl(10)` or `oe(3,3,1)`."
         )
-    name, inner, digits = found.groups()
-    known = short_names()
-    if name not in known:
-        raise InputError(f"There is no block `{name}`. {suggest_name(name, known)}")
+    name, inner, digits = match.groups()
+    blocks = short_names()
+    if name not in blocks:
+        raise InputError(f"There is no block `{name}`. {suggest_name(name, blocks)}")
     words = [w.strip() for w in (inner or digits or "").split(",") if w.strip()]
-    return _build_block(known[name], text, words)
+    return _build_block(blocks[name], text, words)
 
 
 def _split_outside(text: str, sign: str) -> list[str]:
-    """Return the parts of a text between signs that stand outside of all brackets."""
+    """Return the parts of a text between signs outside all brackets."""
     parts, depth = [""], 0
     for character in text:
         depth += (character in "([") - (character in ")]")
@@ -72,7 +66,7 @@ def _split_outside(text: str, sign: str) -> list[str]:
 
 
 def _parse_joined(text: str) -> AbstractBlock:
-    """Return the blocks between square brackets."""
+    """Return the composite block of a text in square brackets."""
     signs = [sign for sign in JOINED if len(_split_outside(text[1:-1], sign)) > 1]
     parts = _split_outside(text[1:-1], signs[0]) if signs else [text[1:-1]]
     words = [_split_outside(part, "|") for part in parts]
@@ -101,24 +95,23 @@ def _build_block(block: type[AbstractBlock], text: str, words: list[str]) -> Abs
         raise InputError(f"Block `{text}` is given {len(words)}, but `{block.short}` takes {allowed}.")
     try:
         pairs = zip(block.shape, words, strict=False)
-        made = block(**{name: _parse_value(block, name, word) for name, word in pairs})
+        result = block(**{name: _parse_value(block, name, word) for name, word in pairs})
     except ValueError:
         raise InputError(f"The numbers of block `{text}` must be plain numbers.") from None
     except MartensiteError as error:
         raise InputError(f"Block `{text}`: {error}") from None
-    return made
+    return result
 
 
 def _parse_value(block: type[AbstractBlock], name: str, word: str) -> float | str:
-    """Return a choice as it is; anything else as a number."""
     return word if block.declarations[name].kind == "option" else float(word)
 
 
 def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
-    """Return the blocks of a text, their gauge set: only the last static block has an offset.
+    """Return the blocks of a text; only the last static block has an offset.
 
     Raises:
-        InputError: a block is unknown or not well written.
+        InputError: a block is unknown, or the text is invalid.
     """
     _check_brackets(text)
     words = _split_outside(text, "|")
@@ -128,7 +121,6 @@ def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
 
 
 def _check_brackets(text: str) -> None:
-    """Raise `InputError` unless every bracket is closed by one of its kind."""
     opened: list[str] = []
     for character in text:
         if character in "([":
@@ -140,30 +132,29 @@ def _check_brackets(text: str) -> None:
 
 
 def fix_gauge(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
-    """Return the blocks of which only the last static one on the way of a signal has an offset.
+    """Return the blocks with an offset only in the last static block of each signal path.
 
-    Two could not be told apart. Where signals mix, an offset on any way counts. Saturations and
-    dead zones before it have the gain 1 for the same reason.
+    Two offsets cannot be identified. Saturations and dead zones before it have the gain 1 for the same reason.
     """
     return _fix_series(blocks, [False] * (blocks[-1].outputs if blocks else 0))[0]
 
 
 def _fix_series(blocks: Sequence[AbstractBlock], after: list[bool]) -> tuple[tuple[AbstractBlock, ...], list[bool]]:
-    """Blocks in series without the offsets that a later one makes up for, and whether one follows each input."""
-    made: list[AbstractBlock] = []
+    """Return blocks in series without redundant offsets, and whether an offset follows each input."""
+    fixed: list[AbstractBlock] = []
     for block in reversed(blocks):
         changed, after = _drop_offset(block, after)
-        made.append(changed)
-    return tuple(reversed(made)), after
+        fixed.append(changed)
+    return tuple(reversed(fixed)), after
 
 
 def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
-    """Return a block without an offset if one follows, and for each input whether one follows."""
+    """Return a block without an offset if one follows, and whether one follows each input."""
     if isinstance(block, SideBySide):
         shares = block.split(after, lambda child: child.outputs)
-        found = [_drop_offset(child, own) for child, own in shares]
-        children = tuple(child for child, _ in found)
-        return block.with_parts(blocks=children), [flag for _, flags in found for flag in flags]
+        fixed = [_drop_offset(child, flags_after) for child, flags_after in shares]
+        children = tuple(child for child, _ in fixed)
+        return block.with_parts(blocks=children), [flag for _, flags in fixed for flag in flags]
     if isinstance(block, AbstractComposite):
         return _fix_joined(block, after)
     follows = any(after)
@@ -174,13 +165,13 @@ def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock
 
 
 def _fix_joined(block: AbstractComposite, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
-    """Fix gains and offsets of blocks in series, of sums, and of feedback."""
+    """Return a series, sum or feedback with fixed gains and offsets."""
     if isinstance(block, Series):
         children, flags = _fix_series(block.blocks, after)
         return block.with_parts(blocks=children), flags
-    made: list[AbstractBlock] = []
-    for child in block.blocks:  # of all that end in one sum, the first with an offset has it
+    fixed: list[AbstractBlock] = []
+    for child in block.blocks:  # the first block of a sum that can have an offset has it
         changed, flags = _drop_offset(child, after)
-        made.append(changed)
+        fixed.append(changed)
         after = [True] if isinstance(block, FeedbackLoop) else [any((*after, *flags))]
-    return block.with_parts(blocks=tuple(made)), after * block.inputs
+    return block.with_parts(blocks=tuple(fixed)), after * block.inputs

@@ -1,17 +1,16 @@
-"""Correlation of residuals with inputs and past outputs: the unexplained part of a model.
+"""Correlation of residuals with inputs: the unexplained part of a model.
 
 For residuals ε and a signal w, both without their means,
 
     r(τ) = Σ_t ε_{t+τ} w_t / √(Σ ε² Σ w²),    var r(τ) ≈ Σ_k ρ_ε(k) ρ_w(k)/n
 
-if ε does not depend on w (Bartlett; Ljung (1999), System Identification, section 16.6). The sum runs over all lags of
-both estimated autocorrelations, which is the mean of the product of their periodograms, so the band holds for coloured
-inputs and coloured residuals alike. Only pairs of which both are known count. Neighbouring lags are strongly
-correlated, so a count of lags outside the band proves nothing. The test uses the largest lag, with the level shared
-among the lags.
+if ε does not depend on w (Bartlett; Ljung (1999), System Identification, section 16.6). The sum over all lags of both
+estimated autocorrelations makes the band valid for coloured inputs and residuals. Neighbouring lags are strongly
+correlated, so the number of lags outside the band proves nothing. The test uses the largest lag, with the level
+divided among the lags.
 
-At lags τ > 0 residuals follow the signal: the model lacks some of its effect. At lags τ < 0 they
-lead it: the input was made from the output, by a controller.
+At lags τ > 0 residuals follow the signal: the model lacks some of its effect. At lags τ < 0 they lead it: a controller
+made the input from the output.
 """
 
 from __future__ import annotations
@@ -30,11 +29,11 @@ from martensite.search.quantity_text import format_number
 from martensite.search.whiteness import compute_autocorrelation
 
 LAGS = 25
-"""Lags tested on either side."""
+"""Number of tested lags on either side."""
 LEVELS = (0.95, 0.99)
 """Confidence levels of the displayed bands."""
 LEVEL = 0.99
-"""Confidence level of the verdict, for all lags together."""
+"""Confidence level of the verdict for all lags."""
 
 
 @dataclass(frozen=True)
@@ -43,53 +42,52 @@ class Crossed:
 
     output: str
     signal: str
-    """Name of the signal, such as `u`, or `u²`."""
+    """Name of the signal, such as `u` or `u²`."""
     lags: tuple[int, ...]
-    """In samples; those below 0 are of residuals that lead."""
     values: tuple[float, ...]
     deviation: float
-    """Standard deviation of every value, if there is nothing to find."""
+    """Standard deviation of every value without a correlation."""
     interval: float
     """Sample time [s]."""
     level: float = LEVEL
 
     def band(self, level: float) -> float:
-        """Return half width within which one value lies with some probability."""
+        """Return the half width of the band of one value for a probability."""
         return NormalDist().inv_cdf(0.5 + 0.5 * level) * self.deviation
 
     @property
     def limit(self) -> float:
-        """Return half width within which all values on one side lie with the level of the verdict."""
+        """Return the half width of the band of all values on one side for the level of the verdict."""
         side = max(sum(lag >= 0 for lag in self.lags), 1)
         return self.band(1.0 - (1.0 - self.level) / side)
 
     @property
     def following(self) -> tuple[int, float]:
-        """Lag and value of the largest at lags from 0 on."""
+        """Return lag and value of the largest correlation at lags from 0 on."""
         return self._largest([i for i, lag in enumerate(self.lags) if lag >= 0])
 
     @property
     def leading(self) -> tuple[int, float]:
-        """Lag and value of the largest below lag 0."""
+        """Return lag and value of the largest correlation at negative lags."""
         return self._largest([i for i, lag in enumerate(self.lags) if lag < 0])
 
     @property
     def explained(self) -> bool:
-        """Return whether nothing of the signal is left in the residuals that follow it."""
+        """Return whether the residuals that follow the signal are uncorrelated."""
         return abs(self.following[1]) <= self.limit
 
     @property
     def sentence(self) -> str:
         """Return the verdict with its numbers."""
         lag, value = self.following
-        what = f"residuals of `{self.output}` and {self.signal}"
+        pair = f"residuals of `{self.output}` and {self.signal}"
         size = f"{format_number(value, 2)} after {format_number(lag * self.interval, 3)} s"
         within = f"±{format_number(self.limit, 2)} of chance"
         if self.explained:
-            return f"The {what} are not correlated (at most {size}, within {within})."
+            return f"The {pair} are not correlated (at most {size}, within {within})."
         square = "bend of a static block" if "²" in self.signal else "dynamics"
         return (
-            f"The {what} are correlated ({size}, beyond {within}): the model lacks some of its "
+            f"The {pair} are correlated ({size}, beyond {within}): the model lacks some of its "
             f"effect; try another order, delay or {square}."
         )
 
@@ -114,13 +112,19 @@ def correlate_residuals(
     lags: Sequence[int] | None = None,
     level: float = LEVEL,
 ) -> Crossed | None:
-    """Correlate the residuals of one output with a signal; None if either does not vary.
+    """Correlate the residuals of one output with a signal; None if either is constant.
 
-    Both are of shape (samples,), every interval [s], residuals NaN where they are not known; lags are in samples, see
-    `spread_lags` if left out.
+    Args:
+        residuals: shape (samples,), NaN where unknown.
+        signal: shape (samples,).
+        interval: sample time [s].
+        output: name of the output.
+        name: name of the signal.
+        lags: lags in samples; default: `spread_lags`.
+        level: confidence level of the verdict.
 
     Raises:
-        DataError: the two are not equally many, or a lag is beyond the record.
+        DataError: the lengths differ, or a lag is beyond the record.
     """
     e, w = np.asarray(residuals, dtype=float), np.asarray(signal, dtype=float)
     if e.shape != w.shape or e.ndim != 1:
@@ -146,7 +150,7 @@ def correlate_residuals(
 
 
 def spread_lags(*autocorrelations: Numbers) -> list[int]:
-    """Return the lags from -L to L in equal steps, over four times the time that signals remember."""
+    """Return equally spaced lags from -L to L, over four correlation times."""
     memory = max(_find_memory(rho) for rho in autocorrelations)
     most = len(autocorrelations[0]) // 5
     step = max(1, min(4 * memory, most) // LAGS)
@@ -160,5 +164,4 @@ def _find_memory(rho: Numbers) -> int:
 
 
 def _sum_shifted(e: Numbers, w: Numbers, lag: int) -> float:
-    """Σ ε_{t+lag} w_t."""
     return float(e[lag:] @ w[: len(w) - lag]) if lag >= 0 else float(e[:lag] @ w[-lag:])

@@ -1,7 +1,7 @@
-"""Thinner records, on which searches are quick: means over samples, or a first part.
+"""Decimated records for quick searches: means over samples, or a first part.
 
-Means over some samples, of inputs and outputs alike, keep what is slower. Where outputs change
-too fast for that, the first part of a record stands for the whole, if it moves as much.
+Means over samples of inputs and outputs keep slow changes. If outputs change too fast, the first part of a record is
+used, provided that it has a similar variance.
 """
 
 from __future__ import annotations
@@ -16,34 +16,34 @@ from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
 COARSE = 5000
-"""Samples per record to which first searches thin long records."""
+"""Samples per record in first searches."""
 MIDDLE = 25_000
-"""Samples per record with which the best of the first searches go on."""
+"""Samples per record in the second stage of a search."""
 LEAST_SAMPLES = 20
-"""Samples that a record keeps at least when it is thinned."""
+"""Least number of samples of a decimated record."""
 LOST = 0.002
-"""Most of the variance of an output that thinning may average away."""
+"""Largest fraction of the variance of an output that averaging may remove."""
 WORTH = 5
-"""Least factor of thinning that is worth what it blurs."""
+"""Least useful factor."""
 PART = 2.4
-"""A record that cannot be thinned keeps so many times as many samples as one that can."""
+"""Samples of a first part, over the samples of a decimated record."""
 LIVELY = 0.5
-"""Least variance of the outputs of such a part, over that of the whole."""
+"""Least variance of a first part over the variance of the record."""
 
 
 def coarsen_records(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
-    """Return the records of one sample time with about as many samples each, at most twice as many.
+    """Return the records of one sample time with about `most` samples each, at most twice as many.
 
-    Where the outputs change too fast for means, only the first part of a record is taken.
+    If the outputs change too fast for means, the first part of each record is returned.
     """
     factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST_SAMPLES)
-    if (kept := find_thinnest(records, factor)) < factor:
-        factor, records = (kept, [_cut_part(r, min(int(PART * most), MIDDLE) * kept) for r in records])
+    if (thin := find_thinnest(records, factor)) < factor:
+        factor, records = thin, [_cut_part(r, min(int(PART * most), MIDDLE) * thin) for r in records]
     return [r if factor < 2 else resample_record(r, ratio=float(factor)) for r in records]
 
 
 def _cut_part(record: Sampled, count: int) -> Sampled:
-    """Return the first samples, as many more as it takes until outputs move as in the whole."""
+    """Return the first samples, doubled until the outputs vary as in the whole record."""
     whole = np.nanvar(record.outputs, axis=0)
     while count < len(record):
         first = record.outputs[:count]
@@ -55,9 +55,9 @@ def _cut_part(record: Sampled, count: int) -> Sampled:
 
 
 def find_thinnest(records: Sequence[Sampled], factor: int) -> int:
-    """Return the largest factor, up to a given one, whose averages keep the outputs' variance.
+    """Return the largest factor, up to a given one, whose means keep the variance of the outputs.
 
-    White noise, which averages away as well, is told by what averages of two samples lose.
+    White noise, which averages out as well, is recognised from means of two samples.
     """
     if factor <= 1:
         return factor
@@ -68,7 +68,6 @@ def find_thinnest(records: Sequence[Sampled], factor: int) -> int:
 
 
 def _measure_loss(records: Sequence[Sampled], factor: int) -> Numbers:
-    """Return the share of the variance of every output that averages over some samples lose."""
     pairs = [(r.inputs, r.outputs) for r in records]
     means = np.concatenate([y for _, y in thin_records(pairs, factor)])
     outputs = np.concatenate([y for _, y in pairs])
@@ -79,10 +78,10 @@ def _measure_loss(records: Sequence[Sampled], factor: int) -> Numbers:
 
 
 def thin_records(pairs: Sequence[Pair], factor: int) -> list[Pair]:
-    """Return the records averaged over so many samples, inputs and outputs alike."""
+    """Return the records averaged over `factor` samples."""
     if factor <= 1:
         return list(pairs)
-    made: list[Pair] = []
+    thinned: list[Pair] = []
     for u, y in pairs:
         count = len(u) // factor
         if count:
@@ -90,5 +89,5 @@ def thin_records(pairs: Sequence[Pair], factor: int) -> list[Pair]:
             known = np.isfinite(blocks)
             sums, counts = np.where(known, blocks, 0.0).sum(axis=1), known.sum(axis=1)
             mean = np.where(2 * counts >= factor, sums / np.maximum(counts, 1), np.nan)
-            made.append((u[: count * factor].reshape(count, factor, -1).mean(axis=1), mean))
-    return made
+            thinned.append((u[: count * factor].reshape(count, factor, -1).mean(axis=1), mean))
+    return thinned

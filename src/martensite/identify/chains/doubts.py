@@ -1,8 +1,4 @@
-"""Doubts about records and what was made of them, a sentence each; none where all is well.
-
-What a free run scores says nothing of whether it was worth running: an output that is the input again, columns
-that were exchanged, a log in which nothing happens while it is judged.
-"""
+"""Doubts about records and their models, one sentence each: copied inputs, exchanged columns, initial motion."""
 
 from __future__ import annotations
 
@@ -20,37 +16,36 @@ from martensite.identify.chains.scores import fit_percent
 from martensite.signals.sampling.sampled import Sampled
 
 EXACT = 1e-6
-"""Share of an output that is not its input, but for a factor and an offset, below which the two are one."""
+"""Relative residual of a line in the input below which an output is a copy."""
 POOR = 80.0
-"""Fit [%] below which it is asked whether columns were exchanged."""
+"""Fit below which exchanged columns are tested [%]."""
 BETTER = 20.0
-"""Points of fit by which the exchanged columns must do better."""
+"""Least improvement of the fit by exchanged columns [points]."""
 MOVING = 0.8
-"""Squared error of a linear model from the best state, over that from rest, below which a record is in motion."""
+"""Squared error of a linear model from the best state, over the steady state, below which a record starts in motion."""
 
 
 def describe_copies(records: Sequence[Sampled]) -> Iterator[str]:
-    """Yield the outputs that are an input again."""
+    """Yield a sentence for every output that is a copy of an input."""
     for record in records:
-        for given, u in zip(record.input_names, record.inputs.T, strict=True):
+        for source, u in zip(record.input_names, record.inputs.T, strict=True):
             for name, y in zip(record.output_names, record.outputs.T, strict=True):
                 known = np.isfinite(y)
                 if known.sum() > 2 and np.ptp(u[known]) > 0.0 and _measure_rest(u[known], y[known]) < EXACT:
                     yield (
-                        f"{record.name}: output `{name}` is input `{given}` again, but for a factor and an offset; "
+                        f"{record.name}: output `{name}` is input `{source}` again, but for a factor and an offset; "
                         "there is nothing to be found. Is it the column that was meant?"
                     )
 
 
 def _measure_rest(u: Numbers, y: Numbers) -> float:
-    """Return the fraction of y that a straight line in u leaves unexplained."""
     spread = float(np.std(y))
     left = y - np.polyval(np.polyfit(u, y, 1), u)
     return float(np.std(left)) / spread if spread > 0.0 else 1.0
 
 
 def describe_exchange(records: Sequence[Sampled], fit: float) -> Iterator[str]:
-    """Yield a sentence per record whose output explains the input better than the input explains the output."""
+    """Yield a sentence for every record whose output explains the input better than the input the output."""
     if fit >= POOR or any(r.inputs.shape[1] != 1 or r.outputs.shape[1] != 1 for r in records):
         return
     for record in coarsen_records(records):
@@ -61,15 +56,15 @@ def describe_exchange(records: Sequence[Sampled], fit: float) -> Iterator[str]:
         )
         ahead, back = _fit_linear(record), _fit_linear(turned)
         if back > max(ahead, fit) + BETTER:
-            given, name = record.input_names[0], record.output_names[0]
+            input_name, name = record.input_names[0], record.output_names[0]
             yield (
-                f"{record.name}: a linear model gives `{given}` from `{name}` with a fit of {back:.0f} %, but "
-                f"`{name}` from `{given}` with {ahead:.0f} %: are input and output exchanged?"
+                f"{record.name}: a linear model gives `{input_name}` from `{name}` with a fit of {back:.0f} %, but "
+                f"`{name}` from `{input_name}` with {ahead:.0f} %: are input and output exchanged?"
             )
 
 
 def describe_motion(records: Sequence[Sampled]) -> Iterator[str]:
-    """Records of one input and output that a linear model repeats much better from another state than rest."""
+    """Yield a sentence for every record that a linear model fits much better from a non-steady state."""
     for record in coarsen_records(records) if records else ():
         if (record.inputs.shape[1], record.outputs.shape[1]) != (1, 1):
             continue
@@ -89,7 +84,7 @@ def describe_motion(records: Sequence[Sampled]) -> Iterator[str]:
 
 
 def _fit_linear(record: Sampled) -> float:
-    """Fit [%] of a linear model of second order."""
+    """Return the fit of a linear model of second order [%]."""
     try:
         model = best_linear(record, 2, iterations=20)
     except MartensiteError:

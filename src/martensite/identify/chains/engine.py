@@ -1,7 +1,7 @@
-"""Running a chain of blocks: simulation, and exact derivatives beside it, in bounded memory.
+"""Simulation of a chain of blocks with exact derivatives, in bounded memory.
 
-In C all columns of derivatives follow in one pass with the simulation. Without a compiler the same
-plan runs on plain floats, its columns as NumPy arrays, some hundred times slower.
+In C all columns of derivatives are computed in one pass with the simulation. Without a compiler the same plan runs on
+floats with NumPy columns, several hundred times slower.
 """
 
 from __future__ import annotations
@@ -23,47 +23,47 @@ Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
 class FloatChain:
-    """The functions of a plan on floats. Arrays are C-ordered; states are changed in place."""
+    """Functions of a plan on floats. Arrays are C-ordered; states change in place."""
 
     def __init__(self, plan: ChainPlan, taps: Taps) -> None:
         self._plan, self._taps = plan, taps
 
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
-        """State at rest under constant inputs x, with its derivatives (states, columns)."""
+        """Compute the steady state under constant inputs x, with derivatives of shape (states, columns)."""
         functions, m = self._bound(p), self._plan.columns
         w, dw, state = np.array(x), np.zeros((len(x), m)), 0
         ds[:] = 0.0
         for piece in self._plan.pieces:
             block, inputs = piece.block, piece.block.inputs
             rows = slice(state, state + block.states())
-            own = range(piece.first, piece.first + piece.count)
+            columns = range(piece.first, piece.first + piece.count)
             if block.states():
-                found = functions[piece.rest.name](*w[:inputs])
-                s[rows] = found[: piece.rest.rows]
+                values = functions[piece.rest.name](*w[:inputs])
+                s[rows] = values[: piece.rest.rows]
                 for e in piece.rest.entries:
                     if e.column < inputs:
-                        ds[state + e.row] += found[e.place] * dw[e.column]
+                        ds[state + e.row] += values[e.place] * dw[e.column]
                     else:
-                        ds[state + e.row, own[e.column - inputs]] += found[e.place]
+                        ds[state + e.row, columns[e.column - inputs]] += values[e.place]
             y, dy, _, _ = step_block(piece, functions, w, dw, s[rows], ds[rows], 0)
             w, dw, state = y, dy, state + block.states()
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
-        """Simulate inputs u (samples, inputs) from a state, into y (samples, outputs)."""
+        """Simulate inputs u (samples, inputs) from a state into y (samples, outputs)."""
         functions = self._bound(p)
         for t, row in enumerate(u):
             x, state = tuple(row), 0
             for k, piece in enumerate(self._plan.pieces):
                 inputs, outputs = piece.block.inputs, piece.block.outputs
                 rows = slice(state, state + piece.block.states())
-                found = functions[f"v{piece.step.name}"](*x[:inputs], *s[rows])
-                x, s[rows], state = found[:outputs], found[outputs:], rows.stop
+                values = functions[f"v{piece.step.name}"](*x[:inputs], *s[rows])
+                x, s[rows], state = values[:outputs], values[outputs:], rows.stop
                 for place, (number, channel) in enumerate(self._taps):
                     if number == k:
                         y[t, place] = x[channel]
 
     def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
-        """Simulate with derivatives: dy is (samples, outputs, extra + columns)."""
+        """Simulate with derivatives dy of shape (samples, outputs, extra + columns)."""
         functions, m = self._bound(p), ds.shape[1]
         extra = m - self._plan.columns
         for t, row in enumerate(u):
@@ -83,27 +83,27 @@ class FloatChain:
 def step_block(
     piece: ChainPiece, functions: Functions, x: Numbers, dx: Numbers, s: Numbers, ds: Numbers, extra: int
 ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-    """Return one block in one sample: outputs, their columns, the next state, its columns."""
+    """Return outputs, their columns, next state and its columns of one block in one sample."""
     block, step = piece.block, piece.step
     inputs, outputs = block.inputs, block.outputs
-    found = functions[step.name](*map(float, x[:inputs]), *map(float, s))
+    results = functions[step.name](*map(float, x[:inputs]), *map(float, s))
     before = np.concatenate([dx[:inputs], ds])
-    made = np.zeros((step.rows, dx.shape[1]))
+    slopes = np.zeros((step.rows, dx.shape[1]))
     for e in step.entries:
         if e.column < len(before):
-            made[e.row] += found[e.place] * before[e.column]
+            slopes[e.row] += results[e.place] * before[e.column]
         else:
-            made[e.row, extra + piece.first + e.column - len(before)] += found[e.place]
-    values = np.array(found[: step.rows])
-    return values[:outputs], made[:outputs], values[outputs:], made[outputs:]
+            slopes[e.row, extra + piece.first + e.column - len(before)] += results[e.place]
+    values = np.array(results[: step.rows])
+    return values[:outputs], slopes[:outputs], values[outputs:], slopes[outputs:]
 
 
 FLAGS = ("-O2",)
-"""Kernels of hundreds of numbers compile sooner than with more, and run as fast."""
+"""Optimisation that compiles large kernels quickly at the same speed."""
 
 
 class CompiledChain:
-    """The compiled functions of a plan. Arrays are C-ordered; states are changed in place."""
+    """Compiled functions of a plan. Arrays are C-ordered; states change in place."""
 
     def __init__(self, plan: ChainPlan, taps: Taps) -> None:
         self._plan, self._taps, self._width = plan, taps, plan.width
@@ -111,20 +111,20 @@ class CompiledChain:
         self._with_slopes: dict[int, tuple[Any, int]] = {}
 
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
-        """State at rest under constant inputs x, with its derivatives (states, columns)."""
+        """Compute the steady state as `FloatChain.rest`."""
         scratch = _allocate_aligned(scratch_size(self._plan, self._plan.columns))
         call_compiled(self._library.rest, p, x, s, ds, scratch)
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
-        """Simulate inputs u (samples, inputs) from a state, into y (samples, outputs)."""
+        """Simulate as `FloatChain.run`."""
         call_compiled(self._library.run, len(u), p, u, s, y)
 
     def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
-        """Simulate with derivatives: dy is (samples, outputs, extra + columns).
+        """Simulate with derivatives dy of shape (samples, outputs, extra + columns).
 
-        The first columns are those of the initial state; there are as many as ds has beyond
-        those of the free numbers. Samples of dy must be next to each other, and behind them
-        there must be room up to a whole tile.
+        The first columns belong to the initial state: as many as ds has in addition to the free numbers. Samples of
+        dy must be
+        contiguous, followed by space up to a whole tile.
         """
         columns = ds.shape[1]
         if columns not in self._with_slopes:
@@ -136,14 +136,14 @@ class CompiledChain:
 
 
 def _allocate_aligned(count: int) -> Numbers:
-    """Return the zeros from the start of a cache line."""
+    """Return zeros that start at a cache line."""
     room = np.zeros(count + 8)
     first = -room.ctypes.data % 64 // 8
     return room[first : first + count]
 
 
 def scratch_size(plan: ChainPlan, columns: int) -> int:
-    """Return the size of the work space of `slopes`: one tile of signals and the memory of the blocks."""
+    """Return the size of the work space of `slopes`: one tile of signals, and the memory of the blocks."""
     beside = sum(count_room(piece, columns - plan.columns) for piece in plan.pieces)
     return plan.width * TILE * columns + beside
 
@@ -154,20 +154,19 @@ def _load_library(plan: ChainPlan, taps: Taps, extra: bool) -> Any:
 
 
 CHUNK = 4032
-"""Samples whose derivatives are held at a time; no power of 2, whose columns share cache lines."""
+"""Samples per chunk of derivatives; a power of 2 would make columns share cache lines."""
 
 
 class ChainStart(NamedTuple):
-    """State of a chain at the first sample."""
+    """State at the first sample, shape (states,)."""
 
     state: Numbers
-    """Shape (states,)."""
     slopes: Numbers
-    """Derivatives of the start, shape (states, extra + columns)."""
+    """Derivatives of the state, shape (states, extra + columns)."""
 
 
 class Chunk(NamedTuple):
-    """Some samples of a run: where they are, outputs, and derivatives of these."""
+    """Outputs of some samples with derivatives."""
 
     rows: slice
     outputs: Numbers
@@ -180,11 +179,10 @@ class ChainEngine:
     """Blocks in series at one sample time.
 
     Args:
-        blocks: the blocks, with their fixed numbers.
+        blocks: blocks with their fixed numbers.
         interval: sample time [s].
-        taps: outputs as (number of the block, number of its output); by default all outputs of
-            the last block.
-        compiled: whether to run in C; by default if there is a compiler.
+        taps: outputs as (number of the block, number of its output); default: all outputs of the last block.
+        compiled: whether to run in C; default: if there is a compiler.
     """
 
     def __init__(
@@ -206,10 +204,9 @@ class ChainEngine:
         return np.array([*theta, *given, self.interval], dtype=float)
 
     def rest(self, theta: Numbers, x: Numbers, deviation: Numbers | None = None) -> ChainStart:
-        """Return the state at rest under a constant input.
+        """Return the steady state under a constant input.
 
-        With a `deviation` of the state from rest, the first columns are derivatives with
-        respect to it.
+        With a `deviation` of the state, the first columns are derivatives with respect to it.
         """
         count, columns = self.plan.states, self.plan.columns
         state, slopes = np.zeros(count), np.zeros((count, columns))
@@ -219,9 +216,9 @@ class ChainEngine:
         return ChainStart(state + deviation, np.hstack([np.eye(count), slopes]))
 
     def simulate(self, theta: Numbers, u: Numbers, state: Numbers | None = None) -> Numbers:
-        """Return the outputs (samples, outputs) for inputs (samples, inputs); from rest if no state is given.
+        """Return the outputs (samples, outputs) for inputs (samples, inputs), by default from the steady state.
 
-        The given state becomes that after the last sample.
+        A given state is changed to the state after the last sample.
         """
         u = np.ascontiguousarray(u, dtype=float)
         state = self.rest(theta, u[0]).state if state is None else state
@@ -232,10 +229,7 @@ class ChainEngine:
     def sensitivities(
         self, theta: Numbers, u: Numbers, start: ChainStart | None = None, chunk: int = CHUNK, reuse: bool = False
     ) -> Iterator[Chunk]:
-        """Yield the outputs and their derivatives, some thousand samples at a time.
-
-        With `reuse`, the derivatives are overwritten by those of the next samples.
-        """
+        """Yield outputs and derivatives in chunks; with `reuse` derivatives are overwritten by the next chunk."""
         u, numbers = np.ascontiguousarray(u, dtype=float), self._numbers(theta)
         start = self.rest(theta, u[0]) if start is None else start
         state, slopes = start.state.copy(), np.array(start.slopes)
@@ -250,6 +244,6 @@ class ChainEngine:
             yield Chunk(slice(first, first + len(part)), y, dy)
 
     def jacobian(self, theta: Numbers, u: Numbers, start: ChainStart | None = None) -> tuple[Numbers, Numbers]:
-        """Return the outputs and derivatives of a whole record at once."""
+        """Return outputs and derivatives of a whole record."""
         chunks = list(self.sensitivities(theta, u, start, max(len(u), 1)))
         return chunks[0].outputs, chunks[0].slopes

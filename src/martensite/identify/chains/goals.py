@@ -1,15 +1,11 @@
-"""Options of an estimation: structure of the search, weights and effort.
+"""Options and goal of an estimation, checks of its records, and noise models.
 
-Requirements on records for an estimation, each with one clear sentence if it is not met.
-
-Goal of an estimation: outputs of records on one scale, rest, and the priors of blocks.
-
-Noise models: the whitening filter of coloured residuals, for the prediction-error focus.
+The goal has the outputs of all records on one scale, anchors of steady outputs, and the priors of blocks. The noise
+model is the whitening filter of coloured residuals, for the prediction error:
 
     L(q) v_t = e_t,   L = 1 + l_1 q^-1 + … + l_n q^-n
 
-is autoregressive least squares over samples whose n predecessors are known. With L in the sum of squares the model has
-the least prediction error. Its residuals give another L, and so on in turns.
+by autoregressive least squares over samples with n known predecessors. Noise model and chain are estimated in turns.
 """
 
 from __future__ import annotations
@@ -28,7 +24,7 @@ from martensite.search.levenberg_marquardt import Found, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 AUTO = "auto"
-"""The start that is tested record by record."""
+"""Start that is tested for each record."""
 
 
 @dataclass(frozen=True)
@@ -36,31 +32,28 @@ class Options:
     """Options of the estimation of a chain."""
 
     starts: int = 12
-    """Searches from different starts; 1 takes the plainest start only."""
     refined: int = 3
     """Number of best searches that continue with more samples."""
     iterations: int = 100
-    """Most steps of these; first searches take half, the last at the full rate a quarter."""
+    """Largest number of their steps; first searches have half, the last one a quarter."""
     seed: int = 0
     skip: int = 0
     """Samples at the start of every record that do not count."""
     start: str = "rest"
-    """State at the first sample: rest, zero, estimate; auto tests for every record whether it begins at rest,
-    and estimates the state of those that do not."""
+    """State at the first sample: rest, zero, estimate, or auto, which tests every record for a steady start."""
     anchor: float = 0.0
-    """Weight of the first known outputs as those at rest, in shares of all samples; of records that begin there."""
+    """Weight of the first known outputs as steady outputs, over all samples, for records with a steady start."""
     ridge: float | None = None
-    """Pull towards the start of the last search, per sample; by default none, but where records are short
-    for their free numbers one towards a linear model, chosen by leaving out blocks."""
+    """Pull towards the start of the last search, per sample; default: only for short records, cross-validated."""
     sigma: tuple[float, ...] = ()
-    """Size of a usual residual of every output, such as 1 K and 0.1 mm; by default its spread."""
+    """Standard deviation of the residuals of every output, such as 1 K and 0.1 mm; default: its spread."""
     priors: bool = True
-    """True if what blocks expect of their free numbers counts; see `AbstractBlock.priors`."""
+    """True to use the priors of blocks (`AbstractBlock.priors`)."""
     noise: int = 0
     """Order of the noise model; 0 minimises the simulation error, else the prediction error."""
     threads: int = 2
     begin: tuple[Chain, ...] = ()
-    """Chains to start from besides, such as an earlier estimate; simpler blocks are taken over."""
+    """Further chains to start from, such as an earlier estimate; blocks may be simpler."""
 
 
 def check_records(records: Sequence[Sampled]) -> None:
@@ -79,10 +72,7 @@ def check_records(records: Sequence[Sampled]) -> None:
 
 
 def check_informative(records: Sequence[Sampled], skip: int, start: str) -> None:
-    """Raise `InputError` if a signal says nothing: an input that never moves, an empty output.
-
-    Inputs may be constant where initial states are estimated, if that is asked for: a free motion says something.
-    """
+    """Raise `InputError` for an empty output, or a constant input unless initial states are estimated."""
     first = records[0]
     u = np.concatenate([record.inputs for record in records])
     y = np.concatenate([record.outputs[skip:] for record in records])
@@ -92,44 +82,44 @@ def check_informative(records: Sequence[Sampled], skip: int, start: str) -> None
                 f"Input `{name}` is {column[0]:g} throughout; nothing can be found from an input that never changes."
             )
     for name, column in zip(first.output_names, y.T, strict=True):
-        known = column[np.isfinite(column)]
-        if not len(known):
+        finite = column[np.isfinite(column)]
+        if not len(finite):
             raise InputError(f"Output `{name}` has no known samples that count.")
-        if np.ptp(known) == 0.0:
-            raise InputError(f"Output `{name}` is {known[0]:g} throughout; there is nothing to fit.")
+        if np.ptp(finite) == 0.0:
+            raise InputError(f"Output `{name}` is {finite[0]:g} throughout; there is nothing to fit.")
 
 
 def check_enough(chain: Chain, records: Sequence[Sampled], skip: int) -> None:
     """Raise `InputError` if there are fewer known outputs than free numbers."""
-    known = sum(int(np.isfinite(r.outputs[skip:]).sum()) for r in records)
-    if known < len(chain.theta):
+    count = sum(int(np.isfinite(r.outputs[skip:]).sum()) for r in records)
+    if count < len(chain.theta):
         raise InputError(
-            f"`{chain.text()}` has {len(chain.theta)} free numbers, but the records hold {known} "
+            f"`{chain.text()}` has {len(chain.theta)} free numbers, but the records hold {count} "
             "known outputs that count; take longer records or a smaller structure."
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """Goal of searches: cost, states at the first samples, and end."""
+    """Cost, initial states, and end of searches."""
 
     options: Options
     starts: tuple[str, ...]
     """State at the first sample of every record: rest, zero, estimate."""
     halt: Event = field(default_factory=Event)
-    """Once it is set, searches end with what they have."""
+    """If set, searches end with their present result."""
     strength: float = 0.0
     """Strength of the pull towards `bases`, relative to the effect on the outputs."""
     bases: tuple[Chain, ...] = ()
-    """The plainest chain and the linear one, where records are too short for more."""
+    """Simplest and linear chain, for short records."""
 
     @classmethod
     def begin(cls, options: Options, records: Sequence[Sampled]) -> Goal:
-        """Return the goal with which searches begin: what is to be tested is taken to be at rest."""
+        """Return the initial goal, with steady starts where they are to be tested."""
         return cls(options, ("rest" if options.start == AUTO else options.start,) * len(records))
 
     def squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
-        """Return the sum of squares that a search from the numbers of a chain minimises."""
+        """Return the sum of squares of a search from the numbers of a chain."""
         expected, weights = find_expected(chain, self.options)
         if self.strength:
             base = next((one for one in self.bases if _has_same_blocks(one, chain)), chain)
@@ -141,18 +131,16 @@ class Goal:
         return ResidualSquares(chain.engine, aims, self.options.ridge or 0.0, expected, weights, self.halt)
 
     def bare_squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
-        """Return the squares of the records alone, without what is expected of numbers and of rest."""
+        """Return the sum of squares of the records alone."""
         aims = build_aims(records, replace(self.options, anchor=0.0), self.starts)
         return ResidualSquares(chain.engine, aims, halt=self.halt)
 
 
 def _has_same_blocks(one: Chain, other: Chain) -> bool:
-    """Return whether free numbers of two chains of one structure mean the same."""
     return [b.given() for b in one.blocks] == [b.given() for b in other.blocks]
 
 
 def _find_floor(moved: Numbers) -> float:
-    """Return a little of what a usual number moves: the pull of those that move nothing at the base."""
     positive = moved[moved > 0.0]
     return 1e-3 * float(np.median(positive)) if len(positive) else 0.0
 
@@ -160,16 +148,16 @@ def _find_floor(moved: Numbers) -> float:
 def build_aims(
     records: Sequence[Sampled], options: Options, starts: Sequence[str] | None = None
 ) -> list[RecordResidual]:
-    """Return the residuals to fit: the records on one scale, and the anchors of records that begin at rest."""
+    """Return the residuals of the records on one scale, and the anchors of records with a steady start."""
     weights = 1.0 / _find_spread(records, options)
     starts = starts or [options.start] * len(records)
-    found = [RecordResidual(r, options.skip, weights, s) for r, s in zip(records, starts, strict=True)]
+    aims = [RecordResidual(r, options.skip, weights, s) for r, s in zip(records, starts, strict=True)]
     if options.anchor > 0.0:
         for record, start in zip(records, starts, strict=True):
             if start == "rest" or options.start != AUTO:
                 heavy = weights * np.sqrt(options.anchor * len(record))
-                found.append(RecordResidual(at_rest(record), 0, heavy))
-    return found
+                aims.append(RecordResidual(at_rest(record), 0, heavy))
+    return aims
 
 
 def at_rest(record: Sampled) -> Sampled:
@@ -177,14 +165,13 @@ def at_rest(record: Sampled) -> Sampled:
     moved = np.any(record.inputs != record.inputs[0], axis=1)
     count = int(np.argmax(moved)) if moved.any() else len(record)
     before = record.outputs[:count]
-    known = np.isfinite(before).sum(axis=0)
-    levels = np.where(known > 0, np.nansum(before, axis=0) / np.maximum(known, 1), np.nan)
+    counts = np.isfinite(before).sum(axis=0)
+    levels = np.where(counts > 0, np.nansum(before, axis=0) / np.maximum(counts, 1), np.nan)
     first = record.rows(0, 1, f"{record.name} at rest")
     return first.with_outputs(levels[None, :])
 
 
 def _find_spread(records: Sequence[Sampled], options: Options) -> Numbers:
-    """Return the scale of the residuals of every output."""
     if not options.sigma:
         spread = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
         return np.where(spread > 0.0, spread, 1.0)
@@ -197,24 +184,25 @@ def _find_spread(records: Sequence[Sampled], options: Options) -> Numbers:
 
 
 def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
-    """Return the centre of the pull on θ and the 1/σ of the priors: the prior of a block, else the present θ."""
-    found = [block.priors() for block in chain.blocks]
-    centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*found, strict=True))
+    """Return the centres of the pull on θ and 1/σ of the priors; without a prior the present θ."""
+    priors = [block.priors() for block in chain.blocks]
+    centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*priors, strict=True))
     weights = weights * options.priors
     return np.where(weights > 0.0, centres, chain.theta), weights
 
 
 NOISE_TURNS = 3
-"""Number of turns between noise model and chain."""
 
 
 def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
-    """Return the coefficients 1, l_1 … l_n of L(q), of order n.
+    """Return the coefficients 1, l_1 … l_n of L(q).
 
-    Residuals are those of records, shape (samples, outputs), NaN where unknown; outputs count alike.
+    Args:
+        residuals: residuals of records, shape (samples, outputs), NaN where unknown.
+        order: n.
 
     Raises:
-        DataError: too few samples in a row are known.
+        DataError: too few successive samples are known.
     """
     square, cross, count = np.zeros((order, order)), np.zeros(order), 0
     for record in residuals:
@@ -238,19 +226,19 @@ def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
 def whiten_chain(
     chain: Chain, found: Found, wanted: Sequence[RecordResidual], options: Options
 ) -> tuple[Found, tuple[RecordResidual, ...]]:
-    """Return the minimum of the prediction error: noise model and chain in turns, from a minimum."""
-    aims_ = tuple(wanted)
+    """Return the minimum of the prediction error, with noise model and chain in turns."""
+    aims = tuple(wanted)
     prior = find_expected(chain, options)
     for _ in range(NOISE_TURNS):
-        squares = ResidualSquares(chain.engine, aims_, options.ridge or 0.0, *prior)
-        left: list[Numbers] = []
+        squares = ResidualSquares(chain.engine, aims, options.ridge or 0.0, *prior)
+        residuals: list[Numbers] = []
         theta = found.theta[: len(chain.theta)]
-        for aim, state in zip(aims_, squares.initial(found.theta), strict=True):
+        for aim, state in zip(aims, squares.initial(found.theta), strict=True):
             computed = chain.with_theta(theta).simulate(aim.record, state)
-            left.append(((aim.record.outputs - computed) * aim.scale())[aim.skip :])
-        filter_ = noise_model(left, options.noise)
-        # a record of one sample, such as that of rest, has no noise to be whitened
-        aims_ = tuple(replace(a, whitening=filter_) if len(a.record) > 1 else a for a in aims_)
-        squares = ResidualSquares(chain.engine, aims_, options.ridge or 0.0, *prior)
+            residuals.append(((aim.record.outputs - computed) * aim.scale())[aim.skip :])
+        whitening = noise_model(residuals, options.noise)
+        # a record of one sample has no noise
+        aims = tuple(replace(a, whitening=whitening) if len(a.record) > 1 else a for a in aims)
+        squares = ResidualSquares(chain.engine, aims, options.ridge or 0.0, *prior)
         found = minimise_cost(squares, found.theta, options.iterations)
-    return found, aims_
+    return found, aims

@@ -1,20 +1,16 @@
-"""Impulse responses from records: regularised least squares, in bounded memory.
+"""Impulse responses from records, and poles from impulse responses.
 
     y_t = c + Σ_k g_k u_{t-nk-k} + e,   g ~ N(0, κ σ² P),   P_ij = λ^max(i, j)
 
-(the TC kernel: smooth and decaying). With s_k = λ^k, P = T Tᵀ, T_ik = √(s_k - s_{k+1}) for
-k ≥ i, so that no ill-conditioned matrix is factored; κ and λ are those of largest marginal
-likelihood, with σ² at its best.
+Regularised least squares with the TC kernel, which is smooth and decaying. With s_k = λ^k, P = T Tᵀ,
+T_ik = √(s_k - s_{k+1}) for k ≥ i, so that no ill-conditioned matrix is factored; κ and λ maximise the marginal
+likelihood, with the best σ². Inputs and outputs are divided by their standard deviations; the first input of a record
+is continued into the past.
 
-Source: Chen, Ohlsson, Ljung 2012 (TC kernel, empirical Bayes). Inputs and outputs count in units
-of their standard deviations; before a record its first input is taken to have lasted for ever.
+Ho–Kalman: the matrix of responses H_ij = g_{i+j} is observability times controllability, so its largest singular
+directions give C, A, B with g_k = C A^k B.
 
-From impulse responses to poles, and from poles to the free numbers of sections.
-
-Ho–Kalman: the matrix of responses H_ij = g_{i+j} is observability times controllability, so its
-largest singular directions give C, A, B with g_k = C A^k B.
-
-Source: Ho and Kalman 1966; Kung 1978 (with singular values).
+Sources: Chen, Ohlsson, Ljung 2012 (TC kernel, empirical Bayes); Ho and Kalman 1966; Kung 1978 (singular values).
 """
 
 from __future__ import annotations
@@ -28,13 +24,13 @@ from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 
 ROWS = 4096
-"""Samples whose regressors are held at a time."""
+"""Samples per block of regressors."""
 WORK = 6e9
-"""Most multiplications for the normal equations; beyond it some pieces of a record are left out."""
+"""Largest number of multiplications for the normal equations; longer records are sampled."""
 DECAYS = (3.0, 6.0, 12.0, 24.0)
-"""Tried decays -log λ over the whole length."""
+"""Candidates for -log λ over the whole length."""
 SIZES = 10.0 ** np.arange(-2.0, 7.0)
-"""Tried κ, each in units of the decay per sample."""
+"""Candidates for κ, in units of the decay per sample."""
 
 Pair = tuple[Numbers, Numbers]
 """Inputs (samples, inputs) and outputs (samples, outputs) of a record."""
@@ -52,14 +48,12 @@ class _Sums(NamedTuple):
 def impulse_response(pairs: Sequence[Pair], length: int, nk: int = 0) -> Numbers:
     """Return the responses g at lags nk … nk + length - 1, shape (length, outputs, inputs).
 
-    Samples with a missing output do not count.
-
     Raises:
         DataError: too few samples are known.
     """
-    known = int(sum(np.all(np.isfinite(y), axis=1).sum() for _, y in pairs))
-    if known < 4:
-        raise DataError(f"An impulse response needs at least 4 samples known in all outputs, not {known}.")
+    count = int(sum(np.all(np.isfinite(y), axis=1).sum() for _, y in pairs))
+    if count < 4:
+        raise DataError(f"An impulse response needs at least 4 samples known in all outputs, not {count}.")
     u_scale = _find_spread(np.concatenate([u for u, _ in pairs]))
     y_scale = _find_spread(np.concatenate([y for _, y in pairs]))
     sums = _sum_products([(u / u_scale, y / y_scale) for u, y in pairs], length, nk)
@@ -73,7 +67,7 @@ def _find_spread(signals: Numbers) -> Numbers:
 
 
 def _sum_products(pairs: Sequence[Pair], length: int, nk: int) -> _Sums:
-    """Return the sums of products around the means, over rows whose outputs are all known."""
+    """Return the sums of products around the means, over rows without missing outputs."""
     columns, outputs = length * pairs[0][0].shape[1], pairs[0][1].shape[1]
     total = np.zeros((columns + outputs + 1,) * 2)
     for x, y in _build_regressors(pairs, length, nk):
@@ -86,13 +80,13 @@ def _sum_products(pairs: Sequence[Pair], length: int, nk: int) -> _Sums:
 
 
 def _build_regressors(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[Pair]:
-    """Regressors, input after input each over its lags, and outputs, piece by piece."""
+    """Yield regressors (lags of input after input) and outputs in blocks."""
     samples = sum(len(u) for u, _ in pairs)
     every = int(np.ceil(samples * (length * pairs[0][0].shape[1]) ** 2 / WORK))
     for u, y in pairs:
         past = np.vstack([np.repeat(u[:1], length + nk - 1, axis=0), u])
         lagged = np.lib.stride_tricks.sliding_window_view(past, length, axis=0)[:, :, ::-1]
-        # lags longer than the record so far are trusted only in short records
+        # only short records use lags that reach before their start
         begin = length if len(u) >= 10 * length else 0
         for first in range(begin, len(u), ROWS * max(every, 1)):
             rows = slice(first, min(first + ROWS, len(u)))
@@ -102,9 +96,9 @@ def _build_regressors(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[P
 
 
 def _find_likeliest(sums: _Sums, length: int) -> Numbers:
-    """Return the responses of shape (inputs, lags, outputs) with the likeliest κ and λ."""
+    """Return the responses, shape (inputs, lags, outputs), with the most likely κ and λ."""
     inputs = len(sums.square) // length
-    best, found = np.inf, np.zeros((inputs, length, sums.cross.shape[1]))
+    best, response = np.inf, np.zeros((inputs, length, sums.cross.shape[1]))
     for decay in DECAYS:
         s = np.exp(-decay / length * np.arange(length + 1))
         s[-1] = 0.0
@@ -114,19 +108,19 @@ def _find_likeliest(sums: _Sums, length: int) -> Numbers:
         cross = vectors.T @ (factor.T @ sums.cross)
         for size in SIZES * decay / length:
             shrunk = cross / (values + 1.0 / size)[:, None]
-            left = np.diag(sums.outputs) - np.sum(cross * shrunk, axis=0)
-            left = np.maximum(left, 1e-14 * np.maximum(np.diag(sums.outputs), 1e-300))
-            score = sums.count * np.sum(np.log(left)) + len(left) * np.sum(np.log1p(size * values))
+            errors = np.diag(sums.outputs) - np.sum(cross * shrunk, axis=0)
+            errors = np.maximum(errors, 1e-14 * np.maximum(np.diag(sums.outputs), 1e-300))
+            score = sums.count * np.sum(np.log(errors)) + len(errors) * np.sum(np.log1p(size * values))
             if score < best:
                 best = float(score)
-                found = (factor @ (vectors @ shrunk)).reshape(inputs, length, -1)
-    return found
+                response = (factor @ (vectors @ shrunk)).reshape(inputs, length, -1)
+    return response
 
 
 RADIUS = 1.0 - 1e-7
-"""Largest modulus of a pole that is taken over."""
+"""Largest modulus of a pole."""
 SMALLEST = 1e-4
-"""Least modulus."""
+"""Least modulus of a pole."""
 
 
 class Realised(NamedTuple):
@@ -145,9 +139,9 @@ def realise_responses(g: Numbers, order: int) -> Realised:
     hankel = g[lags].transpose(0, 2, 1, 3).reshape(half * outputs, -1)
     left, sizes, right = np.linalg.svd(hankel, full_matrices=False)
     root = np.sqrt(sizes[:order])
-    seen, reached = left[:, :order] * root, root[:, None] * right[:order]
-    a = np.linalg.lstsq(seen[:-outputs], seen[outputs:], rcond=None)[0]
-    return Realised(a, reached[:, :inputs], seen[:outputs])
+    observed, reached = left[:, :order] * root, root[:, None] * right[:order]
+    a = np.linalg.lstsq(observed[:-outputs], observed[outputs:], rcond=None)[0]
+    return Realised(a, reached[:, :inputs], observed[:outputs])
 
 
 class Matched(NamedTuple):
@@ -155,40 +149,44 @@ class Matched(NamedTuple):
 
     numbers: Numbers
     places: Numbers
-    """Which of the given poles each of `sections.poles` stands for."""
+    """Index of the given pole for each of `sections.poles`."""
 
 
 def match_poles(z: Numbers, dt: float) -> Matched:
-    """Return the free numbers of the sections with given poles z, moved to the nearest that they can have.
+    """Return the free numbers of the sections for poles z, moved to the nearest possible ones.
 
-    Poles outside the unit circle are mirrored into it. Of poles on the negative real axis two
-    become one pair on it, a single one a fast pole on the positive axis. Real poles are paired
-    with their neighbours, the slowest stays alone if their number is odd.
+    Poles outside the unit circle are mirrored. Two poles on the negative real axis become a pair on it, a single one a
+    fast pole on the positive axis. Real poles are paired with their neighbours; the slowest stays single for an odd
+    number.
     """
     z = np.asarray(z, dtype=complex)
     size = np.maximum(np.abs(z), 1e-12)
     inside = np.clip(np.where(size > 1.0, 1.0 / size, size), SMALLEST, RADIUS)
     s = (np.log(inside) + 1j * np.angle(z)) / dt
-    edge = 1e-9 / dt
-    upper = [i for i in range(len(s)) if edge < s[i].imag < np.pi / dt - edge]
-    lower = [int(np.argmin(np.abs(s - np.conj(s[i])))) for i in upper]
-    pairs = [(j, i) for i, j in zip(upper, lower, strict=True)]
-    real = [i for i in range(len(s)) if i not in upper and i not in lower]
-    negative = sorted((i for i in real if z[i].real < 0.0), key=lambda i: s[i].real)
-    if len(negative) % 2:
-        s[negative.pop(0)] = np.log(SMALLEST) / dt
-    pairs += list(zip(negative[::2], negative[1::2], strict=True))
-    positive = sorted((i for i in real if i not in negative), key=lambda i: s[i].real)
-    first = [positive.pop()] if len(positive) % 2 else []
-    pairs += list(zip(positive[::2], positive[1::2], strict=True))
+    first, pairs = _pair_poles(s, z, dt)
     return Matched(
         np.array([*(-np.log(-s[i].real) for i in first), *(n for p in pairs for n in _describe_pair(s, p))]),
         np.array([*first, *(i for pair in pairs for i in pair)], dtype=int),
     )
 
 
+def _pair_poles(s: Numbers, z: Numbers, dt: float) -> tuple[list[int], list[tuple[int, int]]]:
+    """Return the single real pole, if any, and the pairs; a single pole on the negative axis moves in place."""
+    edge = 1e-9 / dt
+    upper = [i for i in range(len(s)) if edge < s[i].imag < np.pi / dt - edge]
+    lower = [int(np.argmin(np.abs(s - np.conj(s[i])))) for i in upper]
+    real = sorted(set(range(len(s))) - {*upper, *lower}, key=lambda i: s[i].real)
+    negative = [i for i in real if z[i].real < 0.0]
+    if len(negative) % 2:
+        s[negative.pop(0)] = np.log(SMALLEST) / dt
+    positive = sorted(set(real) - set(negative), key=lambda i: s[i].real)
+    first = [positive.pop()] if len(positive) % 2 else []
+    rows = (lower, upper), (negative[::2], negative[1::2]), (positive[::2], positive[1::2])
+    return first, [pair for a, b in rows for pair in zip(a, b, strict=True)]
+
+
 def _describe_pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
-    """log ω and log ζ of two poles, the faster or lower one first."""
+    """Return log ω and log ζ of two poles."""
     a, b = s[pair[0]], s[pair[1]]
     if abs(a.imag) > 0.0:
         a = complex(0.5 * (a.real + b.real), a.imag)
@@ -197,21 +195,19 @@ def _describe_pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
     return float(np.log(omega)), float(np.log(-0.5 * (a + b).real / omega))
 
 
-def find_entering(found: Realised, z: Numbers, cascade: Realised, own: Numbers) -> Numbers:
-    """B of a realisation with poles z in the state of a cascade with poles `own`, in the same order.
+def find_entering(realised: Realised, z: Numbers, cascade: Realised, cascade_poles: Numbers) -> Numbers:
+    """Return B of a realisation with poles z in the state of a cascade with poles `own`, in the same order.
 
-    Mode by mode: the modes of both are scaled so that the sum of the inputs excites them alike. The last input of the
-    realisation is that sum, which drives the cascade.
+    The modes of both are scaled so that the sum of the inputs, the last input of the realisation, excites them equally.
     """
-    excited = _find_modes(found, z)[1]
-    modes, wanted = _find_modes(cascade, own)
+    excited = _find_modes(realised, z)[1]
+    modes, wanted = _find_modes(cascade, cascade_poles)
     whole = excited[:, -1:]
     whole = np.where(np.abs(whole) > 1e-9 * np.abs(excited).max(), whole, 1e-9)
     return np.real(modes @ (wanted / whole * excited[:, :-1]))
 
 
 def _find_modes(system: Realised, z: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the modes as columns in the order of given poles, and how the inputs excite them."""
     values, modes = np.linalg.eig(system.a)
     left, order = list(range(len(values))), list[int]()
     for one in z:

@@ -1,18 +1,13 @@
-"""Sums over records that the covariance of the free numbers is made of, in bounded memory.
+"""Sums over records for the covariance of the free numbers, in bounded memory.
 
     H = Σ_t J_tᵀ J_t,    M = Σ_b g_b g_bᵀ,    g_b = Σ_{t in b} J_tᵀ e_t
 
-Residuals e within a block b may depend on each other, those of two blocks are taken to be
-independent (Newey and West (1987), Econometrica 55, with a window that is a box of blocks).
+Residuals e within a block b may be correlated, different blocks are independent (Newey and West (1987), Econometrica
+55, with a window of blocks). Physical quantities get standard errors by the delta method.
 
-Standard errors of what the free numbers of a block mean, by the delta method.
-
-Directions in which the free numbers of a chain move unseen, and the sentences that say so.
-
-From JᵀJ with its columns scaled to norm 1: eigenvalues below a share of the largest belong to
-directions that the records do not determine. Of few numbers, the smallest sets of them that move
-unseen are looked for (`search.weak_direction_sets`); of many, directions are combined so that
-each holds one number that no other does, and the largest components of each are named.
+Undetermined directions follow from JᵀJ with columns of norm 1: eigenvalues below a fraction of the largest. For few
+numbers the smallest undetermined sets are searched (`search.weak_direction_sets`); for many, directions are combined
+so that each has one number that no other has, and their largest components are named.
 """
 
 from __future__ import annotations
@@ -31,19 +26,17 @@ from martensite.search.weak_direction import find_weak_directions
 from martensite.search.whiteness import count_effective_samples
 
 TIMES = 3.0
-"""Length of a block over the time that the residuals remember, τ of `count_effective_samples`."""
+"""Length of a block over the correlation time of the residuals (`count_effective_samples`)."""
 LEAST_BLOCKS = 30
-"""Blocks of a record at least, if it has as many samples."""
+"""Least number of blocks of a record."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """Sums of one pass over the records."""
+    """Sums over the records."""
 
     square: Numbers
-    """H."""
     middle: Numbers
-    """M."""
     squares: Numbers
     """Sum of the squared weighted residuals of every output of every record."""
     counts: Numbers
@@ -52,33 +45,33 @@ class Sums:
 
 
 def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
-    """Return the samples of a block of every record, from how long its residuals are alike.
+    """Return the block length of every record in samples, from the correlation time of its residuals.
 
     Raises:
         DataError: a residual is not finite.
     """
-    found: list[int] = []
+    lengths: list[int] = []
     for aim, state in zip(squares.aims, squares.initial(squares.extend_parameters(theta)), strict=True):
         y = squares.engine.simulate(theta, aim.record.inputs, state.copy())
         errors = (aim.record.outputs - y)[aim.skip :]
         longest = 1.0
         for column in errors.T:
-            own = np.nan_to_num(column, nan=0.0)
-            known = max(int(np.isfinite(column).sum()), 1)
-            if np.any(own != 0.0):
-                longest = max(longest, known / min(count_effective_samples(own), known))
+            finite = np.nan_to_num(column, nan=0.0)
+            count = max(int(np.isfinite(column).sum()), 1)
+            if np.any(finite != 0.0):
+                longest = max(longest, count / min(count_effective_samples(finite), count))
         most = max(len(errors) // LEAST_BLOCKS, 1)
-        found.append(int(min(max(round(TIMES * longest), 1), most)) if longest > 1.5 else 1)
-    return found
+        lengths.append(int(min(max(round(TIMES * longest), 1), most)) if longest > 1.5 else 1)
+    return lengths
 
 
 def sum_blocks(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int]) -> Sums:
-    """Return one pass over all records, with blocks of so many samples in each."""
+    """Return the sums over all records with these block lengths."""
     p, outputs = squares.columns, len(squares.engine.taps)
     square, middle = np.diag(squares.pull.astype(float)), np.zeros((p, p))
     sizes = np.zeros((len(squares.aims), outputs))
     counts, number = np.zeros_like(sizes), 0
-    held: dict[int, Numbers] = {}
+    last_scores: dict[int, Numbers] = {}
     for k, part in squares.parts(theta):
         rows = part.slopes.reshape(-1, p)
         square += rows.T @ rows
@@ -88,19 +81,18 @@ def sum_blocks(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int]) 
         counts[k] += counted.sum(axis=0)
         scores = np.einsum("tip,ti->tp", part.slopes, part.residuals)
         for block, score in _by_block(scores, part.rows.start, blocks[k]):
-            if k in held and held[k][0] == block:
-                score = score + held[k][1:]
-            elif k in held:
-                middle += np.outer(held[k][1:], held[k][1:])
+            if k in last_scores and last_scores[k][0] == block:
+                score = score + last_scores[k][1:]
+            elif k in last_scores:
+                middle += np.outer(last_scores[k][1:], last_scores[k][1:])
                 number += 1
-            held[k] = np.concatenate([[block], score])
-    for last in held.values():
+            last_scores[k] = np.concatenate([[block], score])
+    for last in last_scores.values():
         middle += np.outer(last[1:], last[1:])
-    return Sums(square, middle, sizes, counts, number + len(held))
+    return Sums(square, middle, sizes, counts, number + len(last_scores))
 
 
 def _by_block(scores: Numbers, first: int, length: int) -> Iterator[tuple[int, Numbers]]:
-    """Yield the number of a block, and the sum of the scores that lie in it."""
     numbers = (first + np.arange(len(scores))) // length
     begins = np.flatnonzero(np.diff(numbers, prepend=-1))
     totals = np.add.reduceat(scores, begins, axis=0)
@@ -108,20 +100,19 @@ def _by_block(scores: Numbers, first: int, length: int) -> Iterator[tuple[int, N
 
 
 STEP = 1e-5
-"""Step of central differences, relative to the parameter, or to 1."""
+"""Step of central differences, relative to the parameter or 1."""
 NEGLIGIBLE = 1e-6
-"""Change of a value with numbers that are not determined, over the largest value of its kind in
-the block, that does not matter: a weight that is 0 whatever the number behind it is."""
+"""Relative change of a value with undetermined numbers that does not matter, such as a weight that stays 0."""
 
 
 class PrintedNumber(NamedTuple):
-    """Physical quantity of free parameters, with its standard error."""
+    """Physical quantity of free parameters with its standard error."""
 
     block: int
     name: str
     value: float
     error: float
-    """Infinite if the records do not determine it."""
+    """Standard error; infinite if undetermined."""
     unit: str
 
 
@@ -134,24 +125,30 @@ def list_rows(
     undetermined: Numbers,
     moved: Numbers,
 ) -> list[PrintedNumber]:
-    """Return the rows of one block, numbered from 1 on, from the covariance of its free numbers.
+    """Return the rows of one block from the covariance of its free numbers.
 
-    `slopes` are derivatives of what is shown, shape (rows, numbers); `undetermined` says which rows depend on
-    directions that are not determined, `moved` how much each changes with them.
+    Args:
+        number: number of the block, from 1.
+        block: the block.
+        theta: its free numbers.
+        slopes: derivatives of the rows, shape (rows, numbers).
+        covariance: covariance of the free numbers.
+        undetermined: True for rows that depend on undetermined directions.
+        moved: change of each row along these directions.
     """
     rows = block.describe_numbers(theta)
     errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0))
-    found: list[PrintedNumber] = []
+    numbers: list[PrintedNumber] = []
     for k, (name, value, unit) in enumerate(rows):
         largest = max(abs(other) for _, other, own in rows if own == unit)
         free = bool(undetermined[k]) and moved[k] > NEGLIGIBLE * largest
-        found.append(PrintedNumber(number, name, value, np.inf if free else float(errors[k]), unit))
-    return found
+        numbers.append(PrintedNumber(number, name, value, np.inf if free else float(errors[k]), unit))
+    return numbers
 
 
 def slopes_of_shown(block: AbstractBlock, theta: Numbers) -> Numbers:
-    """Return the derivatives of what is shown with respect to the free numbers, by central differences."""
-    found = np.zeros((len(block.describe_numbers(theta)), len(theta)))
+    """Return the derivatives of the physical quantities by the free numbers, by central differences."""
+    slopes = np.zeros((len(block.describe_numbers(theta)), len(theta)))
     for i, value in enumerate(theta):
         step = STEP * max(abs(float(value)), 1.0)
         ends: list[list[float]] = []
@@ -159,34 +156,33 @@ def slopes_of_shown(block: AbstractBlock, theta: Numbers) -> Numbers:
             moved = np.array(theta, dtype=float)
             moved[i] += sign * step
             ends.append([number for _, number, _ in block.describe_numbers(moved)])
-        found[:, i] = (np.array(ends[0]) - np.array(ends[1])) / (2.0 * step)
-    return found
+        slopes[:, i] = (np.array(ends[0]) - np.array(ends[1])) / (2.0 * step)
+    return slopes
 
 
 CUT = 1e-9
-"""Eigenvalue of the scaled JᵀJ, over the largest, below which a direction is not determined."""
+"""Eigenvalue of the scaled JᵀJ over the largest below which a direction is undetermined."""
 NOTHING = 1e-10
-"""Norm of a column of J, over the largest, below which a number has no effect."""
+"""Norm of a column of J over the largest below which a number has no effect."""
 MANY = 24
-"""Free numbers up to which the smallest sets are looked for."""
+"""Largest number of free numbers for the search of the smallest sets."""
 NAMED = 6
-"""Numbers named at most for a direction."""
+"""Largest number of names for a direction."""
 SMALL = 0.1
-"""Component, over the largest, below which a number is not named."""
+"""Component over the largest below which a number is not named."""
 SLIGHT = 0.01
-"""Component, over the largest, below which a number is not counted either."""
+"""Component over the largest below which a number is not counted."""
 
 
 @dataclass(frozen=True)
 class Flat:
-    """Numbers that the records do not determine, or do not tell apart."""
+    """An undetermined number, or several that are not determined separately."""
 
     names: tuple[str, ...]
-    """The largest mover first."""
     changes: tuple[float, ...]
-    """Changes that make up for each other; of a single number 1."""
+    """Changes that compensate each other; 1 for a single number."""
     more: int
-    """Number of other parameters that move a little."""
+    """Number of other parameters with small changes."""
 
     @property
     def sentence(self) -> str:
@@ -209,48 +205,47 @@ class Flat:
 
 @dataclass(frozen=True, eq=False)
 class Inverse:
-    """The pseudo-inverse of JᵀJ, without the directions that are not determined."""
+    """Pseudo-inverse of JᵀJ without undetermined directions."""
 
     matrix: Numbers
     null: Numbers
-    """Orthonormal directions that are cut, in numbers times `scale`; shape (numbers, cut)."""
+    """Orthonormal undetermined directions, in numbers times `scale`; shape (numbers, cut)."""
     scale: Numbers
     """Norms of the columns of J."""
     condition: float
-    """Largest over smallest eigenvalue that is kept."""
     flat: tuple[Flat, ...]
 
 
 def invert_normal(square: Numbers, names: Sequence[str], cut: float = CUT) -> Inverse:
-    """Invert JᵀJ where it can be inverted: above a share `cut` of the largest eigenvalue, columns scaled."""
+    """Invert JᵀJ for eigenvalues above a fraction `cut` of the largest, with scaled columns."""
     norms = np.sqrt(np.diag(square))
-    seen = norms > NOTHING * np.max(norms, initial=0.0)
-    square = np.where(np.outer(seen, seen), square, 0.0)
+    effective = norms > NOTHING * np.max(norms, initial=0.0)
+    square = np.where(np.outer(effective, effective), square, 0.0)
     least = NOTHING * float(np.max(norms, initial=0.0)) or 1.0
-    scale = np.where(seen, norms, least)
+    scale = np.where(effective, norms, least)
     scaled = square / np.outer(scale, scale)
     values, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
     largest = float(values[-1]) if len(values) else 0.0
-    kept = values > cut * largest if largest > 0.0 else np.zeros(len(values), dtype=bool)
-    safe = np.where(kept, values, 1.0)
-    own = vectors * np.where(kept, 1.0 / safe, 0.0)
-    matrix = (own @ vectors.T) / np.outer(scale, scale)
-    condition = largest / float(np.min(values[kept])) if kept.any() else np.inf
+    determined = values > cut * largest if largest > 0.0 else np.zeros(len(values), dtype=bool)
+    safe = np.where(determined, values, 1.0)
+    inverse_vectors = vectors * np.where(determined, 1.0 / safe, 0.0)
+    matrix = (inverse_vectors @ vectors.T) / np.outer(scale, scale)
+    condition = largest / float(np.min(values[determined])) if determined.any() else np.inf
     root = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
-    flat = _find_flat(root, vectors[:, ~kept], scale, names, np.sqrt(cut * max(largest, 1e-300)))
-    return Inverse(matrix, vectors[:, ~kept], scale, condition, tuple(flat))
+    flat = _find_flat(root, vectors[:, ~determined], scale, names, np.sqrt(cut * max(largest, 1e-300)))
+    return Inverse(matrix, vectors[:, ~determined], scale, condition, tuple(flat))
 
 
 def _find_flat(root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str], limit: float) -> list[Flat]:
-    """Return the directions that are cut, in the fewest numbers where these are few enough to try."""
+    """Return the undetermined directions, in the fewest numbers if these are few."""
     if not lost.shape[1]:
         return []
-    found = list(_part_directions(lost).T) if len(names) > MANY else find_weak_directions(root, limit)
-    return [_describe_direction(direction / scale, direction, names) for direction in found]
+    directions = list(_part_directions(lost).T) if len(names) > MANY else find_weak_directions(root, limit)
+    return [_describe_direction(direction / scale, direction, names) for direction in directions]
 
 
 def _part_directions(lost: Numbers) -> Numbers:
-    """Combine the directions so that each contains as few parameters as there are directions."""
+    """Combine the directions so that each contains few parameters."""
     count = lost.shape[1]
     order = np.asarray(qr(lost.T, pivoting=True, mode="r")[-1], dtype=int)
     return lost @ np.linalg.inv(lost[order[:count]])

@@ -1,17 +1,12 @@
-"""Linear system in discrete time, which describes a chain for small signals.
+"""Linear systems in discrete time: a chain for small signals, and linear blocks.
 
     x_{t+1} = A x_t + B u_t,    y_t = C x_t + D u_t
 
-where u, x and y are deviations from an operating point. States that the inputs do not reach
-through A and B, such as a play that stands inside its gap, do not take part: they are left out
-where a response is computed, which is exact and keeps their eigenvalue 1 out of the poles.
+u, x and y are deviations from an operating point. Responses exclude states that the inputs do not reach, such as a
+play inside its gap: that is exact and removes their eigenvalue 1 from the poles.
 
-Linear blocks as linear systems: state space, poles and zeros.
-
-    s⁺ = A s + B x,   y = C s + D x
-
-The kernel of a linear block is linear, so its response to each state and each input alone gives the matrices. They
-belong to the sample time; delays are separate states.
+The kernel of a linear block is linear, so its responses to each single state and input are the matrices. They belong
+to the sample time; delays are separate states.
 """
 
 from __future__ import annotations
@@ -29,7 +24,7 @@ from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.kernels import floats
 
 CIRCLE = 1e-12
-"""Distance of a pole from 1 below which the gain at rest is undefined."""
+"""Distance of a pole from 1 below which the static gain is undefined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,47 +42,46 @@ class LinearSystem:
     interval: float
     """Sample time [s]."""
     inputs: Numbers
-    """The input of the operating point."""
     state: Numbers
-    """The state of the operating point."""
     outputs: Numbers
-    """The output of the operating point."""
     input_names: tuple[str, ...] = ()
     output_names: tuple[str, ...] = ()
 
     @cached_property
     def active(self) -> Numbers:
-        """Return the numbers of the states that inputs reach and outputs feel."""
+        """Return the indices of the states that inputs reach and that act on outputs."""
         reached = _find_reachable(np.any(self.b != 0.0, axis=1), self.a != 0.0)
         felt = _find_reachable(np.any(self.c != 0.0, axis=0), self.a.T != 0.0)
         return np.flatnonzero(reached & felt)
 
     @property
     def standing(self) -> int:
-        """Return the number of states that are unreachable for small signals or without effect on the outputs."""
+        """Return the number of other states."""
         return len(self.a) - len(self.active)
 
     def reduce_states(self) -> LinearSystem:
         """Return the system with its active states alone."""
-        kept = self.active
-        return replace(self, a=self.a[np.ix_(kept, kept)], b=self.b[kept], c=self.c[:, kept], state=self.state[kept])
+        active = self.active
+        return replace(
+            self, a=self.a[np.ix_(active, active)], b=self.b[active], c=self.c[:, active], state=self.state[active]
+        )
 
     def poles(self) -> Numbers:
-        """Return the poles in the plane of z, the slowest first; stable inside the unit circle."""
-        found = np.linalg.eigvals(self.reduce_states().a)
-        return found[np.argsort(-np.abs(found), kind="stable")]
+        """Return the poles in the z plane, slowest first."""
+        poles = np.linalg.eigvals(self.reduce_states().a)
+        return poles[np.argsort(-np.abs(poles), kind="stable")]
 
     def time_constants(self) -> Numbers:
-        """-T_s/log|z| of every pole [s], longest first; infinite on the unit circle."""
+        """Return -T_s/log|z| of every pole [s], longest first; infinite on the unit circle."""
         with np.errstate(divide="ignore"):
             rate = -np.log(np.abs(self.poles()))
             return np.where(rate > 0.0, self.interval / np.where(rate > 0.0, rate, 1.0), np.inf)
 
     def gain(self) -> Numbers:
-        """Return the gain at rest C (I - A)⁻¹ B + D, shape (outputs, inputs).
+        """Return the static gain C (I - A)⁻¹ B + D, shape (outputs, inputs).
 
         Raises:
-            ParameterError: a pole lies at 1, so that there is none.
+            ParameterError: a pole lies at 1.
         """
         slim = self.reduce_states()
         if len(slim.a) and np.min(np.abs(slim.poles() - 1.0)) < CIRCLE:
@@ -95,7 +89,7 @@ class LinearSystem:
         return self.d + slim.c @ np.linalg.solve(np.eye(len(slim.a)) - slim.a, slim.b)
 
     def frequency_response(self, frequencies: Any) -> Numbers:
-        """C (z I - A)⁻¹ B + D at z = exp(2πi f T_s), f [Hz]; shape (frequencies, outputs, inputs).
+        """Return C (z I - A)⁻¹ B + D at z = exp(2πi f T_s), f [Hz]; shape (frequencies, outputs, inputs).
 
         Raises:
             ParameterError: a frequency is not between 0 and 1/(2 T_s).
@@ -111,7 +105,7 @@ class LinearSystem:
         return self.d + slim.c @ np.linalg.solve(here, right)
 
     def simulate(self, deviations: Any) -> Numbers:
-        """Return the deviations of the outputs (samples, outputs) for those of the inputs, from rest."""
+        """Return deviations of the outputs (samples, outputs) for deviations of the inputs, from the steady state."""
         u = np.asarray(deviations, dtype=float)
         u = u[:, None] if u.ndim == 1 else u
         slim = self.reduce_states()
@@ -122,14 +116,14 @@ class LinearSystem:
         return y
 
     def step_response(self, duration: float, number: int = 0) -> tuple[Numbers, Numbers]:
-        """Return the times [s] and outputs (samples, outputs) after a unit step of one input at 0 s."""
+        """Return times [s] and outputs (samples, outputs) after a unit step of one input at 0 s."""
         u = np.zeros((max(round(duration / self.interval), 1) + 1, self.b.shape[1]))
         u[:, number] = 1.0
         return self.interval * np.arange(len(u)), self.simulate(u)
 
 
 def _find_reachable(first: Numbers, through: Numbers) -> Numbers:
-    """Return the states that are reached from some, where `through[i, j]` says that j moves i."""
+    """Return the states reached from the first ones, where `through[i, j]` is True if j moves i."""
     reached = first
     while True:
         more = reached | np.any(through[:, reached], axis=1)
@@ -139,7 +133,7 @@ def _find_reachable(first: Numbers, through: Numbers) -> Numbers:
 
 
 class Orders(NamedTuple):
-    """Coefficients of the numerator, poles, delay."""
+    """Number of numerator coefficients, poles, and delay."""
 
     nb: int
     nf: int
@@ -152,7 +146,7 @@ class _KnowsPoles(Protocol):
 
 
 def find_orders(block: AbstractBlock) -> Orders | None:
-    """Return the orders of an `oe` or `ss` of one input and one output."""
+    """Return the orders of an `oe` or `ss` of one input and output, else None."""
     if isinstance(block, TransferFunction):
         return Orders(int(block.nb), int(block.nf), int(block.nk))
     if isinstance(block, StateSpace) and block.linear and (block.inputs, block.outputs) == (1, 1):
@@ -162,7 +156,7 @@ def find_orders(block: AbstractBlock) -> Orders | None:
 
 
 def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> LinearSystem:
-    """Return the state space of a linear block at a sample time [s]; an offset is left out.
+    """Return the state space of a linear block without its offset, for a sample time [s].
 
     Raises:
         ParameterError: the block is not linear.
@@ -172,8 +166,8 @@ def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear
     states, inputs, outputs = block.states(), block.inputs, block.outputs
 
     def stepped(moving: Numbers) -> Numbers:
-        held, x = list(moving[:states]), list(moving[states:])
-        y, after = block.step(floats, list(map(float, theta)), held, x, dt)
+        state, x = list(moving[:states]), list(moving[states:])
+        y, after = block.step(floats, list(map(float, theta)), state, x, dt)
         return np.array([*after, *y], dtype=float)
 
     zero = stepped(np.zeros(states + inputs))
@@ -193,34 +187,32 @@ def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear
 
 
 def find_poles(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
-    """Return the poles z of a linear block, those at 0 of delays left out where it knows its own."""
+    """Return the poles z of a linear block, without the poles of delays if it knows its own."""
     if isinstance(block, _KnowsPoles):
         return block.poles(theta, dt)
     return np.linalg.eigvals(build_state_space(block, theta, dt).a)
 
 
 def find_zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
-    """Return the zeros z of a linear block of one input and one output.
-
-    There is one fewer than the numerator has coefficients; those at 0 are left out.
+    """Return the zeros z of a linear block of one input and output, without zeros at 0.
 
     Raises:
         ParameterError: the block is not linear, or has several inputs or outputs.
     """
     if (block.inputs, block.outputs) != (1, 1):
         raise ParameterError(f"Block `{block.text()}` has several inputs or outputs; zeros are those of one of each.")
-    made = build_state_space(block, theta, dt)
-    numerator, _ = find_fraction(made)
+    system = build_state_space(block, theta, dt)
+    numerator, _ = find_fraction(system)
     size = np.abs(numerator)
     first = int(np.argmax(size > 1e-9 * size.max())) if size.max() > 0.0 else len(size)
-    found = np.roots(numerator[first:])
-    known = find_orders(block)
-    found = found[np.argsort(-np.abs(found))][: known.nb - 1 if known else None]
-    return found[np.abs(found) > 1e-9]
+    roots = np.roots(numerator[first:])
+    orders = find_orders(block)
+    roots = roots[np.argsort(-np.abs(roots))][: orders.nb - 1 if orders else None]
+    return roots[np.abs(roots) > 1e-9]
 
 
 def find_fraction(system: LinearSystem) -> tuple[Numbers, Numbers]:
-    """Return the numerator and denominator in falling powers of z, of a system of one input and output."""
+    """Return numerator and denominator in falling powers of z, of a system of one input and output."""
     denominator = np.atleast_1d(np.poly(system.a))
     # det(zI - A + B C) = det(zI - A) (1 + C (zI - A)⁻¹ B)
     closed = np.atleast_1d(np.poly(system.a - system.b @ system.c))

@@ -1,14 +1,10 @@
 """Operating points of a chain, its linear system there, and its static curve.
 
-The linear system follows from the partial derivatives of every block (`plan`), put together along the chain. It is
-exact for all blocks.
-
-A block with hysteresis has a different slope for every history and direction. Without a
-history it is at rest as it was made: every play stands in the middle of its gap, and small signals
-do not move it. After a history a play may stand at the edge of its gap, where inputs that go on
-move it one for one and inputs that turn do not. A small `push` says which way: blocks with memory
-are then taken under what reaches them once it has spread. Without a push they are taken as they
-stand, and a play at its edge as standing still.
+The linear system follows exactly from the partial derivatives of every block (`plan`). A block with hysteresis has a
+different slope for every history and direction. Without a history every play is in the middle of its gap, and small
+signals do not move it. After a history a play may be at the edge of its gap, where continuing inputs move it and
+reversing inputs do not. A small `push` selects the direction. Without a push, a play at its edge counts as standing
+still.
 """
 
 from __future__ import annotations
@@ -26,9 +22,8 @@ from martensite.identify.chains.linear_system import LinearSystem
 from martensite.signals.sampling.sampled import Sampled
 
 SETTLED = 1e-9
-"""Change of the state in one more stretch, over its size, at which it has settled."""
+"""Relative change of a state that counts as settled."""
 DOUBLINGS = 12
-"""Number of times that the held stretch after a history is doubled."""
 
 
 class LinearisationPoint(NamedTuple):
@@ -40,14 +35,16 @@ class LinearisationPoint(NamedTuple):
 
 
 def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> LinearisationPoint:
-    """Return the state in which a chain rests under a constant input, a number or one for each input.
+    """Return the steady state of a chain under a constant input.
 
-    After a history of inputs from rest, shape (samples, inputs), the level is held until nothing changes. Of a chain
-    without hysteresis it changes nothing.
+    Args:
+        chain: the model.
+        level: input, a number or one for each input.
+        history: earlier inputs from the steady state, shape (samples, inputs); it matters for hysteresis.
 
     Raises:
-        InputError: the level or the history do not fit the inputs.
-        SolveError: the chain does not come to rest.
+        InputError: the level or the history does not fit the inputs.
+        SolveError: the chain does not settle.
     """
     u = np.atleast_1d(np.asarray(level, dtype=float))
     if u.shape != (chain.inputs,) or not np.all(np.isfinite(u)):
@@ -67,7 +64,6 @@ def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None 
 
 
 def _settle_state(chain: Chain, u: Numbers, state: Numbers) -> None:
-    """Hold an input until the state, changed in place, stays."""
     samples = 256
     for _ in range(DOUBLINGS):
         before = state.copy()
@@ -89,14 +85,13 @@ def linearise_chain(
 
     Args:
         chain: the model.
-        level: the input, a number, or one for each input.
-        history: inputs from rest before.
-        push: a small change of the input in the direction in which small signals go; it matters
-            for blocks with hysteresis alone, whose slopes are then those under it.
+        level: input, a number or one for each input.
+        history: earlier inputs from the steady state.
+        push: small change of the input in the direction of small signals, for blocks with hysteresis.
 
     Raises:
-        InputError: the level or the history do not fit the inputs.
-        SolveError: the chain does not come to rest.
+        InputError: the level or the history does not fit the inputs.
+        SolveError: the chain does not settle.
     """
     point = operating_point(chain, level, history)
     if not np.any(push):
@@ -107,71 +102,66 @@ def linearise_chain(
 
 
 def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None) -> LinearSystem:
-    """Return the linear system around any state and input: also one that does not rest.
-
-    What enters blocks with memory may be `pushed` instead.
-    """
+    """Return the linear system around any state and input; `pushed` replaces the inputs of blocks with memory."""
     engine = chain.engine
     states, inputs = engine.plan.states, chain.inputs
-    moving = states + inputs  # columns; those of the free numbers behind them do not matter
+    moving = states + inputs  # further columns belong to the free numbers
     functions = _bind_blocks(chain)
     entering = _find_entering(chain, point.inputs, point.state)
     a, b = np.zeros((states, states)), np.zeros((states, inputs))
-    own = np.eye(states, moving + engine.plan.columns)
+    state_columns = np.eye(states, moving + engine.plan.columns)
     reach = np.hstack([np.zeros((inputs, states)), np.eye(inputs, inputs + engine.plan.columns)])
-    seen = np.zeros((len(engine.taps), moving))
+    output_slopes = np.zeros((len(engine.taps), moving))
     first = 0
     for k, piece in enumerate(engine.plan.pieces):
         rows = slice(first, first + piece.block.states())
         remembers = pushed is not None and piece.block.states() > 0
         x = pushed[k] if pushed is not None and remembers else entering[k]
-        _, reach, _, after = step_block(piece, functions, x, reach, point.state[rows], own[rows], moving)
+        _, reach, _, after = step_block(piece, functions, x, reach, point.state[rows], state_columns[rows], moving)
         a[rows], b[rows] = np.split(after[:, :moving], [states], axis=1)
         for place, (number, channel) in enumerate(engine.taps):
             if number == k:
-                seen[place] = reach[channel, :moving]
+                output_slopes[place] = reach[channel, :moving]
         first = rows.stop
-    c, d = np.split(seen, [states], axis=1)
+    c, d = np.split(output_slopes, [states], axis=1)
     return LinearSystem(
         a, b, c, d, chain.interval, point.inputs, point.state, point.outputs, chain.input_names, chain.output_names
     )
 
 
 def _bind_blocks(chain: Chain) -> Any:
-    """Return the functions of all blocks on floats."""
     given = [float(value) for block in chain.blocks for value in block.given()]
     program = chain.engine.plan.program
     return program.bind_floats(*map(float, chain.theta), *given, float(chain.interval))
 
 
 def _find_entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
-    """Return the input of every block in a state."""
-    functions, x, found, first = _bind_blocks(chain), u, [], 0
+    functions, x, inputs, first = _bind_blocks(chain), u, [], 0
     for piece in chain.engine.plan.pieces:
         last = first + piece.block.states()
-        found.append(x[: piece.block.inputs])
-        values = functions[f"v{piece.step.name}"](*map(float, found[-1]), *map(float, state[first:last]))
+        inputs.append(x[: piece.block.inputs])
+        values = functions[f"v{piece.step.name}"](*map(float, inputs[-1]), *map(float, state[first:last]))
         x, first = np.array(values[: piece.block.outputs]), last
-    return found
+    return inputs
 
 
 def static_curve(
     chain: Chain, low: float, high: float, points: int = 101, number: int = 0, others: Any = None
 ) -> tuple[Numbers, Numbers]:
-    """Return the levels of one input, and the outputs (points, outputs) of the chain at rest under them.
+    """Return the levels of one input, and the steady outputs (points, outputs) of the chain.
 
-    Of a chain with hysteresis this is the curve of first rest at each level, without a history.
+    A chain with hysteresis is without a history at each level.
 
     Args:
         chain: the model.
         low: first level.
         high: last level.
-        points: how many.
-        number: which input.
-        others: levels of all inputs, of which that one is replaced; 0 if left out.
+        points: number of levels.
+        number: number of the varied input.
+        others: levels of all inputs; default: 0.
 
     Raises:
-        InputError: a number of points below 2, or levels that do not fit.
+        InputError: fewer than 2 points, or levels that do not fit.
     """
     if points < 2 or not np.isfinite(low) or not np.isfinite(high):
         raise InputError("A static curve needs at least 2 points between finite levels.")

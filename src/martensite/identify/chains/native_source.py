@@ -1,9 +1,8 @@
-"""C of a chain: its state at rest, its simulation, and both with derivatives.
+"""C code of a chain: its steady state, its simulation, and both with derivatives.
 
-Samples go through in tiles that stay in the cache, columns of derivatives as rows of a tile. A
-block without memory is evaluated for a whole tile at once, its own columns as they come. One with
-memory goes sample by sample: first its values with the partial derivatives of every sample, then
-the columns, several at a time, which need a tile laid out the other way (`native_columns`).
+Samples pass in tiles that stay in the cache, columns of derivatives are rows of a tile. A block without memory is
+evaluated for a whole tile. A block with memory is evaluated sample by sample: first values and partial derivatives,
+then the columns, for which the tile is transposed (`native_columns`).
 """
 
 from __future__ import annotations
@@ -17,11 +16,10 @@ from martensite.kernels.c99 import C_DIALECT, write_prelude
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 
 Taps = tuple[tuple[int, int], ...]
-"""Outputs to write: pairs of block and output index."""
 
 
 def chain_source(plan: ChainPlan, taps: Taps, extra: bool) -> str:
-    """C of `rest`, `run` and `slopes`; of `slopes` alone with `extra` columns for the state."""
+    """Return the C code of `rest`, `run` and `slopes`; of `slopes` alone with `extra` columns for the state."""
     columns = plan.columns + plan.states * extra
     writer = _Writer(plan, taps, columns, KernelPrinter(plan.program, C_DIALECT))
     parts = [write_prelude(), f"enum {{ TILE = {TILE}, M = {columns} }};\n", writer.prepare()]
@@ -34,7 +32,7 @@ def chain_source(plan: ChainPlan, taps: Taps, extra: bool) -> str:
 
 @dataclass(frozen=True)
 class _Writer:
-    """The functions of one chain. `columns` is M, those of the initial state included."""
+    """Functions of one chain; `columns` is M, including the initial state."""
 
     plan: ChainPlan
     taps: Taps
@@ -43,25 +41,25 @@ class _Writer:
 
     @property
     def direct(self) -> bool:
-        """Return whether only outputs of the last block are written, which it can then write directly."""
+        """Return whether all outputs belong to the last block, which then writes them directly."""
         last = len(self.plan.pieces) - 1
         return self.taps == tuple((last, i) for i in range(self.plan.pieces[last].block.outputs))
 
     def prepare(self) -> str:
-        """`prepare(p, c)`. A long list of assignments: inlined, it would be compiled twice."""
-        made = self.kernels.prepare
+        """Return `prepare(p, c)`, a long list of assignments that must not be inlined."""
+        statements = self.kernels.prepare
         return _print_function(
             "static __attribute__((noinline)) void prepare(\n    const double *restrict p, double *restrict c)",
-            [*made.lines, *(f"c[{i}] = {value};" for i, value in enumerate(made.results))],
+            [*statements.lines, *(f"c[{i}] = {value};" for i, value in enumerate(statements.results))],
         )
 
     def statements(self, name: str) -> Statements:
-        """Return a function over its inputs x0, x1, … and its state s0, s1, …, declared around it."""
+        """Return a function over its inputs x0, x1, … and its state s0, s1, …."""
         function = self.plan.program.functions[name]
         return self.kernels.print_function(function, function.inputs)
 
     def block(self, k: int, slopes: bool) -> str:
-        """Return one block over a tile: signals w[signal][TILE] are replaced."""
+        """Return one block over a tile of signals w[signal][TILE], which it replaces."""
         piece = self.plan.pieces[k]
         named = self.statements(piece.step.name if slopes else f"v{piece.step.name}")
         before, inside, after = list[str](), list[str](), list[str]()
@@ -91,14 +89,14 @@ class _Writer:
     def march(self, slopes: bool) -> str:
         """Return the loop over tiles; the columns of signals are dw[signal][M][TILE]."""
         plan, inputs = self.plan, self.plan.pieces[0].block.inputs
-        state, beside, steps = 0, 0, list[str]()
+        state, offset, steps = 0, 0, list[str]()
         for k, piece in enumerate(plan.pieces):
-            tail = f", ds + {state} * M, dw, z + {beside}" if slopes else ""
+            tail = f", ds + {state} * M, dw, z + {offset}" if slopes else ""
             last = slopes and self.direct and k == len(plan.pieces) - 1
             tail += ", dy, stride" if last else ""
             steps.append(f"block{k}{'d' if slopes else ''}(n, c, w, s + {state}{tail});")
             state += piece.block.states()
-            beside += count_room(piece, self.columns - plan.columns)
+            offset += count_room(piece, self.columns - plan.columns)
             steps += self._write_taps(k, slopes and not last)
         zeros = f"memset(dw + i * M * TILE, 0, sizeof(double) * TILE * (M - {plan.columns}));"
         scratch = [f"double *restrict z = dw + {plan.width} * TILE * M;"] if slopes else []
@@ -125,22 +123,21 @@ class _Writer:
         )
 
     def _write_taps(self, k: int, slopes: bool) -> list[str]:
-        """Give out signals of a block, with zeros for the columns of what comes later."""
         piece, count, lines = self.plan.pieces[k], len(self.taps), list[str]()
-        known = f"(M - {self.plan.columns - piece.first - piece.count})"
+        columns = f"(M - {self.plan.columns - piece.first - piece.count})"
         for place, channel in ((i, tap[1]) for i, tap in enumerate(self.taps) if tap[0] == k):
             lines.append(f"for (long t = 0; t < n; t++) y[t * {count} + {place}] = w[{channel} * TILE + t];")
             row, size = f"dy + ({place} * M + q) * stride", "sizeof(double) * TILE"
             if slopes:
                 lines += [
-                    f"for (long q = 0; q < {known}; q++)",
+                    f"for (long q = 0; q < {columns}; q++)",
                     f"    memcpy({row}, dw + ({channel} * M + q) * TILE, {size});",
-                    f"for (long q = {known}; q < M; q++) memset({row}, 0, {size});",
+                    f"for (long q = {columns}; q < M; q++) memset({row}, 0, {size});",
                 ]
         return lines
 
     def rest(self) -> str:
-        """Return the chain at rest: each block under what the block before gives at rest."""
+        """Return the code of the steady state: each block under the steady output of the block before."""
         plan, inputs = self.plan, self.plan.pieces[0].block.inputs
         lines = [
             f"double c[{self.plan.program.constants}], w[{plan.width} * TILE] = {{0.0}};",
@@ -151,7 +148,7 @@ class _Writer:
             f"memset(ds, 0, sizeof(double) * {plan.states} * M);",
             f"for (long i = 0; i < {inputs}; i++) w[i * TILE] = x[i];",
         ]
-        state, beside = 0, 0
+        state, offset = 0, 0
         for k, piece in enumerate(plan.pieces):
             count = piece.block.states()
             if count:
@@ -160,10 +157,10 @@ class _Writer:
                 lines += [
                     f"memcpy(s1, s + {state}, sizeof(double) * {count});",
                     f"memcpy(ds1, ds + {state} * M, sizeof(double) * {count} * M);",
-                    f"block{k}d(1, c, w, s1, ds1, dw, z + {beside});",
+                    f"block{k}d(1, c, w, s1, ds1, dw, z + {offset});",
                 ]
             state += count
-            beside += count_room(piece, 0)
+            offset += count_room(piece, 0)
         return _print_function(
             "void rest(const double *restrict p, const double *restrict x, double *restrict s,\n"
             "    double *restrict ds, double *restrict dw)",
@@ -171,7 +168,6 @@ class _Writer:
         )
 
     def _write_rest(self, piece: ChainPiece, state: int) -> list[str]:
-        """Return the state of one block with its columns, from its inputs and theirs."""
         inputs, first = piece.block.inputs, piece.first
         named = self.statements(piece.rest.name)
         lines = [*(f"const double x{i} = w[{i} * TILE];" for i in range(inputs))]
@@ -190,7 +186,7 @@ class _Writer:
 def _print_loop(
     piece: ChainPiece, lines: Sequence[str], results: Sequence[str], inside: Sequence[str], slopes: bool
 ) -> list[str]:
-    """Return the loop over samples; the state is in local variables meanwhile."""
+    """Return the loop over samples, with the state in local variables."""
     inputs, outputs, states = piece.block.inputs, piece.block.outputs, piece.block.states()
     body = [
         *(f"const double x{i} = w[{i} * TILE + t];" for i in range(inputs)),

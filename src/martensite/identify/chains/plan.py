@@ -1,12 +1,11 @@
 """Blocks in series as programs: every block traced once, with all its partial derivatives.
 
-The derivatives of a chain with respect to its free numbers go from block to block. A block takes
-signals x with derivatives S_x (one column per number of itself and of the blocks before it) and
-its state s with S_s; from its partial derivatives
+A block takes signals x with derivatives S_x (one column per number of this block and earlier ones) and its state s with
+S_s; its partial derivatives give
 
     S_y = y_x S_x + y_s S_s + y_θ,    S_s⁺ = s_x S_x + s_s S_s + s_θ
 
-in one pass with the simulation. Only the entries that are not zero are computed.
+in one pass with the simulation. Only non-zero entries are computed.
 """
 
 from __future__ import annotations
@@ -24,21 +23,20 @@ from martensite.kernels.slopes import compute_gradient, compute_partials
 
 @dataclass(frozen=True)
 class Entry:
-    """A partial derivative that is not zero: d row / d column, and where its value is found."""
+    """A non-zero partial derivative d row / d column, and the place of its value."""
 
     row: int
     column: int
     place: int
     constant: bool = False
-    """True for a derivative that depends on parameters only and is the same in every sample."""
+    """True if it is the same in every sample."""
 
 
 @dataclass(frozen=True)
 class TracedBlock:
-    """One function of a block: rows are its results, columns what it depends on."""
+    """One function of a block: rows are its results, columns its arguments."""
 
     name: str
-    """Name of the function with derivatives; the function of values alone is `v` + name."""
     rows: int
     entries: tuple[Entry, ...]
 
@@ -49,7 +47,7 @@ class ChainPiece:
 
     block: AbstractBlock
     first: int
-    """Column of its first free number, after those of the initial state."""
+    """Column of its first free number, after the initial state."""
     step: TracedBlock
     """Rows: outputs, then states. Columns: inputs, states, free numbers."""
     rest: TracedBlock
@@ -80,17 +78,17 @@ class ChainPlan:
 
     @property
     def width(self) -> int:
-        """Return the most signals between two blocks."""
+        """Return the largest number of signals between two blocks."""
         return max(max(p.block.inputs, p.block.outputs) for p in self.pieces)
 
 
 def plan_blocks(blocks: Sequence[AbstractBlock]) -> ChainPlan:
-    """Return the plan of some blocks in series, traced once per structure."""
+    """Return the plan of blocks in series, traced once per structure."""
     return _plan_keyed(tuple(_Shaped(block) for block in blocks))
 
 
 class _Shaped:
-    """A block that equals every other of its structure."""
+    """A block that equals all blocks of its structure."""
 
     def __init__(self, block: AbstractBlock) -> None:
         self.block, self.key = block, block.structure()
@@ -124,8 +122,8 @@ def _build_piece(program: Program, block: AbstractBlock, k: int, first: int, the
     inputs, states = len(x), len(s)
 
     def step(xp: Any, moving: Sequence[Any]) -> Sequence[Any]:
-        own = moving[inputs + states :]
-        y, after = block.step(xp, own, moving[inputs : inputs + states], moving[:inputs], dt)
+        numbers = moving[inputs + states :]
+        y, after = block.step(xp, numbers, moving[inputs : inputs + states], moving[:inputs], dt)
         return [*y, *after]
 
     def rest(xp: Any, moving: Sequence[Any]) -> Sequence[Any]:
@@ -146,13 +144,13 @@ def _trace_block(
     theta: list[Any],
     kernel: Callable[[Any, Sequence[Any]], Sequence[Any]],
 ) -> TracedBlock:
-    """Add a kernel to the program with its derivatives, and once more without."""
+    """Add a kernel to the program, with and without its derivatives."""
     moving = [*(program.graph.input(i, VARYING) for i in inputs), *theta]
     values, rows = _differentiate_block(program, kernel, moving)
     entries: list[Entry] = []
     slopes: list[Any] = []
-    for row, found in enumerate(rows):
-        for column, slope in found.items():
+    for row, slopes_of_row in enumerate(rows):
+        for column, slope in slopes_of_row.items():
             varies = bool(program.graph.depends[slope.index] & VARYING)
             entries.append(Entry(row, column, len(values) + len(slopes), not varies))
             slopes.append(slope)
@@ -164,7 +162,7 @@ def _trace_block(
 def _differentiate_block(
     program: Program, kernel: Callable[[Any, Sequence[Any]], Sequence[Any]], moving: Sequence[Any]
 ) -> tuple[list[Any], list[dict[int, Any]]]:
-    """Return the values and derivatives: of a single value backwards, if that takes less."""
+    """Return values and derivatives, backwards for a single value if that takes less work."""
     traced = [program.as_node(value) for value in kernel(program.xp, moving)]
     values, rows = compute_partials(traced, moving)
     if len(values) == 1:
@@ -176,7 +174,7 @@ def _differentiate_block(
 
 
 def _count_work(program: Program, slopes: dict[int, Any]) -> int:
-    """Return the operations in every sample that derivatives take."""
+    """Return the number of operations per sample."""
     graph, seen = program.graph, set[int]()
     stack = [slope.index for slope in slopes.values()]
     while stack:

@@ -1,11 +1,8 @@
-"""Models of blocks as plants: driven by the library's own waveforms and controllers.
+"""Models of blocks as plants, driven by waveforms and controllers.
 
-A model is a mechanism without elements. Its signals are the inputs of the model, its outputs the outputs of the model.
-So a model runs like any system: under `simulate`, in `simulate_controlled`, from a scenario. It is defined at its
-samples alone: runs go from sample to sample, inputs are held from the start of a sample, and accuracy is not estimated.
-
-Inside the library all numbers are in SI; the plant converts from there to the units of the model
-and back. Unknown units and missing units are left as they are.
+A model is a mechanism without elements: its signals are the inputs of the model. It runs like any system in `simulate`,
+`simulate_controlled` and scenarios, from sample to sample with held inputs and without an estimate of the accuracy. The
+plant converts between SI and the units of the model; unknown units are not converted.
 """
 
 from __future__ import annotations
@@ -48,11 +45,11 @@ SI = (
     "m/s^2",
     "N/m",
 )
-"""Units that signals are read as, if theirs can be converted to one of them."""
+"""Units of signals, if theirs can be converted."""
 
 
 def build_plant(chain: Chain) -> Machine:
-    """Return a chain as a system: its drives are called after its inputs, its outputs after its outputs.
+    """Return a chain as a system with its input and output names.
 
     Raises:
         InputError: an input and an output have the same name.
@@ -61,7 +58,7 @@ def build_plant(chain: Chain) -> Machine:
 
 
 class ModelMechanism(AbstractMechanism):
-    """A chain as a mechanism without ports. Its numbers are those of the chain."""
+    """A chain as a mechanism without ports."""
 
     registered_name = "model"
 
@@ -87,81 +84,70 @@ class ModelMechanism(AbstractMechanism):
 
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """Return one parameter per free or fixed number, and the structure as an option."""
         chain: Chain = self.__dict__["chain"]
-        found = {name: Declared("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
-        return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
+        numbers = {name: Declared("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
+        return {"structure": Declared("option", "blocks and signals", REQUIRED), **numbers}
 
     def arguments(self) -> dict[str, Any]:
-        """Return the arguments that make an equal object: the chain."""
         return {"chain": self.model}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
-        """Return a checked copy with some numbers changed."""
-        own = {**{name: self.__dict__[name] for name in _list_paths(self.model)}, **values}
+        all_values = {**{name: self.__dict__[name] for name in _list_paths(self.model)}, **values}
         blocks = tuple(
-            block.with_given([float(own[f"b{k}_{name}"]) for name in block.fixed])
+            block.with_given([float(all_values[f"b{k}_{name}"]) for name in block.fixed])
             for k, block in enumerate(self.model.blocks, start=1)
         )
-        theta = [float(own[f"b{k}_{name}"]) for k, block in enumerate(blocks, start=1) for name in block.numbers()]
+        theta = [
+            float(all_values[f"b{k}_{name}"]) for k, block in enumerate(blocks, start=1) for name in block.numbers()
+        ]
         return type(self)(replace(self.model, blocks=blocks, theta=np.array(theta)))
 
     @property
     def model(self) -> Chain:
-        """Return the chain, with the numbers that it was made of."""
+        """Return the chain with its original numbers."""
         return self.__dict__["chain"]
 
     def ports(self) -> tuple[str, ...]:
-        """None: a model needs no element."""
         return ()
 
     def sample_time(self) -> float:
-        """Return the sample time of the chain [s]."""
         return self.model.interval
 
     def first_step(self) -> float:
-        """Return the sample time [s]."""
         return self.model.interval
 
     def signals(self) -> dict[str, str]:
-        """Return the inputs with their SI units."""
         return {name: _find_conversion(self.model, name)[0] for name in self.model.input_names}
 
     def outputs(self) -> dict[str, Output]:
-        """Return the outputs with their SI units."""
         return {
             name: Output(_find_conversion(self.model, name)[0], name.replace("_", " "), "y")
             for name in self.model.output_names
         }
 
     def convergence_scales(self) -> dict[str, float]:
-        """Return all outputs."""
         return dict.fromkeys(self.model.output_names, 1e-9)
 
     def start_forces(self, xp: Namespace) -> Column:
-        """None."""
         return ()
 
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
-        """Return the state at rest under the first inputs, block by block."""
-        x, found = self.convert_inputs(signals), []
+        x, states = self.convert_inputs(signals), []
         for block, theta in self._blocks():
             state = block.rest(xp, theta, x, self.model.interval)
             x, _ = block.step(xp, theta, state, x, self.model.interval)
-            found.append(tuple(state))
-        return tuple(found)
+            states.append(tuple(state))
+        return tuple(states)
 
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], StepReport]:
-        """Return the state one sample on, whatever `dt`."""
         after, _ = self._sample(xp, memory, signals)
         return after, [], StepReport(0.0, 0.0)
 
     def observe(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
-        """Return the outputs of this sample."""
         return [], self._sample(xp, memory, signals)[1]
 
     def _sample(self, xp: Namespace, memory: Any, signals: Column) -> tuple[Any, list[Scalar]]:
@@ -172,25 +158,24 @@ class ModelMechanism(AbstractMechanism):
             x, then = block.step(xp, theta, state, x, self.model.interval)
             after.append(tuple(then))
             signals_of.append(x)
-        seen = [signals_of[k][i] for k, i in self.model.engine.taps]
-        return tuple(after), self._outside(seen)
+        outputs = [signals_of[k][i] for k, i in self.model.engine.taps]
+        return tuple(after), self._outside(outputs)
 
     def _blocks(self) -> list[tuple[AbstractBlock, Column]]:
         """Return the blocks with the numbers of this mechanism, which may be traced."""
-        found: list[tuple[AbstractBlock, Column]] = []
+        blocks: list[tuple[AbstractBlock, Column]] = []
         for k, block in enumerate(self.model.blocks, start=1):
             given = [self.__dict__[f"b{k}_{name}"] for name in block.fixed]
             theta = [self.__dict__[f"b{k}_{name}"] for name in block.numbers()]
-            found.append((block.with_given(given), theta))
-        return found
+            blocks.append((block.with_given(given), theta))
+        return blocks
 
     def convert_inputs(self, signals: Column) -> list[Scalar]:
-        """Return the inputs in SI in the units of the model."""
+        """Return inputs in SI in the units of the model."""
         kinds = [_find_conversion(self.model, name) for name in self.model.input_names]
         return [(u - offset) * (1.0 / factor) for u, (_, factor, offset) in zip(signals, kinds, strict=True)]
 
     def _outside(self, outputs: Sequence[Scalar]) -> list[Scalar]:
-        """Return the outputs in the units of the model in SI."""
         kinds = [_find_conversion(self.model, name) for name in self.model.output_names]
         return [y * factor + offset for y, (_, factor, offset) in zip(outputs, kinds, strict=True)]
 
@@ -211,7 +196,7 @@ def _list_values(chain: Chain) -> list[float]:
 
 
 def _find_conversion(chain: Chain, name: str) -> tuple[str, float, float]:
-    """SI unit of a signal, and the factor and offset that lead to it."""
+    """Return the SI unit of a signal, with the factor and offset of its conversion."""
     spelling = chain.units.get(name, "1") or "1"
     for unit in SI:
         try:

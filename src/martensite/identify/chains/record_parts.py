@@ -1,12 +1,8 @@
-"""Which samples of a record belong to a rising input, and which to a falling one.
+"""Parts of a record: rising and falling input, and stretches of equal length.
 
-A signal is rising from one of its turning points to the next. A turning point is one from which
-the signal comes back by more than a share of its range, so that noise and ripple are no turns;
-a level that is held belongs to the movement that led to it, and what comes before any movement
-counts as falling. On records of pulses the input rises
-at the start of a pulse and falls at its end: these are then heating and cooling.
-
-A record in stretches of equal length: where the errors are.
+A turning point is followed by a return of more than a fraction of the range of the signal, so that noise is no turn. A
+constant level belongs to the movement before it; before any movement the signal counts as falling. For pulses the
+parts are heating and cooling.
 """
 
 from __future__ import annotations
@@ -22,15 +18,17 @@ from martensite.identify.blocks.base import Numbers
 from martensite.signals.sampling.sampled import Sampled
 
 REVERSAL = 0.02
-"""Share of the range by which a signal must come back to have turned."""
+"""Return after a turning point, as a fraction of the range."""
 RISING, FALLING = "rising", "falling"
 Masks = Mapping[str, Any]
 
 
 def find_rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
-    """True where a signal of shape (samples,) rises, or holds after it has risen.
+    """Return True where a signal of shape (samples,) rises, or is constant after rising.
 
-    It has turned when it comes back by the share `reversal` of its range.
+    Args:
+        signal: the signal.
+        reversal: return after a turning point, as a fraction of the range.
 
     Raises:
         ParameterError: the reversal is not between 0 and 1.
@@ -39,7 +37,7 @@ def find_rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
         raise ParameterError(f"Argument `reversal` must be between 0 and 1, but is {reversal}.")
     values = np.asarray(signal, dtype=float)
     least = reversal * float(np.max(values) - np.min(values))
-    found = np.zeros(len(values), dtype=bool)
+    rising = np.zeros(len(values), dtype=bool)
     sense, turn, low, high = 0, 0, 0, 0
     for i, value in enumerate(values.tolist()):
         low = i if value <= values[low] else low
@@ -47,17 +45,17 @@ def find_rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
         if sense <= 0 and value - values[low] > least:
             turn, sense, high = low + 1, 1, i
         elif sense >= 0 and values[high] - value > least:
-            found[turn : high + 1] |= sense > 0
+            rising[turn : high + 1] |= sense > 0
             sense, low = -1, i
     if sense > 0:
-        found[turn:] = True
-    return found
+        rising[turn:] = True
+    return rising
 
 
 def split_by_direction(
     record: Sampled, masks: Masks | None = None, number: int = 0, reversal: float = REVERSAL
 ) -> dict[str, Numbers]:
-    """Samples by name: those of a rising and of a falling input, see `find_rising`, or those of given masks (samples,).
+    """Return the samples of rising and falling input (see `find_rising`), or of given masks (samples,), by name.
 
     Raises:
         DataError: a mask does not have one value per sample.
@@ -65,32 +63,31 @@ def split_by_direction(
     if masks is None:
         up = find_rising(record.inputs[:, number], reversal)
         return {RISING: up, FALLING: ~up}
-    found = {name: np.asarray(mask, dtype=bool) for name, mask in masks.items()}
-    for name, mask in found.items():
+    parts = {name: np.asarray(mask, dtype=bool) for name, mask in masks.items()}
+    for name, mask in parts.items():
         if mask.shape != (len(record),):
             raise DataError(
                 f"Mask `{name}` needs {len(record)} values, one per sample of record "
                 f"`{record.name}`, but has the shape {mask.shape}."
             )
-    return found
+    return parts
 
 
 COUNT = 10
-"""Stretches of a record."""
+"""Number of stretches of a record."""
 
 
 @dataclass(frozen=True)
 class ErrorStretch:
-    """Errors of one output from one time to another."""
+    """Errors of one output between two times."""
 
     output: str
     begin: float
-    """[s]"""
+    """Start [s]."""
     end: float
-    """[s]"""
+    """End [s]."""
     rms: float
     largest: float
-    """Largest error, whatever its sign."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields by name, for JSON."""
@@ -98,20 +95,20 @@ class ErrorStretch:
 
 
 def summarise_segments(times: Numbers, residuals: Numbers, output: str, count: int = COUNT) -> list[ErrorStretch]:
-    """Return the errors in stretches of equal length, without those in which nothing is known."""
-    found: list[ErrorStretch] = []
+    """Return the errors in stretches of equal length, without empty stretches."""
+    stretches: list[ErrorStretch] = []
     for t, e in zip(np.array_split(times, count), np.array_split(residuals, count), strict=True):
-        known = e[np.isfinite(e)]
-        if len(known):
-            size, largest = float(np.sqrt(np.mean(known**2))), float(np.max(np.abs(known)))
-            found.append(ErrorStretch(output, float(t[0]), float(t[-1]), size, largest))
-    return found
+        finite = e[np.isfinite(e)]
+        if len(finite):
+            size, largest = float(np.sqrt(np.mean(finite**2))), float(np.max(np.abs(finite)))
+            stretches.append(ErrorStretch(output, float(t[0]), float(t[-1]), size, largest))
+    return stretches
 
 
 def known_stretch(values: Numbers) -> slice:
     """Return the longest run of finite values."""
-    known = np.concatenate([[False], np.isfinite(values), [False]]).astype(int)
-    edges = np.flatnonzero(np.diff(known))
+    finite = np.concatenate([[False], np.isfinite(values), [False]]).astype(int)
+    edges = np.flatnonzero(np.diff(finite))
     begins, ends = edges[::2], edges[1::2]
     if not len(begins):
         return slice(0, 0)

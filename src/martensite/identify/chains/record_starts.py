@@ -1,11 +1,11 @@
-"""Start of a record: at rest, as at the fit, or in a state estimated from its first samples.
+"""Start of a record: steady, as in the fit, or in a state estimated from its first samples.
 
-The state at the first sample belongs to the record and not to the model. The state of a fitted record is found with the
-model and kept with it (`Chain.starts`). The state of another record is estimated from its first samples, unless rest
-explains these nearly as well. A run from a wrong state would distort the score of the model.
+The state at the first sample belongs to the record. For records of the fit it is estimated with the model and stored in
+it (`Chain.starts`). For other records it is estimated from the first samples, unless a steady start explains these
+nearly as well. A wrong state would distort the score of the model.
 
-Source: the option `InitialCondition` of `compare` in the System Identification Toolbox, which estimates the state
-on the whole record; here a short window keeps the score one of a free run.
+Source: the option `InitialCondition` of `compare` in the System Identification Toolbox, which estimates the state from
+the whole record; a short window keeps the score that of a free run.
 """
 
 from __future__ import annotations
@@ -23,28 +23,26 @@ from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.sampled import Sampled
 
 START_FRACTION = 0.1
-"""Fraction of a record from which its state is estimated."""
+"""Fraction of a record for the estimate of its state."""
 LEAST_SAMPLES = 50
-"""Samples for that at least."""
+"""Least number of samples for it."""
 WORTH = 0.8
-"""Squared error with another state than rest, over that from rest, from which on rest is given up."""
+"""Squared error with another state, over the steady start, below which the other state is used."""
 SEARCH_STEPS = 20
-"""Number of steps of the search for a state."""
 HELD = 20
-"""Samples for which inputs must be held at first to tell rest from the record alone."""
+"""Samples of constant inputs that show a steady start."""
 FLAT = 0.05
-"""Share of the range of an output by which it may drift, at the pace of the hold, over a quarter of the record."""
+"""Largest drift of an output over a quarter of the record, as a fraction of its range."""
 EDGE = 0.05
-"""Share of the range of an input within which a hold is at an end of it."""
+"""Distance of a constant input from the end of its range, as a fraction of the range."""
 
 
 class RunStart(NamedTuple):
-    """The state of a chain at the first sample of a record, and where it is from."""
+    """State of a chain at the first sample of a record."""
 
     state: Numbers | None
-    """None for rest."""
+    """State; None for a steady start."""
     said: str
-    """In words."""
 
 
 REST = RunStart(None, "at rest")
@@ -55,9 +53,9 @@ def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) 
 
     Args:
         chain: the model.
-        record: of its sample time.
-        start: `rest`, `zero`, or `estimate`, the state that fits the whole record best; by default that of the
-            fit if the record was fitted, else the one inferred from the first tenth, if rest is much worse.
+        record: record of its sample time.
+        start: `rest`, `zero`, or `estimate` from the whole record; default: as in the fit, or inferred from the first
+            tenth if a steady start is much worse.
         skip: samples at the start that do not count.
 
     Raises:
@@ -70,22 +68,22 @@ def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) 
         return RunStart(np.zeros(states), "zero")
     if start == "estimate":
         return RunStart(_settle(chain, record, skip)[0], "estimated from all of it")
-    known = chain.starts.get(record.hash) if chain.starts else None
-    if known is not None:
-        return REST if known.kind == "rest" else RunStart(chain.restore_state(known), "as at the fit")
+    stored = chain.starts.get(record.hash) if chain.starts else None
+    if stored is not None:
+        return REST if stored.kind == "rest" else RunStart(chain.restore_state(stored), "as at the fit")
     return _infer_start(chain, record, skip)
 
 
 def _infer_start(chain: Chain, record: Sampled, skip: int) -> RunStart:
-    """Rest, or the state that the first samples tell."""
+    """Return a steady start, or the state inferred from the first samples."""
     count = skip + max(round(START_FRACTION * len(record)), LEAST_SAMPLES, 4 * chain.engine.plan.states)
     window = record.rows(0, count)
-    known = np.isfinite(window.outputs[skip:]).sum()
-    if known <= chain.engine.plan.states:
+    count_known = np.isfinite(window.outputs[skip:]).sum()
+    if count_known <= chain.engine.plan.states:
         return REST
-    state, cost, rested = _settle(chain, window, skip)
-    spare = known / (known - chain.engine.plan.states)
-    if not cost * spare < WORTH * rested:
+    state, cost, cost_at_rest = _settle(chain, window, skip)
+    spare = count_known / (count_known - chain.engine.plan.states)
+    if not cost * spare < WORTH * cost_at_rest:
         return REST
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(chain.engine.simulate(chain.theta, record.inputs, state.copy()))):
@@ -94,20 +92,20 @@ def _infer_start(chain: Chain, record: Sampled, skip: int) -> RunStart:
 
 
 def _settle(chain: Chain, record: Sampled, skip: int) -> tuple[Numbers, float, float]:
-    """Return the state that fits a record best, its squared error, and that from rest."""
+    """Return the state that fits a record best, its squared error, and the squared error of a steady start."""
     squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, start="estimate")])
-    rested = squares.value(squares.extend_parameters(chain.theta))
-    found = settle_states(squares, chain.theta, SEARCH_STEPS)
-    return squares.initial(found.theta)[0], found.value, rested
+    cost_at_rest = squares.value(squares.extend_parameters(chain.theta))
+    end = settle_states(squares, chain.theta, SEARCH_STEPS)
+    return squares.initial(end.theta)[0], end.value, cost_at_rest
 
 
 def keep_starts(chain: Chain, records: Sequence[Sampled], starts: Sequence[str], states: Sequence[Numbers]) -> Chain:
-    """Return the chain with the states in which its records begin, and the ranges that their signals had."""
-    kept = {
+    """Return the chain with the starts of its records and the ranges of their signals."""
+    starts_by_hash = {
         record.hash: RecordStart(record.name, kind, tuple(map(float, state)) if kind == "estimate" else ())
         for record, kind, state in zip(records, starts, states, strict=True)
     }
-    return chain.with_records(kept, _find_ranges(records))
+    return chain.with_records(starts_by_hash, _find_ranges(records))
 
 
 def _find_ranges(records: Sequence[Sampled]) -> dict[str, tuple[float, float]]:
@@ -122,10 +120,9 @@ def _find_ranges(records: Sequence[Sampled]) -> dict[str, tuple[float, float]]:
 
 
 def shows_rest(record: Sampled) -> bool:
-    """Return whether a record alone shows that it begins at rest.
+    """Return whether a record alone shows a steady start.
 
-    Its inputs are held at an end of their ranges at first, where nothing has come from further away, and its
-    outputs stay: at their pace then they would not drift far.
+    Its inputs are constant at first, at an end of their ranges, and its outputs hardly drift.
     """
     moved = np.any(record.inputs != record.inputs[0], axis=1)
     count = int(np.argmax(moved)) if moved.any() else 0
@@ -135,10 +132,10 @@ def shows_rest(record: Sampled) -> bool:
         return False
     for column in record.outputs.T:
         y = column[:count]
-        known = np.isfinite(y)
-        if known.sum() < HELD:
+        finite = np.isfinite(y)
+        if finite.sum() < HELD:
             return False
-        (slope, _), covariance = np.polyfit(np.flatnonzero(known), y[known], 1, cov=True)
+        (slope, _), covariance = np.polyfit(np.flatnonzero(finite), y[finite], 1, cov=True)
         drift = (abs(slope) + 2.0 * np.sqrt(covariance[0, 0])) * 0.25 * len(record)
         if drift > FLAT * np.ptp(column[np.isfinite(column)]):
             return False

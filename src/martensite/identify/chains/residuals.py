@@ -2,8 +2,8 @@
 
     V = Σ_records Σ_t w² |L(q) (y - ŷ)|² + ρ N |θ - θ_ref|²
 
-Missing and skipped samples do not count. L(q) = 1 is the simulation error; a monic filter L
-makes it the prediction error under coloured noise v = e/L.
+Missing and skipped samples do not count. L(q) = 1 is the simulation error; a monic filter L makes it the prediction
+error under coloured noise v = e/L.
 """
 
 from __future__ import annotations
@@ -25,22 +25,21 @@ from martensite.search.levenberg_marquardt import Found, Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
-"""Choices of the state at the first sample of a record."""
 PIECE = 32_256
-"""Samples that are simulated at a time."""
+"""Samples per simulation, between tests for a halt."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordResidual:
-    """A record, and how its residuals count."""
+    """A record and the weights of its residuals."""
 
     record: Sampled
     skip: int = 0
     """Samples at the start that do not count."""
     weights: Numbers | None = None
-    """Weights of the outputs, 1/σ each; by default 1 over the standard deviation of each output."""
+    """Weights of the outputs, 1/σ; default: 1 over the standard deviation of each output."""
     start: str = "rest"
-    """State at the first sample: at rest under the first input, zero, or estimated."""
+    """State at the first sample: rest, zero, or estimate."""
     whitening: Numbers = field(default_factory=lambda: np.ones(1))
     """Coefficients 1, l_1, … of L(q)."""
 
@@ -62,16 +61,16 @@ class RecordResidual:
         return 1.0 / np.where(spread > 0.0, spread, 1.0)
 
     def counted_outputs(self) -> int:
-        """Return the number of outputs that count."""
+        """Return the number of counted outputs."""
         return int(np.isfinite(self.record.outputs[self.skip :]).sum())
 
 
 class Part(NamedTuple):
-    """Weighted residuals of some samples, and their derivatives with respect to θ."""
+    """Weighted residuals of some samples, with derivatives by θ."""
 
     rows: slice
     residuals: Numbers
-    """Shape (samples, outputs); 0 where nothing counts."""
+    """Shape (samples, outputs); 0 where not counted."""
     slopes: Numbers
     """Derivatives of ŷ, shape (samples, outputs, columns)."""
 
@@ -81,14 +80,13 @@ Memory = tuple[Numbers, Numbers]
 
 
 class HaltedSearchError(Exception):
-    """A search was told to end, from another thread."""
+    """A search was halted from another thread."""
 
 
 class ResidualSquares:
-    """The sum of squares of a chain over records, for `levenberg_marquardt.minimise_cost`.
+    """Sum of squares of a chain over records, for `levenberg_marquardt.minimise_cost`.
 
-    The numbers are θ of the chain, then the initial states of those records that estimate them,
-    as deviations from rest.
+    The numbers are θ of the chain, then the estimated initial states as deviations from the steady state.
     """
 
     def __init__(
@@ -100,9 +98,9 @@ class ResidualSquares:
         priors: Numbers | None = None,
         halt: Event | None = None,
     ) -> None:
-        """Take a chain and records, the pull ρ per sample towards θ_ref of the chain, and 1/σ of priors around it.
+        """Take a chain, records, the pull ρ per sample towards θ_ref, and 1/σ of priors around it.
 
-        Once `halt` is set, computing ends with `HaltedSearchError` within some thousand samples.
+        If `halt` is set, computing ends with `HaltedSearchError`.
         """
         self.engine, self.aims, self._halt = engine, tuple(aims), halt or Event()
         self.columns, self.states = engine.plan.columns, engine.plan.states
@@ -113,15 +111,15 @@ class ResidualSquares:
 
     @property
     def size(self) -> int:
-        """Return the number of all numbers, initial states included."""
+        """Return the number of all numbers, including initial states."""
         return self.columns + self.states * sum(aim.start == "estimate" for aim in self.aims)
 
     def extend_parameters(self, theta: Numbers) -> Numbers:
-        """θ of the chain with initial states at rest."""
+        """Return θ of the chain with steady initial states."""
         return np.concatenate([theta, np.zeros(self.size - len(theta))])
 
     def value(self, theta: Numbers) -> float:
-        """Return the sum of squares; infinite where the run is not finite."""
+        """Return the sum of squares; infinite for a run that is not finite."""
         total = float(self.pull @ (theta[: self.columns] - self.reference) ** 2)
         with np.errstate(all="ignore"):
             for aim, place in self._place_states():
@@ -131,7 +129,7 @@ class ResidualSquares:
         return total if np.isfinite(total) else np.inf
 
     def _simulate(self, theta: Numbers, u: Numbers, state: Numbers) -> Numbers:
-        """Return the outputs, piece by piece, so that a search can be ended in between."""
+        """Return the outputs in pieces, so that a search can be halted."""
         pieces = [np.empty((0, len(self.engine.taps)))]
         for first in range(0, len(u), PIECE):
             self._check_halt()
@@ -143,7 +141,7 @@ class ResidualSquares:
             raise HaltedSearchError
 
     def normal(self, theta: Numbers) -> Normal:
-        """Return the sum of squares with gradient and JᵀJ; infinite where the run is not finite."""
+        """Return the sum of squares with gradient and JᵀJ; infinite for a run that is not finite."""
         with np.errstate(all="ignore"):
             return self._normal(theta)
 
@@ -155,19 +153,19 @@ class ResidualSquares:
         hessian[range(self.columns), range(self.columns)] += self.pull
         for aim, place in self._place_states():
             where = self._where(place)
-            own, square = np.zeros(len(where)), np.zeros((len(where), len(where)))
+            record_gradient, square = np.zeros(len(where)), np.zeros((len(where), len(where)))
             for part in self._parts(aim, theta, place, reuse=True):
                 value += float(np.vdot(part.residuals, part.residuals))
                 for k, weight in enumerate(aim.scale()):
                     rows = part.slopes[:, k]
-                    own -= weight * (rows.T @ part.residuals[:, k])
+                    record_gradient -= weight * (rows.T @ part.residuals[:, k])
                     square += weight**2 * (rows.T @ rows)
-            gradient[where] += own
+            gradient[where] += record_gradient
             hessian[np.ix_(where, where)] += square
         return Normal(value if np.isfinite(value) else np.inf, gradient, hessian)
 
     def parts(self, theta: Numbers) -> Iterator[tuple[int, Part]]:
-        """Yield the number of the record, and weighted residuals with derivatives, piece by piece."""
+        """Yield the number of the record and its weighted residuals with derivatives, in pieces."""
         theta = self.extend_parameters(theta) if len(theta) == self.columns else theta
         for number, (aim, place) in enumerate(self._place_states()):
             for part in self._parts(aim, theta, place):
@@ -180,7 +178,7 @@ class ResidualSquares:
         return [self._start(aim, theta, place, False).state for aim, place in self._place_states()]
 
     def _place_states(self) -> Iterator[tuple[RecordResidual, int | None]]:
-        """Yield the records, and where their initial states are among the numbers."""
+        """Yield the records with the place of their initial states among the numbers."""
         place = self.columns
         for aim in self.aims:
             estimated = aim.start == "estimate"
@@ -203,7 +201,7 @@ class ResidualSquares:
         return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])
 
     def _parts(self, aim: RecordResidual, theta: Numbers, place: int | None, reuse: bool = False) -> Iterator[Part]:
-        """Yield the weighted residuals and slopes without weights; with `reuse` overwritten by the next."""
+        """Yield weighted residuals and unweighted slopes; with `reuse` overwritten by the next."""
         start = self._start(aim, theta, place, slopes=True)
         memory: Memory | None = None
         own, inputs = theta[: self.columns], aim.record.inputs
@@ -219,25 +217,23 @@ class ResidualSquares:
 
 
 def settle_states(squares: ResidualSquares, theta: Numbers, steps: int) -> Found:
-    """Return the initial states that are estimated, found for a θ of the chain that is held."""
+    """Return the best initial states for fixed θ of the chain."""
     theta = squares.extend_parameters(theta)
     return minimise_cost(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
 
 
 def _weigh_residuals(aim: RecordResidual, y: Numbers, rows: slice) -> Numbers:
-    """Return the weighted residuals, 0 where nothing counts."""
     return np.where(_find_counted(aim, rows), (aim.record.outputs[rows] - y) * aim.scale(), 0.0)
 
 
 def _find_counted(aim: RecordResidual, rows: slice) -> NDArray[np.bool_]:
-    """Which outputs of some samples count."""
+    """Return which outputs of some samples count."""
     counts = np.isfinite(aim.record.outputs[rows])
     counts[: max(aim.skip - (rows.start or 0), 0)] = False
     return counts
 
 
 def _filter_residuals(aim: RecordResidual, residuals: Numbers) -> Numbers:
-    """Return the residuals of a whole record through L(q)."""
     whole = len(aim.whitening) == 1
     return residuals if whole else np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))
 
@@ -245,7 +241,7 @@ def _filter_residuals(aim: RecordResidual, residuals: Numbers) -> Numbers:
 def _whiten_piece(
     whitening: Numbers, residuals: Numbers, slopes: Numbers, memory: Memory | None
 ) -> tuple[Numbers, Numbers, Memory]:
-    """Return the residuals and slopes through L(q), going on from the samples before."""
+    """Return residuals and slopes through L(q), continued from the samples before."""
     order = len(whitening) - 1
     if memory is None:
         memory = np.zeros((order, *residuals.shape[1:])), np.zeros((order, *slopes.shape[1:]))

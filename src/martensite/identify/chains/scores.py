@@ -1,7 +1,7 @@
-"""Scores of a chain on records: always of free runs, in which no measured output is fed back.
+"""Scores of a chain on records, always of free runs without measured outputs.
 
-A fit on the records of the estimation proves little: a slow linear block can imitate hysteresis at one cadence and fail
-at any other. `role` is the use of a record.
+A fit on the records of the estimation proves little: a slow linear block can imitate hysteresis at one pulse rate and
+fail at any other. `role` is the use of a record.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
 ROLES = ("estimation", "validation", "other")
-"""Use of a record: to fit, to choose, or not used yet."""
 
 
 @dataclass(frozen=True)
@@ -34,27 +33,24 @@ class OutputScore:
     fit: float
     """NRMSE fit [%]."""
     rms: float
-    """Root mean square of the error, in the unit of the output."""
     worst: float
-    """Largest error."""
     begins: str = REST.said
-    """In which state the run begins, in words."""
 
 
 def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
-    """NRMSE fit 100 (1 - |y - ŷ|/|y - mean y|) [%] of every output, over the known samples."""
+    """Return the NRMSE fit 100 (1 - |y - ŷ|/|y - mean y|) [%] of every output, over the known samples."""
     y, error = measured[skip:], (measured - computed)[skip:]
     away = np.sqrt(np.nansum((y - np.nanmean(y, axis=0)) ** 2, axis=0))
     return 100.0 * (1.0 - np.sqrt(np.nansum(error**2, axis=0)) / away)
 
 
 def compute_rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
-    """Return the root mean square of the error of every output."""
+    """Return the root mean square error of every output."""
     return np.sqrt(np.nanmean((measured - computed)[skip:] ** 2, axis=0))
 
 
 def free_run(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) -> Numbers:
-    """Outputs of a free run over the inputs of a record, shape (samples, outputs); see `record_starts.find_start`.
+    """Return the outputs of a free run, shape (samples, outputs); see `record_starts.find_start`.
 
     Raises:
         InputError: record and model do not fit.
@@ -71,13 +67,14 @@ def run_from(chain: Chain, record: Sampled, begin: RunStart) -> Numbers:
 def score_chain(
     chain: Chain, records: Iterable[Sampled], role: str, start: str = AUTO, skip: int = 0, model: str = "model"
 ) -> list[OutputScore]:
-    """Return the scores of all outputs over records, at their full rate.
+    """Return the scores of all outputs over records, at their full sample rate.
 
-    A record of another sample time is brought to that of the model first. Where states are estimated,
-    that of a record which was not fitted is inferred from its first samples, not from all that is scored.
+    A record of another sample time is resampled first. For `estimate`, the state of a new record is inferred from its
+    first
+    samples, not from all scored samples.
     """
     start = AUTO if start == "estimate" else start
-    found: list[OutputScore] = []
+    scores: list[OutputScore] = []
     for record in records:
         if abs(record.interval / chain.interval - 1.0) > 1e-6:
             record = resample_record(record, chain.interval)
@@ -85,7 +82,7 @@ def score_chain(
         computed = run_from(chain, record, begin)
         fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, compute_rms))
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
-        found += [
+        scores += [
             OutputScore(
                 model,
                 role,
@@ -99,4 +96,4 @@ def score_chain(
             )
             for k, name in enumerate(record.output_names)
         ]
-    return found
+    return scores

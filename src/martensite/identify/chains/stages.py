@@ -1,8 +1,7 @@
-"""Models in stages: from the input to something measured between, and from that to the output.
+"""Models in stages: from the input to an intermediate measurement, and from there to the output.
 
-Each stage is estimated from what was measured before and after it; the series of all stages is
-then run from the input alone. A series is worth what it scores as one: errors of the first stage
-pass through the second.
+Each stage is estimated from measurements before and after it; the series of all stages then runs from the input alone.
+Its score is the score of the model: errors of the first stage pass through the second.
 """
 
 from __future__ import annotations
@@ -26,24 +25,22 @@ SERIES = "series"
 
 @dataclass(frozen=True)
 class ModelStage:
-    """One stage: its structure, and the signal that it gives."""
+    """One stage: its structure and its outputs."""
 
     structure: str
-    """Structure of the stage, such as `poly2 | oe(3,3,1) | pwl10`."""
     output: str
-    """Name of the output; for several outputs of the last block, names separated by commas."""
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Return the names of the signals that it gives."""
+        """Return the names of the outputs."""
         return tuple(name.strip() for name in self.output.split(",") if name.strip())
 
     @classmethod
     def read(cls, text: str, output: str | None = None) -> ModelStage:
-        """Return a stage from `structure -> output`; the arrow may be left out where the output is given.
+        """Return a stage from `structure -> output`; the arrow is optional if `output` is given.
 
         Raises:
-            InputError: the output is named by neither.
+            InputError: the output is not named.
         """
         structure, arrow, name = text.partition("->")
         name = name.strip() if arrow else (output or "")
@@ -54,12 +51,12 @@ class ModelStage:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """Stages that were estimated, their series, and scores of all of them in free run."""
+    """Estimated stages, their series, and scores in free run."""
 
     stages: tuple[ModelStage, ...]
     estimates: tuple[ChainEstimate, ...]
     model: Chain
-    """The series of all stages; of one stage, that stage."""
+    """Series of all stages, or the single stage."""
     scores: tuple[OutputScore, ...]
     options: Options
 
@@ -77,16 +74,17 @@ def identify_stages(
     options: Options | None = None,
     watch: Callable[[str, float], None] | None = None,
 ) -> Identified:
-    """Return the models from records, stage by stage, and their series.
+    """Estimate models from records, stage by stage, and their series.
 
     Args:
-        records: what is fitted; their outputs hold all that is measured between and at the end.
-        stages: structures, such as `poly2 | oe(3,3,1) | pwl10 -> temperature`; the last one gives
-            the last output of the records if it names none.
-        validation: records to validate with, of another cadence.
-        other: records that are scored only.
-        options: how each stage is estimated.
-        watch: called with a sentence and the share that is done.
+        records: records of the fit, with all intermediate and final measurements as outputs.
+        stages: structures, such as `poly2 | oe(3,3,1) | pwl10 -> temperature`; the default output of the last stage
+            is the
+            last output of the records.
+        validation: records for validation, with another excitation.
+        other: further records that are scored.
+        options: options of the estimation of each stage.
+        watch: called with a sentence and the completed fraction.
 
     Raises:
         InputError: records or stages do not fit.
@@ -97,23 +95,23 @@ def identify_stages(
     collect_experiments(*groups[0], *groups[1], *groups[2])
     planned = _plan_stages(stages, groups[0][0])
     inputs: tuple[str, ...] = groups[0][0].input_names
-    found: list[ChainEstimate] = []
+    estimates: list[ChainEstimate] = []
     scores: list[OutputScore] = []
     for k, stage in enumerate(planned):
         parts = [[select_signals(r, inputs, stage.outputs) for r in group] for group in groups]
         tell = _share_progress(watch, k, len(planned))
-        found.append(estimate_chain(stage.structure, parts[0], options, tell))
+        estimates.append(estimate_chain(stage.structure, parts[0], options, tell))
         name = f"stage {k + 1}" if len(planned) > 1 else "model"
-        scores += _score_stage(found[-1].chain, parts, options, name)
+        scores += _score_stage(estimates[-1].chain, parts, options, name)
         inputs = stage.outputs
-        if not found[-1].complete:
-            planned = planned[: k + 1]  # interrupted: what is there is the model
+        if not estimates[-1].complete:
+            planned = planned[: k + 1]  # interrupted: the finished stages are the model
             break
     ends = [[select_signals(r, r.input_names, planned[-1].outputs) for r in group] for group in groups]
-    model = _join_series(found, ends[0])
+    model = _join_series(estimates, ends[0])
     if len(planned) > 1:
         scores += _score_stage(model, ends, options, SERIES)
-    return Identified(tuple(planned), tuple(found), model, tuple(scores), options)
+    return Identified(tuple(planned), tuple(estimates), model, tuple(scores), options)
 
 
 def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
@@ -121,14 +119,14 @@ def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
 
 
 def _plan_stages(stages: str | Sequence[str | ModelStage], record: Sampled) -> list[ModelStage]:
-    """Return the stages, their outputs named; each structure well written."""
-    given = [stages] if isinstance(stages, str) else list(stages)
-    if not given:
+    """Return the stages with named outputs and valid structures."""
+    texts = [stages] if isinstance(stages, str) else list(stages)
+    if not texts:
         raise InputError("A model needs at least one stage.")
-    last = len(given) - 1
+    last = len(texts) - 1
     planned = [
         s if isinstance(s, ModelStage) else ModelStage.read(s, record.output_names[-1] if k == last else None)
-        for k, s in enumerate(given)
+        for k, s in enumerate(texts)
     ]
     for stage in planned:
         parse_chain(stage.structure)
@@ -152,7 +150,7 @@ def _score_stage(chain: Chain, groups: Sequence[Sequence[Sampled]], options: Opt
 
 
 def _join_series(estimates: Sequence[ChainEstimate], records: Sequence[Sampled]) -> Chain:
-    """Return the stages as one; where all know how a record begins, so does the series."""
+    """Return the stages in series, with the starts of records."""
     model = estimates[0].chain
     if len(estimates) == 1:
         return model
@@ -160,10 +158,10 @@ def _join_series(estimates: Sequence[ChainEstimate], records: Sequence[Sampled])
         model = model.then(one.chain)
     starts: dict[str, RecordStart] = {}
     for k, record in enumerate(records):
-        known = [(one, one.chain.starts[one.records[k].hash]) for one in estimates]
-        kinds = {start.kind for _, start in known}
+        stage_starts = [(one, one.chain.starts[one.records[k].hash]) for one in estimates]
+        kinds = {start.kind for _, start in stage_starts}
         kind = kinds.pop() if len(kinds) == 1 else "estimate"
-        states = [_find_state(one, one.records[k], start) for one, start in known] if kind == "estimate" else []
+        states = [_find_state(one, one.records[k], start) for one, start in stage_starts] if kind == "estimate" else []
         starts[record.hash] = RecordStart(record.name, kind, tuple(map(float, np.concatenate([[], *states]))))
     return replace(model, name=SERIES).with_records(starts, model.ranges)
 

@@ -1,20 +1,15 @@
-"""Starts of searches for a chain: random dynamics, then a straight line through the data.
+"""Starts of searches for a chain: random dynamics, linear models, and earlier chains.
 
-For any random numbers, two parameters of the static block with the gain follow from least squares: its line is fitted
-to the outputs over the input of the block.
+For random numbers, a line of the last static block is fitted to the outputs by least squares.
 
-Starts of searches for a chain with linear blocks: the best linear approximation.
+The poles of a linear block between static blocks are the poles of the best linear approximation of the whole (see
+`best_linear`), which starts some of the searches, with static blocks as lines or random. Blocks with linear dynamics
+and nonlinear terms start as a linear system, with or without some of these terms. The ranges of the blocks are then
+the ranges of their inputs. A linear model describes hysteresis as lag, which makes the ranges too narrow, so half of
+the random searches keep the ranges of the simplest start.
 
-The poles of a linear block between static ones are those of the best linear approximation of the whole (see
-`best_linear`), so these begin some of the searches, with static blocks as lines or as drawn; blocks with both linear
-dynamics and nonlinear terms, such as nonlinear feedback, begin as a linear system without these terms, or with some of
-them. Ranges of the blocks are the ranges of their inputs then. A linear model describes hysteresis as lag, and these
-ranges are then too narrow. So half of the random searches keep the ranges of the plainest start.
-
-Start of a chain from another chain: an earlier estimate, or a chain of simpler blocks.
-
-Blocks of the same structure are taken over with their numbers. Any other block is fitted to what
-the block in its place made of the records: a static one to its curve, a dynamic one to its output.
+From an earlier chain, or a chain of simpler blocks, blocks of the same structure are copied. Any other block is fitted
+to the signals of the block in its place: a static one to its curve, a dynamic one to its output.
 """
 
 from __future__ import annotations
@@ -46,11 +41,11 @@ def draw_numbers(chain: Chain, rng: np.random.Generator, record: Sampled) -> Num
 def align_chain(chain: Chain, records: Sequence[Sampled]) -> Chain:
     """Return the chain with the line of its last static block fitted to the outputs.
 
-    If linear blocks follow it, which have unit gain, the outputs are those of a slow system and
-    the same line serves. Outputs that are proportional to a number of the last block get that
-    number by least squares. A chain with neither stays as it is.
+    Linear blocks after it have unit gain, so the same line serves. A number of the last block that is proportional to
+    an
+    output is fitted by least squares.
     """
-    with np.errstate(all="ignore"):  # a drawn chain may grow without bound
+    with np.errstate(all="ignore"):  # a random chain may be unbounded
         return _align_last(_fit_gains(chain, records), records)
 
 
@@ -61,15 +56,14 @@ def _align_last(chain: Chain, records: Sequence[Sampled]) -> Chain:
     place, block = static[-1]
     pairs = [(_find_reaching(chain, place, record), record.outputs[:, 0]) for record in records]
     x, y = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
-    known = np.isfinite(x) & np.isfinite(y)
-    slope, offset = _fit_line(x[known], y[known])
+    finite = np.isfinite(x) & np.isfinite(y)
+    slope, offset = _fit_line(x[finite], y[finite])
     parts = chain.split()
     parts[place] = _curve_around(parts[place], block, slope, offset)
     return chain.with_theta(np.concatenate(parts))
 
 
 def _fit_gains(chain: Chain, records: Sequence[Sampled]) -> Chain:
-    """Return the chain with the gains of the outputs of its last block fitted, one by one."""
     block = chain.blocks[-1]
     if not any(block.gains()) or chain.taps is not None:
         return chain
@@ -77,16 +71,15 @@ def _fit_gains(chain: Chain, records: Sequence[Sampled]) -> Chain:
     measured = np.concatenate([record.outputs for record in records])
     theta = chain.theta.copy()
     first = len(theta) - len(block.numbers())
-    for name, y, own in zip(block.gains(), measured.T, computed.T, strict=True):
-        known = np.isfinite(y)
-        square = float(own[known] @ own[known])
+    for name, y, computed_column in zip(block.gains(), measured.T, computed.T, strict=True):
+        finite = np.isfinite(y)
+        square = float(computed_column[finite] @ computed_column[finite])
         if name and 0.0 < square < np.inf:
-            theta[first + block.numbers().index(name)] *= float(own[known] @ y[known]) / square
+            theta[first + block.numbers().index(name)] *= float(computed_column[finite] @ y[finite]) / square
     return chain.with_theta(theta)
 
 
 def _find_reaching(chain: Chain, place: int, record: Sampled) -> Numbers:
-    """Return the input of a block, delayed by the delay of the linear blocks after it."""
     own = chain.before(place, record)[:, 0]
     after = chain.blocks[place + 1 :]
     if not after:
@@ -104,22 +97,27 @@ def _fit_line(x: Numbers, y: Numbers) -> tuple[float, float]:
 
 
 def _curve_around(theta: Numbers, block: AbstractStatic, slope: float, offset: float) -> Numbers:
-    """Return the drawn departure from the identity, scaled with the slope, around the line."""
+    """Return the departure from the identity, scaled with the slope, around the line."""
     departure = theta - block.line(1.0, 0.0)
     scaled = block.scale_departure(departure, slope)
     return block.line(slope, offset if block.offset == "yes" else 0.0) + scaled
 
 
 POLISH = 40
-"""Steps by which a linear model is refined before nonlinear terms are added to it."""
+"""Steps of the refinement of a linear model before nonlinear terms are added."""
 
 
 def list_informed_starts(
     chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int, state: str = "rest"
 ) -> list[Chain]:
-    """So many chains to start from: one the plainest, some from linear models, others at random.
+    """Return `count` starts: the simplest chain, some from linear models, others random.
 
-    The chain is adapted to a record; `state` is that at the first sample of the records, `rest`, `zero` or `estimate`.
+    Args:
+        chain: chain adapted to a record.
+        records: records of one sample time.
+        rng: generator of random starts.
+        count: number of starts.
+        state: state at the first sample: `rest`, `zero` or `estimate`.
     """
     if count < 1:
         return []
@@ -128,18 +126,18 @@ def list_informed_starts(
     if is_wiener_hammerstein(chain.blocks) and records[0].outputs.shape[1] == 1:
         return _shared_out(chain, records, rng, count)
     linear = from_linear(chain, records, state)
-    made = [chain]
+    starts = [chain]
     if linear is not None:
-        made.append(linear)
-        made += [_bend_start(linear, rng, records[0]) for _ in range(max(count // 4, 1))]
-    for k in range(count - len(made)):
+        starts.append(linear)
+        starts += [_bend_start(linear, rng, records[0]) for _ in range(max(count // 4, 1))]
+    for k in range(count - len(starts)):
         base = linear if linear is not None and k % 2 else chain
-        made.append(base.with_theta(draw_numbers(base, rng, records[0])))
-    return [align_chain(one, records) for one in made[:count]]
+        starts.append(base.with_theta(draw_numbers(base, rng, records[0])))
+    return [align_chain(one, records) for one in starts[:count]]
 
 
 def _shared_out(chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int) -> list[Chain]:
-    """Return starts for linear | static | linear: a linear model shared between both blocks, then random ones."""
+    """Return starts of linear | static | linear: linear models divided between both blocks, then random ones."""
     shared = wiener_hammerstein_starts(chain, max(records, key=len), count - 1)
     base = shared[0] if shared else chain
     more = range(max(count - 1 - len(shared), 0))
@@ -148,13 +146,13 @@ def _shared_out(chain: Chain, records: Sequence[Sampled], rng: np.random.Generat
 
 
 def linear_twin(block: AbstractBlock) -> Linear | None:
-    """Return the `oe` or `ss` that a block is without its nonlinear terms; None if there is none."""
+    """Return the linear `oe` or `ss` of a block without its nonlinear terms, or None."""
     twin = block.twin()
     return twin if isinstance(twin, TransferFunction | StateSpace) else None
 
 
 def from_linear(chain: Chain, records: Sequence[Sampled], state: str = "rest") -> Chain | None:
-    """Return the chain with its one dynamic block as the best linear model; None if it has not one."""
+    """Return the chain with its single dynamic block as the best linear model, or None."""
     twins = [(i, twin) for i, b in enumerate(chain.blocks) if (twin := linear_twin(b)) is not None]
     if len(twins) != 1 or chain.taps is not None:
         return None
@@ -164,16 +162,16 @@ def from_linear(chain: Chain, records: Sequence[Sampled], state: str = "rest") -
         return None
     reaching = [chain.before(place, record) for record in records]
     try:
-        own = _fit_linear_start(twin, twin is chain.blocks[place], reaching, records, state)
+        numbers = _fit_linear_start(twin, twin is chain.blocks[place], reaching, records, state)
     except DataError:
         return None
-    return None if own is None else _adapt_again(chain, place, own, max(records, key=len))
+    return None if numbers is None else _adapt_again(chain, place, numbers, max(records, key=len))
 
 
 def _fit_linear_start(
     twin: Linear, linear: bool, reaching: Sequence[Numbers], records: Sequence[Sampled], state: str
 ) -> Numbers | None:
-    """Return the numbers of the best linear model; refined where nonlinear terms are to follow."""
+    """Return the numbers of the best linear model, refined if nonlinear terms follow."""
     if linear:
         start = linear_start(twin, reaching, [r.outputs for r in records], records[0].interval)
         theta = start.theta if np.isfinite(start.error) else np.full(1, np.nan)
@@ -186,7 +184,7 @@ def _fit_linear_start(
 
 
 def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Chain:
-    """Return the chain, one block as a linear one, all adapted to what reaches them then."""
+    """Return the chain with one linear block, all adapted to their inputs."""
     blocks, theta, x = list(chain.blocks), list[Numbers](), record.inputs
     for i, block in enumerate(blocks):
         blocks[i] = block.adapt_to(x, chain.interval)
@@ -199,24 +197,24 @@ def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Cha
 
 
 def _bend_start(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chain:
-    """Return the same linear dynamics with drawn static blocks and nonlinear terms."""
+    """Return the chain with the same linear dynamics, random static blocks and nonlinear terms."""
     parts: list[Numbers] = []
-    for block, own in zip(chain.blocks, chain.split(), strict=True):
+    for block, numbers in zip(chain.blocks, chain.split(), strict=True):
         some = block.sample_parameters(rng, record.duration, record.interval)
         if isinstance(block, AbstractStatic):
-            own = some
+            numbers = some
         elif not block.linear and block.twin() is not None:
-            own = np.where(own == 0.0, some, own)  # nonlinear terms are those that are 0
-        parts.append(own)
+            numbers = np.where(numbers == 0.0, some, numbers)  # nonlinear terms are 0
+        parts.append(numbers)
     return chain.with_theta(np.concatenate([np.zeros(0), *parts]))
 
 
 FOLLOW_STEPS = 40
-"""Number of steps of the search by which a block follows another."""
+"""Steps of the search by which a block imitates another."""
 
 
 def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> Chain:
-    """Return the chain with numbers with which it does about what a given one does.
+    """Return the chain with numbers that imitate a given one.
 
     Raises:
         InputError: the given one has another number of blocks, or of signals between them.
@@ -227,21 +225,20 @@ def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> 
     blocks: list[AbstractBlock] = []
     parts: list[Numbers] = []
     reaching = [record.inputs for record in records]
-    for block, known, own in zip(chain.blocks, given.blocks, given.split(), strict=True):
-        engine = ChainEngine([known], dt)
-        leaving = [engine.simulate(own, x) for x in reaching]
-        if block.structure() == known.structure():
-            made, numbers = known, own
+    for block, given_block, given_numbers in zip(chain.blocks, given.blocks, given.split(), strict=True):
+        engine = ChainEngine([given_block], dt)
+        leaving = [engine.simulate(given_numbers, x) for x in reaching]
+        if block.structure() == given_block.structure():
+            copy, numbers = given_block, given_numbers
         else:
-            made, numbers = _follow_block(block, _cut_record(reaching, leaving, dt))
-        blocks.append(made)
+            copy, numbers = _follow_block(block, _cut_record(reaching, leaving, dt))
+        blocks.append(copy)
         parts.append(numbers)
         reaching = leaving
     return replace(chain, blocks=tuple(blocks), theta=np.concatenate([np.zeros(0), *parts]))
 
 
 def _check_blocks(chain: Chain, given: Chain) -> None:
-    """Raise `InputError` unless blocks stand for each other one by one."""
     shapes = [[(b.inputs, b.outputs) for b in one.blocks] for one in (chain, given)]
     if shapes[0] != shapes[1]:
         raise InputError(
@@ -251,14 +248,13 @@ def _check_blocks(chain: Chain, given: Chain) -> None:
 
 
 def _cut_record(x: Sequence[Numbers], y: Sequence[Numbers], dt: float) -> list[Sampled]:
-    """Return the records of one block."""
     ins = tuple(f"x{i + 1}" for i in range(x[0].shape[1]))
     outs = tuple(f"y{i + 1}" for i in range(y[0].shape[1]))
     return [Sampled("block", dt, a, b, ins, outs) for a, b in zip(x, y, strict=True)]
 
 
 def _follow_block(block: AbstractBlock, records: Sequence[Sampled]) -> tuple[AbstractBlock, Numbers]:
-    """Return the block, adapted, with numbers with which it reproduces the records of another."""
+    """Return the adapted block with numbers that reproduce records of another block."""
     longest = max(records, key=len)
     dt, x = longest.interval, longest.inputs
     block = block.adapt_to(x, dt)

@@ -2,15 +2,14 @@
 
     C = P M P,    P = (JᵀJ)⁺,    M = Σ_b (Σ_{t in b} J_tᵀ e_t)(Σ_{t in b} J_tᵀ e_t)ᵀ
 
-The residuals of a model are coloured: neighbouring samples repeat the same error. Counted as independent they would
-give errors many times too small, so they are summed in blocks longer than their correlation time (White (1982),
-Econometrica 50; Newey and West (1987), Econometrica 55). Directions that the records do not determine are cut from P
-and named.
+The residuals of a model are coloured; as independent they would give errors many times too small. So they are summed in
+blocks longer than their correlation time (White (1982), Econometrica 50; Newey and West (1987), Econometrica 55).
+Undetermined directions are removed from P and named.
 
     band of an output    ŷ ± z √(j C jᵀ + σ_e²)
 
-with j its derivatives and σ_e the residual: C alone is for the model, both for measurements.
-To first order in the numbers, and with initial states that were estimated taken as known.
+with its derivatives j and the residual σ_e: C alone is for the model, both are for measurements. All is of first order,
+with estimated initial states taken as known.
 """
 
 from __future__ import annotations
@@ -42,17 +41,17 @@ from martensite.signals.sampling.sampled import Sampled
 
 LEVEL = 0.95
 UNDETERMINED = 1e-3
-"""Share of a derivative in directions that are cut from which a value is not determined."""
+"""Fraction of a derivative in undetermined directions above which a value is undetermined."""
 
 
 class OutputBand(NamedTuple):
-    """Computed outputs and the band around them, each of shape (samples, outputs)."""
+    """Computed outputs with their band, shape (samples, outputs)."""
 
     outputs: Numbers
     model: Numbers
-    """Half width within which the output of the model is uncertain."""
+    """Half width of the uncertainty of the model."""
     measured: Numbers
-    """Half width within which measurements should lie."""
+    """Half width of the band of measurements."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,28 +60,26 @@ class ChainUncertainty:
 
     chain: Chain
     covariance: Numbers
-    """C, shape (numbers, numbers); without the directions that are not determined."""
+    """C, shape (numbers, numbers), without undetermined directions."""
     null: Numbers
-    """Directions that are not determined, in numbers times `scale`."""
+    """Undetermined directions, in numbers times `scale`."""
     scale: Numbers
-    """Norms of the columns of the Jacobian."""
     flat: tuple[Flat, ...]
-    """Undetermined directions in words."""
     residual: Numbers
     """Standard deviation of the residuals of every output, in its unit."""
     blocks: tuple[int, ...]
-    """Samples of a block in every record."""
+    """Block length of every record in samples."""
     condition: float
-    """Largest over smallest eigenvalue of JᵀJ that is kept, columns scaled."""
+    """Largest over smallest determined eigenvalue of the scaled JᵀJ."""
     inflation: float
-    """By what factor errors of independent residuals would be too small, in the mean."""
+    """Mean factor by which errors exceed those of independent residuals."""
 
     @property
     def errors(self) -> Numbers:
-        """Return the standard errors of the free numbers; infinite where they are not determined."""
-        own = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        """Return the standard errors of the free numbers; infinite if undetermined."""
+        errors = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         lost = np.linalg.norm(self.null, axis=1) > UNDETERMINED
-        return np.where(lost, np.inf, own)
+        return np.where(lost, np.inf, errors)
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -102,25 +99,28 @@ class ChainUncertainty:
         return (first, kind, *(one.sentence for one in self.flat))
 
     def describe_numbers(self) -> list[PrintedNumber]:
-        """Return the physical quantities of the free parameters by block, with standard errors (delta method)."""
+        """Return the physical quantities by block, with standard errors (delta method)."""
         lost = np.isinf(self.errors)
-        found: list[PrintedNumber] = []
+        numbers: list[PrintedNumber] = []
         first = 0
         for k, (block, theta) in enumerate(zip(self.chain.blocks, self.chain.split(), strict=True)):
-            own = slice(first, first + len(theta))
+            columns = slice(first, first + len(theta))
             slopes = slopes_of_shown(block, theta)
-            scaled = slopes / self.scale[own]
-            gone = np.linalg.norm(scaled @ self.null[own], axis=1)
+            scaled = slopes / self.scale[columns]
+            gone = np.linalg.norm(scaled @ self.null[columns], axis=1)
             open_ = gone > UNDETERMINED * np.linalg.norm(scaled, axis=1)
-            moved = np.linalg.norm(slopes[:, lost[own]], axis=1)
-            found += list_rows(k + 1, block, theta, slopes, self.covariance[own, own], open_, moved)
-            first = own.stop
-        return found
+            moved = np.linalg.norm(slopes[:, lost[columns]], axis=1)
+            numbers += list_rows(k + 1, block, theta, slopes, self.covariance[columns, columns], open_, moved)
+            first = columns.stop
+        return numbers
 
     def band(self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None) -> OutputBand:
-        """Return the outputs along the inputs of a record, with the band that should hold a share `level` of samples.
+        """Return the outputs along a record with the band that holds a fraction `level` of the samples.
 
-        They run from rest under the first of the inputs if no start, with its derivatives, is given.
+        Args:
+            record: inputs of the run.
+            level: probability.
+            start: initial state with derivatives; default: the steady state under the first inputs.
 
         Raises:
             ParameterError: the level is not between 0 and 1.
@@ -133,17 +133,16 @@ class ChainUncertainty:
         spreads: list[Numbers] = []
         engine, theta = self.chain.engine, self.chain.theta
         for chunk in engine.sensitivities(theta, record.inputs, start):
-            own = chunk.slopes[:, :, chunk.slopes.shape[2] - len(theta) :]
+            slopes = chunk.slopes[:, :, chunk.slopes.shape[2] - len(theta) :]
             outputs.append(chunk.outputs)
-            spreads.append(np.sum((own @ root) ** 2, axis=2))
+            spreads.append(np.sum((slopes @ root) ** 2, axis=2))
         variance = np.concatenate(spreads)
         return OutputBand(np.concatenate(outputs), z * np.sqrt(variance), z * np.sqrt(variance + self.residual**2))
 
     def draws(self, count: int, seed: int = 0) -> list[Chain]:
-        """Return the chains whose free numbers are drawn from a normal distribution with covariance C.
+        """Return chains with free numbers drawn from a normal distribution with covariance C.
 
-        For judging what is built on the model, such as the gains of a controller. Directions that
-        are not determined stay where they are.
+        Undetermined directions keep their values.
         """
         rng = np.random.default_rng(seed)
         root = self._root()
@@ -151,44 +150,48 @@ class ChainUncertainty:
         return [self.chain.with_theta(self.chain.theta + move) for move in moves]
 
     def _root(self) -> Numbers:
-        """R with R Rᵀ = C."""
+        """Return R with R Rᵀ = C."""
         values, vectors = np.linalg.eigh(self.covariance)
-        kept = values > 1e-15 * max(float(values[-1]), 0.0) if len(values) else values > 0.0
-        return vectors[:, kept] * np.sqrt(values[kept])
+        positive = values > 1e-15 * max(float(values[-1]), 0.0) if len(values) else values > 0.0
+        return vectors[:, positive] * np.sqrt(values[positive])
 
 
 def estimate_chain_uncertainty(
     chain: Chain, squares: ResidualSquares, blocks: Sequence[int] | int | None = None
 ) -> ChainUncertainty:
-    """Return the covariance of a chain, where a fit of these squares, such as `estimate.squares()`, ended.
+    """Return the covariance of a chain at the minimum of a sum of squares, such as `estimate.squares()`.
 
-    Blocks are of so many samples, for all records or for each; by default three times the time for which the residuals
-    are alike. 1 takes them as independent.
+    Args:
+        chain: the chain.
+        squares: minimised sum of squares.
+        blocks: block length in samples, for all records or for each; default: three correlation times. 1 means
+            independent
+            residuals.
 
     Raises:
         DataError: no sample counts, or a residual is not finite.
-        ParameterError: a block is shorter than a sample, or there is not one for every record.
+        ParameterError: a block is shorter than a sample, or the number of blocks does not fit.
     """
     theta = chain.theta
     lengths = _choose_lengths(squares, theta, blocks)
-    found = sum_blocks(squares, theta, lengths)
-    count = float(found.counts.sum())
+    sums = sum_blocks(squares, theta, lengths)
+    count = float(sums.counts.sum())
     p = len(theta)
-    if not count or not np.all(np.isfinite(found.square)):
+    if not count or not np.all(np.isfinite(sums.square)):
         raise DataError("The covariance of a model needs residuals that are finite.")
-    inverted = invert_normal(found.square, chain.names())
+    inverted = invert_normal(sums.square, chain.names())
     freedom = max(count - (p - inverted.null.shape[1]), 1.0)
-    spread = found.blocks / max(found.blocks - 1, 1) * count / freedom
-    covariance = spread * inverted.matrix @ found.middle @ inverted.matrix
+    spread = sums.blocks / max(sums.blocks - 1, 1) * count / freedom
+    covariance = spread * inverted.matrix @ sums.middle @ inverted.matrix
     covariance = 0.5 * (covariance + covariance.T)
-    white = float(found.squares.sum()) / freedom * inverted.matrix
+    white = float(sums.squares.sum()) / freedom * inverted.matrix
     return ChainUncertainty(
         chain,
         covariance,
         inverted.null,
         inverted.scale,
         inverted.flat,
-        _find_residual_deviation(squares, found),
+        _find_residual_deviation(squares, sums),
         lengths,
         inverted.condition,
         _find_ratio(covariance, white),
@@ -196,41 +199,41 @@ def estimate_chain_uncertainty(
 
 
 def measure_coverage(band: OutputBand, record: Sampled, skip: int = 0) -> Numbers:
-    """Return the share of the measurements within the band, of every output.
+    """Return the fraction of the measurements within the band, for every output.
 
     Raises:
-        DataError: an output has no measurement that counts.
+        DataError: an output has no counted measurement.
     """
     y = record.outputs[skip:]
-    known = np.isfinite(y)
-    if not known.any(axis=0).all():
+    finite = np.isfinite(y)
+    if not finite.any(axis=0).all():
         raise DataError(f"Record `{record.name}` has an output without measurements.")
     inside = np.abs(y - band.outputs[skip:]) <= band.measured[skip:]
-    return np.sum(inside & known, axis=0) / np.sum(known, axis=0)
+    return np.sum(inside & finite, axis=0) / np.sum(finite, axis=0)
 
 
 def _choose_lengths(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int] | int | None) -> tuple[int, ...]:
     if blocks is None:
         return tuple(block_lengths(squares, theta))
-    given = (blocks,) * len(squares.aims) if isinstance(blocks, int) else tuple(blocks)
-    if len(given) != len(squares.aims) or min(given) < 1:
+    lengths = (blocks,) * len(squares.aims) if isinstance(blocks, int) else tuple(blocks)
+    if len(lengths) != len(squares.aims) or min(lengths) < 1:
         raise ParameterError(
             f"Blocks must be of at least 1 sample, for each of {len(squares.aims)} records, but are {blocks}."
         )
-    return given
+    return lengths
 
 
-def _find_residual_deviation(squares: ResidualSquares, found: Sums) -> Numbers:
+def _find_residual_deviation(squares: ResidualSquares, sums: Sums) -> Numbers:
     """Return the standard deviation of the residuals of every output, without records of one sample."""
     long = np.array([len(aim.record) > 1 for aim in squares.aims])
     weights = np.array([aim.scale() for aim in squares.aims])
-    total = np.sum((found.squares / weights**2)[long], axis=0)
-    number_of = np.maximum(np.sum(found.counts[long], axis=0), 1.0)
+    total = np.sum((sums.squares / weights**2)[long], axis=0)
+    number_of = np.maximum(np.sum(sums.counts[long], axis=0), 1.0)
     return np.sqrt(total / number_of)
 
 
 def _find_ratio(covariance: Numbers, white: Numbers) -> float:
     """Return the root of the mean ratio of the variances."""
-    own, plain = np.diag(covariance), np.diag(white)
-    seen = plain > 0.0
-    return float(np.sqrt(np.mean(own[seen] / plain[seen]))) if seen.any() else 1.0
+    coloured, plain = np.diag(covariance), np.diag(white)
+    positive = plain > 0.0
+    return float(np.sqrt(np.mean(coloured[positive] / plain[positive]))) if positive.any() else 1.0

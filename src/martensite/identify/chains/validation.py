@@ -1,8 +1,7 @@
-"""Judging a chain on a record: how large its errors are, where, and what they still hold.
+"""Validation of a chain on a record: size, place and content of its errors.
 
-All figures are those of a free run: no measured output enters but, if asked for, through the
-first state. The record should be one that no fit has seen, in another cadence than those that
-were fitted: lag and hysteresis cannot be told apart on one cadence alone.
+All figures belong to a free run from an initial state. Use a record that no fit has used, with another excitation: lag
+and hysteresis cannot be distinguished at a single pulse rate.
 """
 
 from __future__ import annotations
@@ -36,9 +35,9 @@ from martensite.signals.sampling.sampled import Sampled
 WHOLE = "whole"
 """Name of the score of all samples."""
 UNEVEN = 2.0
-"""Ratio of errors in two parts of a record from which it is said."""
+"""Ratio of errors in two parts of a record that is reported."""
 BIASED = 0.5
-"""Share of the error that is a constant offset from which it is said."""
+"""Fraction of the error that is a constant offset, above which it is reported."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,29 +49,22 @@ class Validation:
     computed: Numbers
     """Outputs of the chain, shape (samples, outputs)."""
     skip: int
-    """Samples at the start that do not count."""
     parts: dict[str, Numbers]
-    """Truth values of the samples of every part."""
     scores: tuple[Score, ...]
-    """Scores of every output, whole and part by part, in the units of the record."""
     stretches: tuple[ErrorStretch, ...]
-    """Errors of every output in stretches of equal length."""
     whiteness: tuple[Whiteness, ...]
-    """Whiteness of the longest stretch without gaps of every output."""
     crossed: tuple[Crossed, ...]
-    """Correlation of every output with every input and its square."""
     begins: str
-    """In which state the run begins, in words."""
 
     @property
     def residuals(self) -> Numbers:
-        """Return the measured less computed, NaN where nothing counts."""
-        found = self.record.outputs - self.computed
-        found[: self.skip] = np.nan
-        return found
+        """Return measured less computed outputs, NaN where not counted."""
+        errors = self.record.outputs - self.computed
+        errors[: self.skip] = np.nan
+        return errors
 
     def score(self, output: str | None = None, part: str = WHOLE) -> Score:
-        """Return the score of an output (the first, if left out) in a part; `DataError` if there is none."""
+        """Return the score of an output (default: the first) in a part; raise `DataError` if there is none."""
         name = self.record.output_names[0] if output is None else output
         for one in self.scores:
             if one.output == name and one.part == part:
@@ -95,28 +87,28 @@ class Validation:
 
     @property
     def explained(self) -> bool:
-        """Return whether no input is left in the residuals."""
+        """Return whether the residuals are uncorrelated with all inputs."""
         return all(one.explained for one in self.crossed)
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Return the failed checks, one sentence each; empty if all pass."""
-        found = [one.sentence for one in self.crossed if not one.explained]
+        """Return the failed checks, one sentence each."""
+        failures = [one.sentence for one in self.crossed if not one.explained]
         for name in self.record.output_names:
-            found += self._offset(name)
-            found += self._unequal(name)
-        return tuple(found)
+            failures += self._offset(name)
+            failures += self._unequal(name)
+        return tuple(failures)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Return the scores, then what is wrong, then what the residuals remember."""
+        """Return scores, failed checks, and whiteness as sentences."""
         whole = [self._score_outputs(one) for one in self.scores]
         good = () if self.failures else ("The tests find nothing that the model misses.",)
         begins = f"Initial state of `{self.record.name}`: {self.begins}."
         return (*whole, begins, *self.failures, *good, *(one.sentence for one in self.whiteness))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all figures and sentences, for JSON."""
+        """Return all figures and sentences by name, for JSON."""
         return {
             "record": self.record.name,
             "skip": self.skip,
@@ -181,20 +173,19 @@ def validate_chain(
     level: float = LEVEL,
     state: Numbers | None = None,
 ) -> Validation:
-    """Run a chain along a record and judge what it misses.
+    """Run a chain along a record and test its errors.
 
     Args:
         chain: the model.
-        record: what was measured; missing outputs do not count.
+        record: measurements; missing outputs do not count.
         skip: samples at the start that do not count.
-        masks: truth values of samples by name, for scores of parts; by default those of a rising
-            and of a falling first input.
-        reversal: share of the range by which an input must come back to have turned.
-        level: of the tests of correlation with the inputs.
-        state: state at the first sample; by default as `record_starts.find_start` says.
+        masks: masks of samples by name for scores of parts; default: rising and falling first input.
+        reversal: return of an input after a turning point, as a fraction of its range.
+        level: confidence level of the tests of correlation.
+        state: state at the first sample; default: `record_starts.find_start`.
 
     Raises:
-        DataError: an output has fewer than 10 samples that count, or a mask does not fit.
+        DataError: an output has fewer than 10 counted samples, or a mask does not fit.
         InputError: the record does not fit the model.
     """
     begin = find_start(chain, record, AUTO, skip) if state is None else RunStart(state, "as given")
@@ -210,7 +201,7 @@ def validate_chain(
     whole = {WHOLE: np.ones(len(record), dtype=bool), **parts}
     residuals = record.outputs - computed
     residuals[:skip] = np.nan
-    found = Validation(
+    return Validation(
         chain,
         record,
         computed,
@@ -226,7 +217,6 @@ def validate_chain(
         tuple(_test_correlation(record, residuals, level)),
         begin.said,
     )
-    return found
 
 
 def _score_parts(record: Sampled, computed: Numbers, skip: int, parts: dict[str, Numbers]) -> Iterable[Score]:
@@ -240,12 +230,12 @@ def _score_parts(record: Sampled, computed: Numbers, skip: int, parts: dict[str,
                 f"that count, but a validation takes at least {LEAST_SAMPLES}."
             )
         for part, mask in parts.items():
-            kept = counted & mask
-            if kept.any():
+            chosen = counted & mask
+            if chosen.any():
                 yield score_model(
-                    record.times[kept],
-                    y[kept],
-                    computed[kept, k],
+                    record.times[chosen],
+                    y[chosen],
+                    computed[chosen, k],
                     record=record.name,
                     output=output,
                     unit=record.units.get(output, "1"),
@@ -262,19 +252,19 @@ def _test_whiteness(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
 
 def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iterable[Crossed]:
     for k, output in enumerate(record.output_names):
-        for i, given in enumerate(record.input_names):
+        for i, input_name in enumerate(record.input_names):
             u = record.inputs[:, i]
             middle = u - u.mean()
-            for name, signal in ((f"`{given}`", middle), (f"`{given}`²", middle**2)):
-                found = correlate_residuals(
+            for name, signal in ((f"`{input_name}`", middle), (f"`{input_name}`²", middle**2)):
+                correlation = correlate_residuals(
                     residuals[:, k], signal, record.interval, output=output, name=name, level=level
                 )
-                if found is not None:
-                    yield found
+                if correlation is not None:
+                    yield correlation
 
 
 def compare_validations(validations: Iterable[Validation]) -> str:
-    """Return the best and worst of several records, in a sentence; `DataError` if there are none."""
+    """Return the best and worst of several records as a sentence; raise `DataError` for none."""
     ranked = sorted(validations, key=lambda one: one.fit)
     if not ranked:
         raise DataError("There are no validations to compare.")

@@ -1,8 +1,8 @@
-"""Starts for linear | static | linear chains: one linear model shared out between two blocks.
+"""Starts of linear | static | linear chains: one linear model divided between two blocks.
 
-Under a Gaussian input the best linear approximation has the poles and zeros of both blocks, but
-not which is whose. All ways to share out its real and paired poles and zeros are tried: with the
-blocks given, a polynomial between them is linear in its coefficients. The best few are refined.
+Under a Gaussian input the best linear approximation has the poles and zeros of both blocks, without their assignment.
+All partitions of its real and paired poles and zeros are tried: with given blocks, a polynomial between them is linear
+in its coefficients. The best partitions are refined.
 
 Source: Sjöberg, Schoukens 2012 (initialising Wiener–Hammerstein models by exhaustive partition).
 """
@@ -31,29 +31,28 @@ from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 DEGREE = 5
-"""Degree of the polynomial that scores a partition."""
+"""Degree of the polynomial in the test of a partition."""
 MOST_PARTITIONS = 400
-"""Partitions that are scored; of more, an even selection."""
+"""Largest number of tested partitions; more are sampled evenly."""
 SCORED = 12_000
-"""Samples over which partitions are scored."""
+"""Samples for the test of partitions."""
 POLISHED = 30_000
-"""Samples over which linear models are refined."""
+"""Samples for the refinement of linear models."""
 PROBE = 2_000
-"""Samples of noise by which a filter is put into a block."""
+"""Samples of noise by which a filter is converted to a block."""
 
 
 class Shared(NamedTuple):
-    """A way to share out poles and zeros: filters of both blocks, and how well it does."""
+    """A partition of poles and zeros: filters of both blocks, and its error."""
 
     filters: tuple[tuple[Numbers, Numbers], tuple[Numbers, Numbers]]
-    """Numerator and denominator of each, without delay."""
     curve: Numbers
     """Coefficients of the polynomial between them, lowest first."""
     error: float
 
 
 def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
-    """Return whether a chain is `linear | static | linear` of one signal, linear blocks `oe` or `ss`."""
+    """Return whether a chain is `linear | static | linear` of one signal, with linear blocks `oe` or `ss`."""
     return (
         len(blocks) == 3
         and isinstance(blocks[1], AbstractStatic)
@@ -62,30 +61,27 @@ def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
 
 
 def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> list[Chain]:
-    """Chains to start from, best first, of the blocks of one `linear | static | linear` of one input and output.
-
-    The static block of each is adapted to what reaches it.
-    """
+    """Return start chains, best first, for a `linear | static | linear` of one input and output."""
     first, last = find_orders(chain.blocks[0]), find_orders(chain.blocks[2])
     if first is None or last is None or not is_wiener_hammerstein(chain.blocks):
         return []
     short = record.rows(0, SCORED)
     both = Orders(first.nb + last.nb - 1, first.nf + last.nf, first.nk + last.nk)
-    found: list[Shared] = []
+    shared: list[Shared] = []
     for z_poles, z_zeros in _linear_models(both, record):
-        found += shared_out(z_poles, z_zeros, first, last, short)
-    found.sort(key=lambda one: one.error)
-    refined = [_with_polynomial(chain, one, short) for one in found[: 2 * most]]
+        shared += shared_out(z_poles, z_zeros, first, last, short)
+    shared.sort(key=lambda one: one.error)
+    refined = [_with_polynomial(chain, one, short) for one in shared[: 2 * most]]
     refined.sort(key=lambda one: one[0])
     return [_begin_chain(chain, one, short) for _, one in refined[:most]]
 
 
 def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers]]:
-    """Return the poles and zeros of linear models of both blocks together, as found and refined.
+    """Return poles and zeros of linear models of both blocks together, before and after refinement.
 
-    Also with one sample more of delay, which leaves out a zero that records hardly show.
+    A model with one more sample of delay omits a zero that records hardly show.
     """
-    made: list[tuple[Numbers, Numbers]] = []
+    models: list[tuple[Numbers, Numbers]] = []
     for late in (0, 1) if both.nb > 1 else (0,):
         block = TransferFunction(nb=both.nb - late, nf=both.nf, nk=both.nk + late)
         chain = build_untrained([block, Polynomial(degree=1)], record)
@@ -95,13 +91,13 @@ def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers
         theta = np.concatenate([start.theta, made_line])
         squares = ResidualSquares(chain.engine, [RecordResidual(record.rows(0, POLISHED))])
         for one in (theta, minimise_cost(squares, theta, 40).theta):
-            own = one[: len(start.theta)]
-            made.append((find_poles(block, own, record.interval), find_zeros(block, own, record.interval)))
-    return made
+            numbers = one[: len(start.theta)]
+            models.append((find_poles(block, numbers, record.interval), find_zeros(block, numbers, record.interval)))
+    return models
 
 
 def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled) -> list[Shared]:
-    """Return all ways to share out poles and zeros, best first."""
+    """Return all partitions of poles and zeros, best first."""
     ways = [
         (p, z)
         for p in _list_choices(z_poles, first.nf, last.nf)
@@ -116,33 +112,33 @@ def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, 
 
 
 def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numbers]]:
-    """Return all ways to give at most `first` of the roots to one and `last` to the other."""
+    """Return all partitions of roots into at most `first` and `last`."""
     pairs = [np.array([one, one.conj()]) for one in z if one.imag > 0.0]
     groups = pairs + [np.array([one]) for one in z if one.imag == 0.0]
-    made: list[tuple[Numbers, Numbers]] = []
+    choices: list[tuple[Numbers, Numbers]] = []
     for count in range(len(groups) + 1):
         for chosen in combinations(range(len(groups)), count):
             parts = ([groups[i] for i in chosen], [g for i, g in enumerate(groups) if i not in chosen])
             a, b = (np.concatenate([np.zeros(0, complex), *part]) for part in parts)
             if len(a) <= first and len(b) <= last:
-                made.append((a, b))
-    return made
+                choices.append((a, b))
+    return choices
 
 
 def _score_sharing(p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers) -> Shared:
-    """Return the filters of unit gain at rest (or of unit size), and the best polynomial between them."""
+    """Return filters of unit static gain (or unit size), and the best polynomial between them."""
     filters = tuple(_build_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
     x = _filter_signal(filters[0], u)
     size = max(float(np.abs(x).max()), 1e-300)
     basis = [np.ones(len(u)), *(_filter_signal(filters[1], (x / size) ** k) for k in range(1, DEGREE + 1))]
-    known = np.isfinite(y)
-    columns = np.column_stack(basis)[known]
+    finite = np.isfinite(y)
+    columns = np.column_stack(basis)[finite]
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(columns)):
             return Shared((filters[0], filters[1]), np.zeros(DEGREE + 1), np.inf)
-    found = np.linalg.lstsq(columns, y[known], rcond=None)[0]
-    error = float(np.mean((y[known] - columns @ found) ** 2))
-    return Shared((filters[0], filters[1]), found / size ** np.arange(DEGREE + 1), error)
+    weights = np.linalg.lstsq(columns, y[finite], rcond=None)[0]
+    error = float(np.mean((y[finite] - columns @ weights) ** 2))
+    return Shared((filters[0], filters[1]), weights / size ** np.arange(DEGREE + 1), error)
 
 
 def _build_filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
@@ -152,14 +148,14 @@ def _build_filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _filter_signal(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
-    """From rest under the first sample."""
+    """Return a filtered signal from the steady state under the first sample."""
     b, a = one
     gain = float(b.sum() / a.sum())
     return gain * x[0] + np.asarray(lfilter(b, a, x - x[0]))
 
 
 def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
-    """Return the chain with the numbers for a way to share out, and some static block between."""
+    """Return the chain with the numbers of a partition, and a static block between."""
     probe = np.random.default_rng(0).normal(size=PROBE)
     probe[0] = 0.0
     dt, u = chain.interval, record.inputs
@@ -170,8 +166,8 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
         if shape is None or not isinstance(block, TransferFunction | StateSpace):
             return chain
         wanted = np.asarray(lfilter(b, a, np.concatenate([np.zeros(shape.nk), probe])[:PROBE]))
-        known = match_poles(_pad_poles(a, shape.nf), dt).numbers
-        start = fit_weights(block, known, [(probe[:, None], wanted[:, None])], dt)
+        poles = match_poles(_pad_poles(a, shape.nf), dt).numbers
+        start = fit_weights(block, poles, [(probe[:, None], wanted[:, None])], dt)
         parts.append(start.theta)
         gains.append(start.gain)
     x = ChainEngine(chain.blocks[:1], dt).simulate(parts[0], u)
@@ -185,15 +181,15 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
 
 
 def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
-    """Return the cost and chain of a way, refined with a polynomial between the blocks."""
+    """Return cost and chain of a partition, refined with a polynomial between the blocks."""
     placed = _place_poles(chain, way, Polynomial(degree=DEGREE), record)
     squares = ResidualSquares(placed.engine, [RecordResidual(record)])
-    found = minimise_cost(squares, placed.theta, 25)
-    return found.value, placed.with_theta(found.theta)
+    end = minimise_cost(squares, placed.theta, 25)
+    return end.value, placed.with_theta(end.theta)
 
 
 def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain:
-    """Return the chain with the dynamics of another and a static block near its polynomial."""
+    """Return the chain with the dynamics of another, and a static block near its polynomial."""
     first, curve, last = with_polynomial.split()
     dt = chain.interval
     x = ChainEngine(chain.blocks[:1], dt).simulate(first, record.inputs)
@@ -207,7 +203,7 @@ def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain
 
 
 def _pad_poles(a: Numbers, count: int) -> Numbers:
-    """Return the poles of a denominator, with fast ones to fill up the order."""
+    """Return the poles of a denominator, filled up with fast ones."""
     z = np.roots(a)
     return np.concatenate([z, np.full(count - len(z), 1e-3)])
 
