@@ -1,1 +1,1 @@
-"""From records to a model without a structure given: tests, a ladder of structures, a verdict."""
+"""From records to a model without a given structure: tests, a ladder of structures, a verdict."""

@@ -1,12 +1,11 @@
-"""Records in contiguous blocks: some to fit, some to choose by, the last held out of both.
+"""Records in contiguous blocks: for fits, for the choice of a structure, and held out of both.
 
-Every third of the first blocks is left out of all fits and scored; the last fifth of a record is seen by no fit
-and no choice. Inputs are known throughout, so that every model runs freely from the first sample of its record to
-the last, whatever outputs it was fitted to.
+Every third of the first blocks is left out of all fits and scored; the last fifth of a record is held out of fits and
+choices. Inputs are known throughout, so every model runs freely from the first to the last sample of its record.
 
-One model is better than another if its error is smaller over all blocks, and if the logarithm of the ratio of their
-rms errors, piece by piece, is above 0 by more than its uncertainty. That is the half width of Student's t for the mean
-of the pieces, as if these were independent, which they are where they are longer than what the system remembers.
+A model is better if its error over all blocks is smaller, and if the mean logarithm of the ratio of the rms errors,
+piece by piece, exceeds its uncertainty. The uncertainty is the half width of Student's t for the mean of the pieces,
+which are independent if they are longer than the memory of the system.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import pairwise
+from operator import and_
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,33 +26,37 @@ from martensite.identify.chains.scores import free_run
 from martensite.signals.sampling.sampled import Sampled
 
 HELD = 0.2
-"""Share of a record, at its end, that is held out."""
+"""Fraction of a record, at its end, that is held out."""
 BLOCKS = 15
-"""Blocks of the rest, of which every third is left out to choose by."""
+"""Number of blocks of the rest, of which every third is for the choice."""
 PIECES = 3
-"""Pieces of a block whose errors are compared."""
+"""Number of pieces of a block whose errors are compared."""
 CERTAIN = 0.99
-"""Probability with which a difference must not be chance."""
+"""Confidence level of a difference."""
 LEAST_GAIN = 0.01
-"""Least gain, over the error before, that is worth a larger structure."""
+"""Least relative gain that is worth a larger structure."""
 FLOOR = 0.2
-"""Share of the mean error that is added to those of pieces, so that those where nothing happens do not decide."""
+"""Fraction of the mean error that is added to the errors of pieces, so that quiet pieces do not decide."""
 STILL = 0.02
-"""Share of the range within which a signal does not move."""
+"""Fraction of the range within which a signal counts as constant."""
 
 
 @dataclass(frozen=True, eq=False)
 class BlockedRecord:
-    """A record, and which of its samples are for what."""
+    """A record with the use of its samples."""
 
     record: Sampled
     chosen_by: tuple[slice, ...]
     held: tuple[slice, ...]
     fitted: bool = True
-    """False of one that is scored only."""
+    """False if it is scored only."""
+
+    def blocks(self, held: bool) -> tuple[slice, ...]:
+        """Return the held-out blocks, or the blocks to choose by."""
+        return self.held if held else self.chosen_by
 
     def hide(self, whole: bool) -> Sampled:
-        """Return the record without the outputs that are held out, and without those to choose by unless `whole`."""
+        """Return the record without held-out outputs, and without outputs to choose by unless `whole`."""
         outputs = self.record.outputs.copy()
         for block in (*self.held, *(() if whole else self.chosen_by)):
             outputs[block] = np.nan
@@ -60,23 +64,23 @@ class BlockedRecord:
 
 
 class BlockErrors(NamedTuple):
-    """Errors of a model on some blocks of all records."""
+    """Errors of a model on blocks of all records."""
 
     fit: float
-    """NRMSE fit [%], mean over the outputs."""
+    """Mean NRMSE fit over the outputs [%]."""
     pieces: Numbers
-    """Root mean square of the errors, over the spread of the outputs, piece by piece."""
+    """Root mean square errors of the pieces, over the spread of the outputs."""
 
 
 class ErrorFall(NamedTuple):
-    """By how much an error falls."""
+    """Decrease of an error."""
 
     value: float
     """Mean logarithm of the ratio of the errors before and after, over the pieces."""
     uncertainty: float
-    """Half width of its interval."""
+    """Half width of its confidence interval."""
     share: float
-    """By how much the error over all pieces falls, over that before."""
+    """Relative decrease of the error over all pieces."""
 
     @property
     def certain(self) -> bool:
@@ -85,7 +89,7 @@ class ErrorFall(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Return the fall of the errors with its uncertainty, in percent."""
+        """Return the decrease with its uncertainty, in percent."""
         if not np.isfinite(self.value):
             return "–"
         ends = (self.value, self.value - self.uncertainty, self.value + self.uncertainty)
@@ -96,15 +100,15 @@ class ErrorFall(NamedTuple):
 def divide_records(
     records: Sequence[Sampled], validation: Sequence[Sampled] = (), other: Sequence[Sampled] = ()
 ) -> tuple[BlockedRecord, ...]:
-    """Return the records in blocks; those that are given to choose by, or to hold out, take the place of blocks."""
-    made: list[BlockedRecord] = []
+    """Return the records in blocks; given records to choose by, or to hold out, replace blocks."""
+    blocked: list[BlockedRecord] = []
     for record in records:
         last = len(record) if other else round((1.0 - HELD) * len(record))
         ends = np.linspace(0, last, BLOCKS + 1).astype(int).tolist()
         out = [] if validation else [slice(ends[k], ends[k + 1]) for k in range(2, BLOCKS, 3)]
-        made.append(BlockedRecord(record, tuple(out), () if other else _cut_blocks(record, last)))
-    made += [BlockedRecord(record, _cut_blocks(record), (), False) for record in validation]
-    return (*made, *(BlockedRecord(record, (), _cut_blocks(record), False) for record in other))
+        blocked.append(BlockedRecord(record, tuple(out), () if other else _cut_blocks(record, last)))
+    blocked += [BlockedRecord(record, _cut_blocks(record), (), False) for record in validation]
+    return (*blocked, *(BlockedRecord(record, (), _cut_blocks(record), False) for record in other))
 
 
 def _cut_blocks(record: Sampled, first: int = 0) -> tuple[slice, ...]:
@@ -113,21 +117,21 @@ def _cut_blocks(record: Sampled, first: int = 0) -> tuple[slice, ...]:
 
 
 def run_blocks(chain: Chain | None, blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
-    """Free runs over all records, from the states of the fit; without a chain the mean of what was fitted."""
+    """Return free runs over all records, from the states of the fit; without a chain the mean of the fitted outputs."""
     if chain is None:
-        known = np.concatenate([one.hide(whole).outputs for one in blocked if one.fitted])
-        return [np.broadcast_to(np.nanmean(known, axis=0), one.record.outputs.shape) for one in blocked]
+        fitted = np.concatenate([one.hide(whole).outputs for one in blocked if one.fitted])
+        return [np.broadcast_to(np.nanmean(fitted, axis=0), one.record.outputs.shape) for one in blocked]
     return [free_run(chain, one.hide(whole) if one.fitted else one.record, AUTO) for one in blocked]
 
 
 def measure_blocks(blocked: Sequence[BlockedRecord], runs: Sequence[Numbers], held: bool) -> BlockErrors:
-    """Return the errors of runs on the blocks that are held out, or on those to choose by."""
+    """Return the errors of runs on the held-out blocks, or on the blocks to choose by."""
     scale = np.nanstd(np.concatenate([one.record.outputs for one in blocked if one.fitted]), axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     rows: list[tuple[Numbers, Numbers]] = []
     pieces: list[float] = []
     for one, run in zip(blocked, runs, strict=True):
-        for block in one.held if held else one.chosen_by:
+        for block in one.blocks(held):
             y, error = one.record.outputs[block], (one.record.outputs - run)[block] / scale
             rows.append((y / scale, error))
             squares = [float(np.nanmean(part**2)) for part in np.array_split(error, PIECES) if np.isfinite(part).any()]
@@ -142,7 +146,7 @@ def measure_blocks(blocked: Sequence[BlockedRecord], runs: Sequence[Numbers], he
 
 
 def compare_errors(before: BlockErrors, after: BlockErrors, level: float = CERTAIN) -> ErrorFall:
-    """By how much errors fall from one model to another, and how sure that is."""
+    """Return the decrease of errors from one model to another."""
     if len(before.pieces) < 2 or not np.all(np.isfinite((before.pieces, after.pieces))):
         return ErrorFall(np.nan, np.inf, np.nan)
     floor = FLOOR * float(np.mean(before.pieces)) or 1.0
@@ -154,30 +158,29 @@ def compare_errors(before: BlockErrors, after: BlockErrors, level: float = CERTA
 
 
 def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
-    """Why blocks tell nothing: inputs or outputs stay in all, or both in most of them; empty if they move."""
+    """Return why blocks are uninformative: inputs or outputs are constant in all, or both in most; else empty."""
     what = "blocks held out" if held else "blocks to choose by"
-    pairs = [(one.record, block) for one in blocked for block in (one.held if held else one.chosen_by)]
+    pairs = [(one.record, block) for one in blocked for block in one.blocks(held)]
     quiet = [_keeps_still(record.inputs, block, STILL) for record, block in pairs]
     mute = [_keeps_still(record.outputs, block, 5.0 * STILL) for record, block in pairs]
-    still = sum(a and b for a, b in zip(quiet, mute, strict=True))
-    if not pairs or (2 * still < len(pairs) and not all(quiet) and not all(mute)):
+    count = len(pairs) if all(quiet) or all(mute) else sum(map(and_, quiet, mute))
+    if not pairs or 2 * count < len(pairs):
         return ""
-    count = len(pairs) if all(quiet) or all(mute) else still
     return (
         f"In {count} of the {len(pairs)} {what} the input or the output does not move: they cannot tell which model is "
         f"right. Record so that the input moves throughout, or give {'--other' if held else '--validate'} a log."
     )
 
 
-def _keeps_still(signals: Numbers, block: slice, share: float) -> bool:
-    """Return whether all signals stay within a share of their range."""
+def _keeps_still(signals: Numbers, block: slice, fraction: float) -> bool:
+    """Return whether all signals stay within a fraction of their range."""
     with np.errstate(all="ignore"):
         whole, part = (np.nanmax(one, axis=0) - np.nanmin(one, axis=0) for one in (signals, signals[block]))
-    return bool(np.all(~(part > share * whole)))
+    return bool(np.all(~(part > fraction * whole)))
 
 
 def describe_step(records: Iterable[Sampled]) -> str:
-    """Why the inputs tell too little: they move once; empty if they do more."""
+    """Return why the inputs are uninformative: they move once; else empty."""
     count = 0
     for record in records:
         for column in record.inputs.T:

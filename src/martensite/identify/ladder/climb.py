@@ -1,9 +1,9 @@
-"""The ladder of structures: from the best linear model to hysteresis, feedback and nonlinear state space.
+"""Ladder of structures: from the best linear model to hysteresis, feedback and nonlinear state space.
 
-Each rung has a few structures; the best of them on the blocks to choose by goes on with more starts and takes the
-place of the model so far if its errors there are smaller by more than chance. So of equals the simpler stays, which
-comes first. The climb ends where the residuals hold nothing more, at the last rung, or when the time box is used up.
-The model is then fitted to all blocks but those held out, and judged on these.
+Each rung has a few structures. The best of them on the blocks to choose by continues with more starts, and replaces the
+present model if its errors there are significantly smaller; otherwise the simpler model stays. The climb ends if the
+residuals are white and unrelated to the input, at the last rung, or at the end of the time box. Then the model is
+fitted to all blocks except the held-out ones, and tested on these.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from martensite.identify.chains.decimation import COARSE, find_thinnest
 from martensite.identify.chains.doubts import describe_copies, describe_exchange
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.goals import AUTO, check_informative, check_records
+from martensite.identify.chains.record_starts import find_start
 from martensite.identify.chains.scores import OutputScore, score_chain
 from martensite.identify.chains.validation import Validation, validate_chain
 from martensite.identify.ladder.blocked_records import (
@@ -53,23 +54,23 @@ from martensite.signals.sampling.sampled import Sampled
 TIME_BOX = 120.0
 """Processor time of a climb [s]."""
 RESERVED = 0.15
-"""Share of it for the last fit."""
+"""Fraction of it for the last fit."""
 ORDERS = (1, 2, 3, 4)
 LEAST_ORDER = 2
-"""Smallest order of the linear blocks above the linear rung."""
+"""Smallest order of linear blocks above the linear rung."""
 PROBE = Options(starts=4, refined=1, iterations=60, start=AUTO, anchor=0.1, ridge=1e-6)
-"""Options of the trial of every structure."""
+"""Options of the trial of a structure."""
 LIKELY = 0.84
-"""Probability of one standard error, with which structures of one rung, and orders, must differ."""
+"""Confidence level (one standard error) of differences between structures of a rung, and between orders."""
 DOUBTFUL = 0.01
-"""Probability of residuals as little white by chance, below which something is left in them."""
+"""Significance level of the test of white residuals."""
 Watch = Callable[[str, float], None]
 Keep = Callable[[LadderTrial], None]
 
 
 @dataclass(eq=False)
 class _Climb:
-    """A climb under way: what is found so far stays when it is stopped."""
+    """State of a climb; it keeps the best model if it is stopped."""
 
     blocked: tuple[BlockedRecord, ...]
     options: Options
@@ -82,34 +83,36 @@ class _Climb:
 
     def try_structure(self, rung: str, text: str, options: Options) -> LadderTrial:
         """Return a structure fitted without the blocks to choose by, and its errors on these."""
-        begun = measure_processor_time()
-        seen = [one.hide(False) for one in self.blocked if one.fitted]
-        numbers = len(build_untrained(parse_chain(text), seen[0]).theta)
+        started = measure_processor_time()
+        visible = [one.hide(False) for one in self.blocked if one.fitted]
+        numbers = len(build_untrained(parse_chain(text), visible[0]).theta)
         done = "" if self.best is None else f", so far {self.best.chosen_by.fit:.1f} %"
         tell: Watch = lambda words, share: self.watch(f"{rung}, {text}: {words}{done}", self.clock.share)  # noqa: E731
-        none = BlockErrors(np.nan, np.full(1, np.inf))
+        no_errors = BlockErrors(np.nan, np.full(1, np.inf))
         try:
             with np.errstate(all="ignore"):  # a structure may grow without bound
-                found = estimate_chain(text, seen, options, tell, self.clock.halt)
-                chosen_by, held = self._measure(found.chain)
+                estimate = estimate_chain(text, visible, options, tell, self.clock.halt)
+                chosen_by, held = self._measure(estimate.chain)
         except MartensiteError as error:
-            return LadderTrial(text, numbers, None, none, none, measure_processor_time() - begun, str(error))
-        return LadderTrial(text, numbers, found.chain, chosen_by, held, measure_processor_time() - begun)
+            return LadderTrial(
+                text, numbers, None, no_errors, no_errors, measure_processor_time() - started, str(error)
+            )
+        return LadderTrial(text, numbers, estimate.chain, chosen_by, held, measure_processor_time() - started)
 
     def _measure(self, chain: Chain | None) -> tuple[BlockErrors, BlockErrors]:
-        """Return the errors of a model, or of the mean, in the blocks to choose by and in those held out."""
+        """Return the errors of a model, or of the mean, on the blocks to choose by and on held-out blocks."""
         runs = run_blocks(chain, self.blocked, False)
         return measure_blocks(self.blocked, runs, False), measure_blocks(self.blocked, runs, True)
 
     def _add_trial(self, trials: list[LadderTrial], name: str, text: str, options: Options) -> None:
-        """Try a structure; `KeyboardInterrupt` after it where the climb is to end."""
+        """Try a structure; raise `KeyboardInterrupt` afterwards if the climb must end."""
         trials.append(self.try_structure(name, text, options))
         if self.clock.halt.is_set():
             raise KeyboardInterrupt
 
     @contextmanager
     def _keep_stopped(self) -> Iterator[None]:
-        """Turn exceptions that end the climb into the end of the block, with the reason in `stopped`."""
+        """End the block for exceptions that end the climb, and store the reason in `stopped`."""
         try:
             yield
         except KeyboardInterrupt:
@@ -118,10 +121,7 @@ class _Climb:
             self.clock.halt.set()
 
     def climb_rung(self, name: str, structures: Sequence[str], larger: LadderTrial | None = None) -> None:
-        """Try the structures of a rung; the best takes the place of the model so far if it is better.
-
-        Of a `larger` model it takes the place if that is not better.
-        """
+        """Try the structures of a rung; the best replaces a worse model, or a `larger` one that is no better."""
         trials: list[LadderTrial] = []
         with self._keep_stopped():
             for text in structures:
@@ -133,22 +133,22 @@ class _Climb:
             return
         lead = _pick_best(trials)
         gain = compare_errors(self.reference, lead.chosen_by)
-        kept = lead.chain is not None and gain.certain
+        better = lead.chain is not None and gain.certain
         if larger is not None:
-            kept = lead.chain is not None and not compare_errors(lead.chosen_by, larger.chosen_by, LIKELY).certain
+            better = lead.chain is not None and not compare_errors(lead.chosen_by, larger.chosen_by, LIKELY).certain
         others = sorted((one for one in trials if one.structure != lead.structure), key=_rank)
-        self.rungs.append(LadderRung(name, (lead, *others), gain, kept))
-        if kept:
+        self.rungs.append(LadderRung(name, (lead, *others), gain, better))
+        if better:
             self.best = lead
             self.keep(lead)
 
     def trim_order(self) -> None:
-        """Take off poles without which the model so far is as good."""
-        while self.best is not None and not self.stopped and (found := LINEAR.search(self.best.structure)):
-            order = int(found[1]) - 1
+        """Remove poles without which the model is as good."""
+        while self.best is not None and not self.stopped and (match := LINEAR.search(self.best.structure)):
+            order = int(match[1]) - 1
             if order < 1:
                 return
-            less = LINEAR.sub(f"oe({order + (found[2] == '0')},{order},{found[2]})", self.best.structure)
+            less = LINEAR.sub(f"oe({order + (match[2] == '0')},{order},{match[2]})", self.best.structure)
             before = self.best
             self.climb_rung("fewer poles", [less], before)
             if self.best is before:
@@ -156,15 +156,15 @@ class _Climb:
 
     @property
     def reference(self) -> BlockErrors:
-        """Return the errors of the model so far, or of the mean."""
+        """Return the errors of the present model, or of the mean."""
         return self.best.chosen_by if self.best else self.measure_mean().chosen_by
 
     def measure_mean(self) -> LadderTrial:
-        """Return the mean of what was fitted, as a model."""
+        """Return the mean of the fitted outputs as a model."""
         return LadderTrial("mean", 1, None, *self._measure(None), 0.0)
 
     def climb_linear(self, delay: int, count: int) -> int:
-        """Return the linear rung: the lowest order that no higher one is better than by more than chance."""
+        """Return the lowest order that no higher order significantly improves."""
         ins, outs = (len(names) for names in (self.record.input_names, self.record.output_names))
         trials: list[LadderTrial] = []
         with self._keep_stopped():
@@ -191,11 +191,11 @@ class _Climb:
         return self.blocked[0].record
 
     def exhausts(self) -> bool:
-        """Return whether the residuals of the model so far are white and hold nothing of the inputs."""
+        """Return whether the residuals of the model are white and unrelated to the inputs."""
         if self.best is None or self.best.chain is None:
             return False
         chain, fitted = self.best.chain, [one for one in self.blocked if one.fitted]
-        # without gaps: of the longest stretch of a record in blocks nothing may happen in any
+        # without gaps: nothing may happen in the longest stretch of a record in blocks
         checks = [validate_chain(chain, _cut_held(one), state=_run_until(chain, one, False, 0)) for one in fitted]
         return all(one.explained and all(test.p_value >= DOUBTFUL for test in one.whiteness) for one in checks)
 
@@ -209,35 +209,38 @@ def climb_ladder(
     watch: Watch | None = None,
     keep: Keep | None = None,
 ) -> Ladder:
-    """Return the simplest structure that predicts records best, without one being given.
+    """Find the simplest structure that predicts records best.
 
     Args:
-        records: what is fitted; those of another regime than the first are set apart. The last fifth of each is
-            held out, and a third of the rest is left out of fits to choose by.
-        validation: records to choose by instead.
-        other: records that are held out instead.
-        options: how the best structure of a rung is estimated; others with fewer starts.
+        records: records of the fit; records of another regime than the first are set apart. The last fifth of each is
+            held
+            out, and a third of the rest is for the choice of a structure.
+        validation: records for the choice instead.
+        other: held-out records instead.
+        options: options of the estimation of the best structure of a rung; other structures have fewer starts.
         time_box: processor time [s].
-        watch: called with a sentence and the share of the box that is used.
-        keep: called with every better model as soon as it is found.
+        watch: called with a sentence and the used fraction of the time box.
+        keep: called with every better model.
 
     Raises:
-        InputError: the records do not fit together, or say nothing at all.
-        SolveError: not even a linear model was found.
+        InputError: the records do not fit together, or are uninformative.
+        SolveError: there is not even a linear model.
     """
     records = [records] if isinstance(records, Sampled) else list(records)
     check_informative(records[:1], 0, "rest")
-    kept, apart = set_apart(records)
-    factor = find_thinnest(kept, max(map(len, kept)) // COARSE)
-    tests = [text for record in kept[:1] for text in describe_copies([record])]
+    fitted, apart = set_apart(records)
+    factor = find_thinnest(fitted, max(map(len, fitted)) // COARSE)
+    tests = [text for record in fitted[:1] for text in describe_copies([record])]
     if factor > 1:
-        interval = factor * kept[0].interval
-        kept, validation, other = ([resample_record(r, interval) for r in group] for group in (kept, validation, other))
+        interval = factor * fitted[0].interval
+        fitted, validation, other = (
+            [resample_record(r, interval) for r in group] for group in (fitted, validation, other)
+        )
         tests.append(
             f"Sample time: {factor} samples are averaged to one of {format_number(interval, 3)} s, which loses nothing."
         )
-    check_records([*kept, *validation, *other])
-    blocked = divide_records(kept, validation, other)
+    check_records([*fitted, *validation, *other])
+    blocked = divide_records(fitted, validation, other)
     clock = TimeBox(time_box)
     tell: Watch = watch or (lambda text, share: None)
     climb = _Climb(blocked, options or replace(PROBE, starts=12), clock, tell, keep or (lambda trial: None))
@@ -247,21 +250,29 @@ def climb_ladder(
 
 
 def _climb_all(climb: _Climb) -> list[str]:
-    """Test the records, then climb rung by rung; what the tests say."""
-    seen = [one.hide(False) for one in climb.blocked if one.fitted]
+    """Test the records, climb all rungs, and return the results of the tests."""
+    visible = [one.hide(False) for one in climb.blocked if one.fitted]
     climb.watch("rest and delay", climb.clock.share)
-    delay = find_delay(seen)
+    delay = find_delay(visible)
     order = climb.climb_linear(delay.value, len(ORDERS))
-    tests = [*describe_rest(seen), *_describe_order(climb, delay, order)]
+    tests = [*describe_rest(visible), *_describe_order(climb, delay, order), *_test_linear(climb, visible)]
+    if not (climb.stopped or describe_step(visible) or describe_silence(climb.blocked, False)):
+        # nonlinear terms hide poles from a linear model: at least two are used, and the last step removes idle ones
+        _climb_nonlinear(climb, max(order, LEAST_ORDER), delay.value, tests)
+    return tests
+
+
+def _test_linear(climb: _Climb, visible: Sequence[Sampled]) -> Iterator[str]:
     linear = climb.rungs[0].trials[0].chain
     if linear is not None:
-        tests += [text for one in climb.blocked if one.fitted for text in describe_coherence(_cut_held(one))]
-        tests += describe_linearity(linear, [validate_chain(linear, record) for record in seen])
-    if climb.stopped or describe_step(seen) or describe_silence(climb.blocked, False):
-        return tests
+        for one in climb.blocked:
+            yield from describe_coherence(_cut_held(one)) if one.fitted else ()
+        yield from describe_linearity(linear, [validate_chain(linear, record) for record in visible])
+
+
+def _climb_nonlinear(climb: _Climb, order: int, delay: int, tests: list[str]) -> None:
     ins, outs = (len(names) for names in (climb.record.input_names, climb.record.output_names))
-    # nonlinear terms hide poles from a linear model: at least two go on, and the last step takes off what is idle
-    for name, structures in list_rungs(max(order, LEAST_ORDER), delay.value, ins, outs):
+    for name, structures in list_rungs(order, delay, ins, outs):
         if climb.exhausts():
             tests.append("The residuals are white and hold nothing of the input: higher rungs have nothing to find.")
             break
@@ -271,7 +282,6 @@ def _climb_all(climb: _Climb) -> list[str]:
         if climb.stopped:
             break
     climb.trim_order()
-    return tests
 
 
 def _cut_held(one: BlockedRecord) -> Sampled:
@@ -292,7 +302,7 @@ def _rank(trial: LadderTrial) -> float:
 
 
 def _pick_best(trials: Sequence[LadderTrial]) -> LadderTrial:
-    """Return the one with the least error; of those that are as good but for chance the one of fewest numbers."""
+    """Return the trial of least error; of equally good ones the one with the fewest numbers."""
     best = min(trials, key=_rank)
     near = [
         one
@@ -303,7 +313,7 @@ def _pick_best(trials: Sequence[LadderTrial]) -> LadderTrial:
 
 
 def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Sequence[str]) -> Ladder:
-    """Return the chosen structure fitted to all that is not held out, and judged on that."""
+    """Return the chosen structure, fitted to all data that are not held out, and its test on held-out data."""
     chosen = climb.best or climb.rungs[0].trials[0]
     chain, whole = chosen.chain, False
     remarks: list[str] = []
@@ -334,23 +344,23 @@ def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Seq
 
 
 def _fit_whole(climb: _Climb, chain: Chain) -> tuple[Chain, bool, list[str]]:
-    """Return the chain, its numbers fitted to the blocks to choose by as well; whether it was."""
-    own = [one.hide(True) for one in climb.blocked if one.fitted]
+    """Return the chain, whether it was also fitted to the blocks to choose by, and remarks."""
+    whole_records = [one.hide(True) for one in climb.blocked if one.fitted]
     options = replace(PROBE, starts=0, begin=(chain,))
     try:
         climb.watch("last fit", climb.clock.share)
-        found: ChainEstimate = estimate_chain(chain.blocks, own, options)
+        estimate: ChainEstimate = estimate_chain(chain.blocks, whole_records, options)
     except KeyboardInterrupt:
         accept_interrupt()
         climb.stopped = "interrupted"
         return chain, False, []
     except MartensiteError:
         return chain, False, []
-    return found.chain, True, list(found.remarks)
+    return estimate.chain, True, list(estimate.remarks)
 
 
 def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> Iterator[Validation]:
-    """Yield the chain on what is held out, each run on from the first sample of its record."""
+    """Yield the tests of the chain on held-out data, in runs from the first sample of each record."""
     runs = run_blocks(chain, blocked, whole)
     for one, run in zip(blocked, runs, strict=True):
         if not one.held or not np.all(np.isfinite(run)):
@@ -363,11 +373,9 @@ def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> 
 
 def _run_until(chain: Chain, one: BlockedRecord, whole: bool, first: int) -> Numbers:
     """Return the state of a run at a sample."""
-    from martensite.identify.chains.record_starts import find_start
-
     begin = find_start(chain, one.hide(whole) if one.fitted else one.record, AUTO)
-    rested = chain.engine.rest(chain.theta, one.record.inputs[0]).state
-    state = np.array(rested if begin.state is None else begin.state, dtype=float)
+    steady = chain.engine.rest(chain.theta, one.record.inputs[0]).state
+    state = np.array(steady if begin.state is None else begin.state, dtype=float)
     if first:
         chain.engine.simulate(chain.theta, one.record.inputs[:first], state)
     return state

@@ -1,4 +1,4 @@
-"""Result of a climb of the ladder: every tried structure, the model, and its predictive value."""
+"""Result of a climb: every tried structure, the model, and its predictive value."""
 
 from __future__ import annotations
 
@@ -15,30 +15,28 @@ from martensite.identify.ladder.record_tests import find_memory
 from martensite.search.quantity_text import format_number
 
 JUDGED = 0.95
-"""Probability with which the verdict must not be chance."""
+"""Confidence level of the verdict."""
 
 
 @dataclass(frozen=True, eq=False)
 class LadderTrial:
-    """One structure on the ladder."""
+    """One tried structure."""
 
     structure: str
     numbers: int
-    """Free numbers."""
     chain: Chain | None
-    """None if no search gave a model, and for the mean."""
+    """Model; None if no search succeeded, and for the mean."""
     chosen_by: BlockErrors
-    """On the blocks to choose by."""
+    """Errors on the blocks to choose by."""
     held: BlockErrors
-    """On the blocks held out: shown, and never used to choose."""
     seconds: float
-    """Processor time."""
+    """Processor time [s]."""
     fault: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class LadderRung:
-    """Trials of a rung, best first, and the outcome of the best."""
+    """Trials of a rung, best first."""
 
     name: str
     trials: tuple[LadderTrial, ...]
@@ -49,35 +47,31 @@ class LadderRung:
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """A climb, the model at its end, and what that is worth."""
+    """A climb with its final model."""
 
     blocked: tuple[BlockedRecord, ...]
     baseline: LadderTrial
-    """The mean of what was fitted."""
     rungs: tuple[LadderRung, ...]
     chosen: LadderTrial
-    """The highest rung kept; the best linear model where nothing is better than the mean."""
+    """Highest accepted rung, or the best linear model if none is better than the mean."""
     model: Chain
     """Chosen structure, fitted to all data that are not held out."""
     held: BlockErrors
-    """Errors of the model on the blocks held out."""
     checks: tuple[Validation, ...]
-    """The model on what is held out."""
     tests: tuple[str, ...]
-    """Tests before the climb, one sentence each."""
     apart: tuple[str, ...]
-    """Records of another regime, a sentence each."""
+    """Records of another regime, one sentence each."""
     apart_scores: tuple[OutputScore, ...]
     """Scores of the model on these records."""
     doubts: tuple[str, ...]
-    """Why records are uninformative, or the result must not be trusted; empty if nothing is wrong."""
+    """Reasons why records are uninformative, or the result is unreliable."""
     remarks: tuple[str, ...] = ()
     stopped: str = ""
-    """`time box` or `interrupted` if it ended before the last rung."""
+    """`time box` or `interrupted` if the climb ended early."""
 
     @property
     def gain(self) -> ErrorFall:
-        """By how much the model is better than the mean on what is held out."""
+        """Return the improvement over the mean on held-out data."""
         return compare_errors(self.baseline.held, self.held, JUDGED)
 
     @property
@@ -102,28 +96,28 @@ class Ladder:
         return tuple(_advise(self))
 
 
-def _advise(found: Ladder) -> Iterator[str]:
+def _advise(ladder: Ladder) -> Iterator[str]:
     """Yield advice for the next records."""
-    records = [one.record for one in found.blocked if one.fitted]
-    if found.doubts:
+    records = [one.record for one in ladder.blocked if one.fitted]
+    if ladder.doubts:
         yield "An input that moves throughout: steps and ramps of several heights, at least two rates, minor loops."
-    if not found.predicts:
+    if not ladder.predicts:
         yield (
             "An output that answers: check that both columns are of one experiment and not exchanged, drive harder, "
             "and record longer."
         )
-    memory = max((_find_memory(one) for one in found.checks), default=np.nan)
+    memory = max((_find_memory(one) for one in ladder.checks), default=np.nan)
     if np.isfinite(memory) and memory > 0.02 * min(record.duration for record in records):
         yield (
             f"Residuals remember {format_number(memory, 2)} s: a longer record, or one of another cadence given by "
             "--validate, would tell a slow effect from drift."
         )
-    if any(not one.explained for one in found.checks):
+    if any(not one.explained for one in ladder.checks):
         yield (
             "Residuals still follow the input: more levels and reversals of the input, or a structure of your own "
             "(--stage)."
         )
-    if len(found.blocked) == 1:
+    if len(ladder.blocked) == 1:
         yield (
             "A log of another cadence (other rates, minor loops), given by --other: all blocks of one log share "
             "theirs, in which lag and hysteresis look alike."

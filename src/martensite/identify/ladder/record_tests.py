@@ -1,10 +1,10 @@
-"""Tests of records before a structure is chosen: rest, delay, order, linearity.
+"""Tests of records before a structure is chosen: steady start, delay, order, linearity.
 
-The delay is profiled: inputs are shifted and a linear model is fitted for each shift. Delays whose squared error V is
-not beyond V₀ exp(3.84/n) are within its interval of 95 %, n being the number of independent residuals. The linearity of
-a record is tested on the residuals of its best linear approximation: correlation with the square of the input (a bend),
-errors that differ between rising and falling inputs (a loop); and on the coherence |S_yu|²/(S_u S_y), the largest
-fraction of the output that a linear system could explain.
+For the delay, inputs are shifted and a linear model is fitted for each shift. Delays with a squared error of at most
+V₀ exp(3.84/n), with n independent residuals, are within its interval of 95 %. Linearity is tested on the residuals of
+the best linear approximation: correlation with the square of the input (a bend), errors that differ between rising and
+falling inputs (a loop); and by the coherence |S_yu|²/(S_u S_y), the largest fraction of the output that a linear
+system could explain.
 """
 
 from __future__ import annotations
@@ -30,20 +30,19 @@ from martensite.search.whiteness import count_effective_samples
 from martensite.signals.sampling.sampled import Sampled
 
 SHIFTS = (-1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
-"""Delays that are tried first [samples], less one."""
+"""First candidates of the delay in samples, less one."""
 WORSE = 1.5
-"""Squared error, over the least, from which longer delays are not tried."""
+"""Squared error over the least above which longer delays are not tried."""
 CHI2 = 3.84
 """Quantile of 95 % of χ² with one degree of freedom."""
 SEARCH_STEPS = 12
-"""Number of steps of each search."""
 UNKNOWN = 0.9
-"""Share of the variance that a linear model leaves, from which a delay cannot be told."""
+"""Remaining fraction of the variance of a linear model above which the delay is unknown."""
 
 
 @dataclass(frozen=True)
 class DelayTest:
-    """The delay in samples, and between which it is with 95 %."""
+    """Delay in samples with its interval of 95 %."""
 
     value: int
     low: int
@@ -51,7 +50,7 @@ class DelayTest:
     interval: float
     """Sample time [s]."""
     left: float
-    """Share of the variance of the outputs that a linear model of this delay leaves."""
+    """Fraction of the variance of the outputs that a linear model of this delay leaves."""
 
     @property
     def sentence(self) -> str:
@@ -73,22 +72,11 @@ def find_delay(records: Sequence[Sampled], order: int = 2) -> DelayTest:
     thin = coarsen_records(records, 2000)
     if abs(thin[0].interval / records[0].interval - 1.0) > 1e-6:
         thin = [record.rows(0, 4000) for record in records]  # delays are counted in samples of the records
-    found: dict[int, tuple[float, float]] = {}
-    for shift in SHIFTS:
-        if shift >= min(map(len, thin)) // 4:
-            break
-        found[shift] = _measure_shift(thin, shift, order)
-        best = min(found, key=lambda k: found[k][0])
-        if found[shift][0] > WORSE * found[best][0] and shift > best + 1:
-            break
-    best = min(found, key=lambda k: found[k][0])
-    for shift in range(best - 3, best + 4):
-        if shift >= -1 and shift not in found and shift < max(found):
-            found[shift] = _measure_shift(thin, shift, order)
-    best = min(found, key=lambda k: found[k][0])
-    least, count = found[best]
-    near = [k for k, (value, _) in found.items() if count * np.log(value / least) <= CHI2] if least > 0.0 else [best]
-    if best > min(near, default=best):  # the least that is as good: a longer one may stand for poles
+    profile = _profile_delays(thin, order)
+    best = min(profile, key=lambda k: profile[k][0])
+    least, count = profile[best]
+    near = [k for k, (value, _) in profile.items() if count * np.log(value / least) <= CHI2] if least > 0.0 else [best]
+    if best > min(near, default=best):  # the shortest good delay: a longer one may replace poles
         best = max(min(near), min(best, 0))
     left = least / sum(int(np.isfinite(r.outputs).all(axis=1).sum()) * r.outputs.shape[1] for r in thin)
     value = 0 if left > UNKNOWN else best
@@ -96,8 +84,25 @@ def find_delay(records: Sequence[Sampled], order: int = 2) -> DelayTest:
     return DelayTest(value + 1, low + 1, high + 1, records[0].interval, left)
 
 
+def _profile_delays(records: Sequence[Sampled], order: int) -> dict[int, tuple[float, float]]:
+    """Return error and number of residuals by shift, coarse first, then around the minimum."""
+    profile: dict[int, tuple[float, float]] = {}
+    for shift in SHIFTS:
+        if shift >= min(map(len, records)) // 4:
+            break
+        profile[shift] = _measure_shift(records, shift, order)
+        best = min(profile, key=lambda k: profile[k][0])
+        if profile[shift][0] > WORSE * profile[best][0] and shift > best + 1:
+            break
+    best = min(profile, key=lambda k: profile[k][0])
+    for shift in range(max(best - 3, -1), min(best + 4, max(profile))):
+        if shift not in profile:
+            profile[shift] = _measure_shift(records, shift, order)
+    return profile
+
+
 def _measure_shift(records: Sequence[Sampled], shift: int, order: int) -> tuple[float, float]:
-    """Return the squared error of a linear model of inputs that come later, and how many residuals are independent."""
+    """Return the squared error of a linear model with delayed inputs, and the number of independent residuals."""
     moved = [replace(r, inputs=r.inputs[np.clip(np.arange(len(r)) - shift, 0, len(r) - 1)]) for r in records]
     ins, outs = records[0].inputs.shape[1], records[0].outputs.shape[1]
     block = StateSpace(order=order, ins=ins, outs=outs, nk=1, offset="yes")
@@ -109,14 +114,14 @@ def _measure_shift(records: Sequence[Sampled], shift: int, order: int) -> tuple[
         return np.inf, 1.0
     scale = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
     errors = np.concatenate([(r.outputs - model.simulate(r.inputs)) / scale for r in moved])
-    known = errors[np.all(np.isfinite(errors), axis=1)]
-    if not len(known):
+    finite = errors[np.all(np.isfinite(errors), axis=1)]
+    if not len(finite):
         return np.inf, 1.0
-    return float(np.sum(known**2)), count_effective_samples(known[:, 0])
+    return float(np.sum(finite**2)), count_effective_samples(finite[:, 0])
 
 
 def describe_rest(records: Sequence[Sampled]) -> list[str]:
-    """Return the start of every record, in a sentence each."""
+    """Return the start of every record, one sentence each."""
     return [
         f"`{record.name}` begins at rest: inputs are held at an end of their range and outputs stay."
         if shows_rest(record)
@@ -136,14 +141,14 @@ def describe_coherence(record: Sampled) -> Iterator[str]:
 
 
 def measure_coherence(record: Sampled) -> float:
-    """Share of the power of the outputs that a linear system of the first input could give; NaN if too short."""
+    """Return the fraction of the output power that a linear system could explain; NaN for a short record."""
     u = record.inputs[:, 0]
     y = record.outputs[:, 0]
-    known = np.isfinite(y)
-    size = int(known.sum()) // 8
-    if size < 32 or not known.any():
+    finite = np.isfinite(y)
+    size = int(finite.sum()) // 8
+    if size < 32 or not finite.any():
         return np.nan
-    y = np.interp(np.arange(len(y)), np.flatnonzero(known), y[known])
+    y = np.interp(np.arange(len(y)), np.flatnonzero(finite), y[finite])
     signal: Any = import_module("scipy.signal")
     _, shares = signal.coherence(u, y, nperseg=size, detrend="linear")
     _, power = signal.welch(y, nperseg=size, detrend="linear")
@@ -152,21 +157,23 @@ def measure_coherence(record: Sampled) -> float:
 
 def describe_linearity(linear: Chain, checks: Sequence[Validation]) -> list[str]:
     """Return the evidence against a linear system, one sentence each."""
-    found: list[str] = []
+    evidence: list[str] = []
     for one in checks:
         bends = [test for test in one.crossed if "²" in test.signal and not test.explained]
         for test in bends:
-            found.append(
+            evidence.append(
                 f"`{one.record.name}`: what `{linear.text()}` leaves follows {test.signal} "
                 f"({format_number(test.following[1], 2)}, by chance {format_number(test.limit, 2)}): not linear."
             )
         if not bends and one.crossed:
-            found.append(f"`{one.record.name}`: what `{linear.text()}` leaves does not follow the square of an input.")
-        found += [text for text in one.failures if "uneven" in text]
-    return found
+            evidence.append(
+                f"`{one.record.name}`: what `{linear.text()}` leaves does not follow the square of an input."
+            )
+        evidence += [text for text in one.failures if "uneven" in text]
+    return evidence
 
 
 def find_memory(record: Sampled, errors: Numbers) -> float:
     """Return the memory of residuals [s]: the duration over the number of independent residuals."""
-    known = errors[np.isfinite(errors)]
-    return record.duration / count_effective_samples(known) if len(known) > 1 else np.nan
+    finite = errors[np.isfinite(errors)]
+    return record.duration / count_effective_samples(finite) if len(finite) > 1 else np.nan

@@ -1,7 +1,6 @@
-"""Which records belong together: those of another regime are set apart, and named.
+"""Regimes of records: records unlike the first are set apart, predicted and not fitted.
 
-The first record says what the regime is. Another sample time, another range or level of a signal, or dynamics that
-its best linear approximation does not have, and a record is not fitted with it, only predicted.
+A regime is defined by sample time, range and level of signals, and the best linear approximation of the dynamics.
 """
 
 from __future__ import annotations
@@ -23,21 +22,21 @@ RATIO = 2.0
 SHIFT = 0.5
 """Shift of the middle of a signal, over the larger range, above which its level differs."""
 FOREIGN = 2.0
-"""Ratio of the errors of the linear model of another record and of the same record, above which dynamics differ."""
+"""Ratio of the errors of the linear models of another record and of the same record above which dynamics differ."""
 POOR = 0.25
-"""Smallest error, over the spread of the output, that counts as poor."""
+"""Least error over the spread of the output that counts as poor."""
 
 
 def set_apart(records: Sequence[Sampled]) -> tuple[list[Sampled], dict[int, str]]:
-    """Return the records of the regime of the first, and why others are not, by their place."""
-    first, kept, apart = records[0], [records[0]], dict[int, str]()
+    """Return the records of the regime of the first, and the reasons against the others, by their place."""
+    first, together, apart = records[0], [records[0]], dict[int, str]()
     for place, record in enumerate(records[1:], start=1):
         reason = _explain_range(first, record) or _explain_dynamics(first, record)
         if reason:
             apart[place] = f"`{record.name}` is set apart from `{first.name}`: {reason}. It is predicted, not fitted."
         else:
-            kept.append(record)
-    return kept, apart
+            together.append(record)
+    return together, apart
 
 
 def _explain_range(first: Sampled, record: Sampled) -> str:
@@ -62,11 +61,11 @@ def _write_range(ends: tuple[float, float]) -> str:
 
 
 def _explain_dynamics(first: Sampled, record: Sampled) -> str:
-    """Describe the failure of the linear model of one record on another with a better model; empty if it fits."""
+    """Describe different dynamics; empty if the linear models agree."""
     try:
         ours, its = coarsen_records([first, record], 2000)
-        model, own = (best_linear(one, 2, iterations=20) for one in (ours, its))
-        fits = [float(np.mean(fit_percent(its.outputs, free_run(m, its, AUTO)))) for m in (model, own)]
+        model, its_model = (best_linear(one, 2, iterations=20) for one in (ours, its))
+        fits = [float(np.mean(fit_percent(its.outputs, free_run(m, its, AUTO)))) for m in (model, its_model)]
     except MartensiteError:
         return ""
     errors = [1.0 - fit / 100.0 for fit in fits]

@@ -1,11 +1,11 @@
-"""Which structures stand on the rungs of the ladder, from an order and a delay."""
+"""Structures on the rungs of the ladder, for an order and a delay."""
 
 from __future__ import annotations
 
 import re
 
 LINEAR = re.compile(r"oe\(\d+,(\d+),(\d+)\)")
-"""A linear block in a text: its order and its delay."""
+"""A linear block in a text: order and delay."""
 CURVES = ("poly3", "pwl(8,fixed)", "sigmoid4")
 """Static blocks."""
 
@@ -26,7 +26,7 @@ def _repeat_block(block: str, count: int) -> str:
 
 
 def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tuple[str, list[str]]]:
-    """Return the names and structures of the rungs above the linear one, the quickest structures first."""
+    """Return names and structures of the rungs above the linear one, quickest first."""
     single = (ins, outs) == (1, 1)
     line = f"oe({order + (delay == 0)},{order},{delay})" if single else _write_state_space(order, delay, ins, outs)
 
@@ -62,10 +62,10 @@ def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tupl
 
 
 def list_neighbours(structure: str) -> list[str]:
-    """Return the structure with one pole more, and with another delay: nonlinear terms may have hidden them."""
-    found = LINEAR.search(structure)
-    if found is None:
+    """Return the structure with one pole more, and with another delay."""
+    match = LINEAR.search(structure)
+    if match is None:
         return []
-    order, delay = int(found[1]), int(found[2])
+    order, delay = int(match[1]), int(match[2])
     pairs = [(order + 1, delay), (order, delay + 1), (order + 1, delay + 1)]
     return [LINEAR.sub(f"oe({n},{n},{k})", structure) for n, k in pairs if k]

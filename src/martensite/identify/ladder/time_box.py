@@ -1,4 +1,4 @@
-"""A limit of processor time."""
+"""Limit of the processor time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from threading import Event, Thread
 
 
 class TimeBox:
-    """Processor time of this process and those it started, such as compilers; sets an event when it is used up."""
+    """Processor time of this process and its children; sets an event when it is used up."""
 
     def __init__(self, seconds: float) -> None:
         self.halt, self._ended = Event(), Event()
@@ -23,7 +23,7 @@ class TimeBox:
 
     @contextmanager
     def watched(self, part: float) -> Generator[None]:
-        """Set the event once a part of the box is used."""
+        """Set the event after a fraction of the time box."""
 
         def look() -> None:
             while not self._ended.wait(0.1):
@@ -40,5 +40,5 @@ class TimeBox:
 
 
 def measure_processor_time() -> float:
-    """Return the processor time of this process and of those that it has waited for [s]."""
+    """Return the processor time of this process and its finished children [s]."""
     return float(sum(os.times()[:4]))
