@@ -1,4 +1,4 @@
-"""Boards: firmware around an exported loop, the link to it, logs and experiments."""
+"""Boards: firmware around an exported loop, its link, logs and experiments."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,7 +1,7 @@
-"""Log of a board over its own time: a table that `fit` and `identify` read without options.
+"""Log of a board over its time: a table that `fit` and `identify` read without options.
 
-Columns are headed with units. The firmware's description with its calibration, and the scenario, go along: in the lines
-above the table of a text file, in the metadata of Parquet, as metadata and an attachment of MCAP.
+Headings have units. The description of the firmware with its calibration, and the scenario, are in the lines above a
+text table, in the metadata of Parquet, and in metadata and an attachment of MCAP.
 """
 
 from __future__ import annotations
@@ -31,24 +31,23 @@ class BoardLog:
     """Telemetry of a board, sample by sample."""
 
     firmware: dict[str, Any]
-    """Content of `firmware.json`, with the settings of the board."""
     clock: BoardClock = field(default_factory=BoardClock)
     _numbers: array[float] = field(default_factory=lambda: array("d"))
-    """Row after row: an hour at 1 kHz is held in a quarter of a gigabyte."""
+    """Row after row: an hour at 1 kHz takes a quarter of a gigabyte."""
 
     def take(self, message: Message) -> None:
-        """Keep a message if it is a telemetry."""
+        """Store a message if it is telemetry."""
         if message.name == "telemetry":
-            known = message.values
-            time = 1e-6 * self.clock.unwrap(known["time"])
-            self._numbers.extend((time, known["flags"], known["alarm"], *known["values"]))
+            values = message.values
+            time = 1e-6 * self.clock.unwrap(values["time"])
+            self._numbers.extend((time, values["flags"], values["alarm"], *values["values"]))
 
     def __len__(self) -> int:
         return len(self._numbers) // len(self.names)
 
     @property
     def latest(self) -> dict[str, float]:
-        """Return the newest sample by name; nothing before the first."""
+        """Return the newest sample by name; empty before the first."""
         names = self.names
         return dict(zip(names, self._numbers[-len(names) :], strict=True)) if self._numbers else {}
 
@@ -58,7 +57,7 @@ class BoardLog:
         return ["time", "status", "alarm", *(row["name"] for row in self.firmware["telemetry"])]
 
     def headings(self) -> list[str]:
-        """Names with units; plain numbers that are no quantity, such as an alarm, have none, lest one be guessed."""
+        """Return the names with units; dimensionless columns have one only if a reader needs it."""
         from martensite.logs.layout import CANONICAL
 
         units = ["s", "1", "1", *(row["unit"] for row in self.firmware["telemetry"])]
@@ -68,19 +67,19 @@ class BoardLog:
         ]
 
     def table(self, first: int = 0) -> NDArray[np.float64]:
-        """Return the rows from one on, and columns; time from the first sample of all on, all in SI."""
+        """Return the rows from a given one on, in SI; time starts at the first sample of all."""
         import numpy as np
 
-        found = np.array(self._numbers[first * len(self.names) :], dtype=float).reshape(-1, len(self.names))
-        if len(found):
-            found[:, 0] -= self._numbers[0]
-        return found
+        rows = np.array(self._numbers[first * len(self.names) :], dtype=float).reshape(-1, len(self.names))
+        if len(rows):
+            rows[:, 0] -= self._numbers[0]
+        return rows
 
     def plot(self) -> Figure:
-        """Return every column but the status over time, one above the other.
+        """Return a figure of every column but the status over time.
 
         Raises:
-            DataError: nothing was heard.
+            DataError: the log is empty.
         """
         if not self._numbers:
             raise DataError("Nothing was heard from the board: there is nothing to draw.")
@@ -106,30 +105,30 @@ class BoardLog:
         """Write `.csv`, `.parquet` or `.mcap`.
 
         Raises:
-            DataError: nothing was heard, or the file cannot be written.
-            InputError: the extra that brings its writer is not installed.
+            DataError: the log is empty, or the file cannot be written.
+            InputError: the extra for the format is not installed.
         """
         if not self._numbers:
             raise DataError("Nothing was heard from the board: there is no log to write.")
         writers = {".csv": self._write_text, ".parquet": self._write_parquet, ".mcap": self._write_mcap}
         writers[path.suffix.lower()](path, self.describe(counts))
 
-    def _write_text(self, path: Path, told: dict[str, str]) -> None:
-        lines = [f"# {key}: {value}" for key, value in told.items()]
+    def _write_text(self, path: Path, metadata: dict[str, str]) -> None:
+        lines = [f"# {key}: {value}" for key, value in metadata.items()]
         lines += [f"# scenario: {json.dumps(self.firmware['scenario'])}", ",".join(self.headings())]
         with replace_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(f"{line}\n" for line in lines)
             file.writelines(",".join(f"{x:.9g}" for x in row) + "\n" for row in self.table().tolist())
 
-    def _write_parquet(self, path: Path, told: dict[str, str]) -> None:
+    def _write_parquet(self, path: Path, metadata: dict[str, str]) -> None:
         arrow = import_extra("pyarrow", "parquet", "pyarrow")
         parquet = import_extra("pyarrow.parquet", "parquet", "pyarrow")
         columns = dict(zip(self.headings(), self.table().T, strict=True))
-        table = arrow.table(columns).replace_schema_metadata(told | {"scenario": self.firmware["scenario"]})
+        table = arrow.table(columns).replace_schema_metadata(metadata | {"scenario": self.firmware["scenario"]})
         with replace_file(path) as part:
             parquet.write_table(table, part)
 
-    def _write_mcap(self, path: Path, told: dict[str, str]) -> None:
+    def _write_mcap(self, path: Path, metadata: dict[str, str]) -> None:
         writer_of = import_extra("mcap.writer", "mcap", "mcap").Writer
         names = self.headings()[1:]
         schema = {"type": "object", "properties": {name: {"type": "number"} for name in names}}
@@ -141,14 +140,14 @@ class BoardLog:
             for row in self.table():
                 stamp, data = round(1e9 * row[0]), json.dumps(dict(zip(names, map(float, row[1:]), strict=True)))
                 writer.add_message(channel, log_time=stamp, publish_time=stamp, data=data.encode())
-            writer.add_metadata("martensite", told)
+            writer.add_metadata("martensite", metadata)
             scenario = self.firmware["scenario"].encode()
             writer.add_attachment(0, 0, "scenario.toml", "application/toml", scenario)
             writer.finish()
 
 
 def read_log_scenario(path: Path) -> str:
-    """Return the scenario that a log carries; empty if it carries none.
+    """Return the scenario in a log, or an empty text.
 
     Raises:
         DataError: the file cannot be read.
@@ -156,8 +155,8 @@ def read_log_scenario(path: Path) -> str:
     ending = path.suffix.lower()
     if ending == ".parquet":
         parquet = import_extra("pyarrow.parquet", "parquet", "pyarrow")
-        found = parquet.read_schema(path).metadata or {}
-        return found.get(b"scenario", b"").decode()
+        metadata = parquet.read_schema(path).metadata or {}
+        return metadata.get(b"scenario", b"").decode()
     if ending == ".mcap":
         reader = import_extra("mcap.reader", "mcap", "mcap").make_reader
         with path.open("rb") as file:

@@ -1,10 +1,10 @@
-"""Gains and offsets of a board's channels, from known values.
+"""Gains and offsets of the channels of a board, from known values.
 
     x = gain (steps - offset)
 
-A channel at a known value gives a point; one point at 0 sets the offset, one elsewhere the gain, two or more both, by
-least squares. A known resistor in the place of the wire sets the gain of the current, so that voltage over current is
-right: that is what a resistance needs. Points are saved in `calibration.json`, with the spread of the readings.
+A channel at a known value gives a point. A point at 0 sets the offset, another one the gain, two or more both, by least
+squares. A known resistor in place of the wire sets the gain of the current, so that voltage over current is exact, as a
+resistance needs. Points are saved in `calibration.json`, with the spread of the readings.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from martensite.boards.board_log import BoardLog
 from martensite.boards.session import CALIBRATION, Session, load_calibration
 
 READ_FOR = 0.5
-"""Time that a channel is read for a point [s]."""
+"""Time of reading for a point [s]."""
 RESISTOR_DUTY, RESISTOR_FOR = 0.2, 1.0
-"""Duty, and time [s], for which a known resistor is heated."""
+"""Duty cycle and time [s] of heating a known resistor."""
 
 
 @dataclass(frozen=True)
@@ -32,30 +32,28 @@ class CalibrationPoint:
     """A channel at a known value."""
 
     steps: float
-    """Mean reading of the converter."""
     spread: float
-    """Standard deviation of it [steps]."""
+    """Standard deviation of the reading [steps]."""
     value: float
-    """Known value, in SI."""
 
 
 def list_channels(firmware: Mapping[str, Any]) -> list[str]:
-    """Return the names of the channels of a firmware."""
+    """Return the channels of a firmware."""
     settings = firmware["settings"]
     return [row["name"].removeprefix("gain ") for row in settings if row["name"].startswith("gain ")]
 
 
 def find_channel_unit(firmware: Mapping[str, Any], channel: str) -> str:
-    """SI unit of a channel; `InputError` if there is none."""
-    known = list_channels(firmware)
-    if channel not in known:
-        raise InputError(f"The board has no channel `{channel}`. {suggest_name(channel, known)}")
+    """Return the SI unit of a channel; raise `InputError` if it does not exist."""
+    channels = list_channels(firmware)
+    if channel not in channels:
+        raise InputError(f"The board has no channel `{channel}`. {suggest_name(channel, channels)}")
     row = next(row for row in firmware["settings"] if row["name"] == f"gain {channel}")
     return str(row["unit"]).removesuffix("/step")
 
 
 def read_steps(session: Session, channel: str, log: BoardLog) -> tuple[float, float]:
-    """Return mean and standard deviation of the readings of a converter over a log.
+    """Return mean and standard deviation of the readings of a converter in a log.
 
     Raises:
         InputError: the channel does not exist.
@@ -71,21 +69,21 @@ def read_steps(session: Session, channel: str, log: BoardLog) -> tuple[float, fl
 
 
 def add_point(session: Session, channel: str, value: float) -> CalibrationPoint:
-    """Read a channel that is at a known value [SI], keep the point, and set gain and offset by all points."""
+    """Read a channel at a known value [SI], store the point, and set gain and offset from all points."""
     log = session.listen(READ_FOR)
-    found = CalibrationPoint(*read_steps(session, channel, log), value)
-    kept = load_calibration(session.project)
-    points = kept["points"].setdefault(channel, [])
-    points.append([found.steps, found.spread, found.value])
+    point = CalibrationPoint(*read_steps(session, channel, log), value)
+    calibration = load_calibration(session.project)
+    points = calibration["points"].setdefault(channel, [])
+    points.append([point.steps, point.spread, point.value])
     numbers = session.settings
     before = numbers[f"gain {channel}"], numbers[f"offset {channel}"]
     gain, offset = solve_points([CalibrationPoint(*row) for row in points], *before)
-    _keep_settings(session, kept, {f"gain {channel}": gain, f"offset {channel}": offset})
-    return found
+    _keep_settings(session, calibration, {f"gain {channel}": gain, f"offset {channel}": offset})
+    return point
 
 
 def solve_points(points: list[CalibrationPoint], gain: float, offset: float) -> tuple[float, float]:
-    """Return the gain and offset that fit calibration points, corrected from the present ones.
+    """Return gain and offset from calibration points and their present values.
 
     Raises:
         DataError: the points do not determine them.
@@ -105,12 +103,12 @@ def solve_points(points: list[CalibrationPoint], gain: float, offset: float) -> 
 
 
 def calibrate_resistor(session: Session, ohms: float, *, word: str) -> float:
-    """Set the gain of the current by a known resistor in the place of the wire; by how much it changed.
+    """Set the gain of the current with a known resistor in place of the wire, and return its change as a factor.
 
     Args:
         session: the board.
-        ohms: of the resistor.
-        word: `ARM`, since it is heated for a second with a small duty.
+        ohms: resistance.
+        word: `ARM`, since the resistor is heated for a second with a small duty cycle.
 
     Raises:
         InputError: the board measures no resistance.
@@ -122,7 +120,7 @@ def calibrate_resistor(session: Session, ohms: float, *, word: str) -> float:
     log = session.play([(RESISTOR_FOR, RESISTOR_DUTY)], word=word)
     table, names = log.table(), log.names
     on = table[:, names.index("duty")] > 0.0
-    rows = table[on][3:]  # the first samples are those of the filters
+    rows = table[on][3:]  # the filters settle in the first samples
     current = rows[:, names.index("current")]
     if not len(rows) or np.mean(current) <= 0.0:
         raise SolveError("No current flows through the resistor: check switch, supply and wiring.")
@@ -133,13 +131,13 @@ def calibrate_resistor(session: Session, ohms: float, *, word: str) -> float:
 
 
 def accept_nominal(session: Session) -> None:
-    """Take the gains and offsets as they are."""
+    """Accept the nominal gains and offsets."""
     _keep_settings(session, load_calibration(session.project), {})
 
 
-def _keep_settings(session: Session, kept: dict[str, Any], settings: dict[str, float]) -> None:
-    """Give settings to the board, which is calibrated then, and keep them."""
-    kept["settings"] |= settings | {"calibrated": 1.0}
-    for name, value in kept["settings"].items():
+def _keep_settings(session: Session, calibration: dict[str, Any], settings: dict[str, float]) -> None:
+    """Send settings to the board, mark it as calibrated, and store them."""
+    calibration["settings"] |= settings | {"calibrated": 1.0}
+    for name, value in calibration["settings"].items():
         session.set(name, value)
-    write_file(session.project / CALIBRATION, json.dumps(kept, indent=1) + "\n")
+    write_file(session.project / CALIBRATION, json.dumps(calibration, indent=1) + "\n")

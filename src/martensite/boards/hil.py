@@ -1,8 +1,7 @@
-"""Hardware in the loop: the plant and the sensors of a scenario here, its controllers on a board.
+"""Hardware in the loop: simulated plant and sensors of a scenario, controllers on a board.
 
-In every period the board gets the readings that our sensors make, their ages and the references, and answers with the
-signals that the plant then follows: the same order as on a bench in one piece, so that the two may be compared. The
-board's own switches stay open meanwhile.
+In every period the board gets the readings, their ages and the references, and returns the signals of the plant, in the
+order of a bench, so that both can be compared. The switches of the board stay open.
 """
 
 from __future__ import annotations
@@ -32,12 +31,12 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 WAIT = 1.0
-"""Time limit for a sample [s], on the clock of the board or of the host."""
+"""Time limit of a sample [s], on the clock of the board or of the host."""
 
 
 @dataclass(frozen=True, eq=False)
 class HilRun:
-    """A plant under a board."""
+    """A run of a plant under a board."""
 
     times: NDArray[Any]
     """[s]"""
@@ -48,7 +47,6 @@ class HilRun:
     told: dict[str, NDArray[np.float64]]
     """Further columns of the telemetry."""
     lost: int
-    """Frames of the board that never came."""
 
     def to_text(self) -> str:
         """Return the run as a table: times, outputs of the plant, signals of the board; all in SI."""
@@ -58,7 +56,7 @@ class HilRun:
 
 
 def open_plant(bench: Bench) -> Bench:
-    """Return a bench without its controllers, observers and supervisor."""
+    """Return a bench without controllers, observers and supervisor."""
     return bench.with_parts(controllers=Controllers(), observers=Observers(), supervisor=None)
 
 
@@ -71,19 +69,19 @@ def run_hil(
     duration: float | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> HilRun:
-    """Run the plant of a scenario under a board that holds its loop.
+    """Run the plant of a scenario under a board with its loop.
 
     Args:
-        scenario: whose loop was written for the board.
-        link: to the board.
-        firmware: what `firmware.json` of it says.
-        word: `ARM`, said by a person.
-        duration: [s]; by default that of the scenario.
-        watch: called after every period with the share that is done.
+        scenario: scenario of the loop.
+        link: link to the board.
+        firmware: content of its `firmware.json`.
+        word: `ARM`, given by a person.
+        duration: duration [s]; default: that of the scenario.
+        watch: called after every period with the completed fraction.
 
     Raises:
-        InputError: the scenario has no loop, or the board holds another firmware.
-        SolveError: the board does not answer, stops, or the plant cannot be solved.
+        InputError: the scenario has no loop, or the board has another firmware.
+        SolveError: the board does not answer or stops, or the plant cannot be solved.
     """
     bench = scenario.bench
     if bench is None:
@@ -94,90 +92,88 @@ def run_hil(
     link.command("rate", every=0)
     link.choose_mode("emulated")
     link.arm(word)
-    told, signals, seen = list[Sequence[float]](), list[Sequence[float]](), list[Sequence[float]]()
+    telemetry, signals, outputs = list[Sequence[float]](), list[Sequence[float]](), list[Sequence[float]]()
     try:
         for k in range(plant.count + 1):
-            told.append(_ask_board(link, k, plant.read_inputs(k)))
-            signals.append(told[-1][firmware["readings"] :][: len(plant.driven)])
-            seen.append(plant.advance(k, dict(zip(plant.driven, signals[-1], strict=True))))
+            telemetry.append(_ask_board(link, k, plant.read_inputs(k)))
+            signals.append(telemetry[-1][firmware["readings"] :][: len(plant.driven)])
+            outputs.append(plant.advance(k, dict(zip(plant.driven, signals[-1], strict=True))))
             if watch is not None:
                 watch(k / plant.count)
     finally:
         link.send("disarm")
-    columns, given, heard = (np.array(rows).T for rows in (seen, signals, told))
+    columns, commands, columns_told = (np.array(rows).T for rows in (outputs, signals, telemetry))
     return HilRun(
         bench.period * np.arange(plant.count + 1, dtype=float),
         dict(zip(plant.lane.names, columns, strict=True)),
-        dict(zip(plant.driven, given, strict=True)),
-        dict(zip([row["name"] for row in firmware["telemetry"]], heard, strict=True)),
+        dict(zip(plant.driven, commands, strict=True)),
+        dict(zip([row["name"] for row in firmware["telemetry"]], columns_told, strict=True)),
         link.reader.counts.lost,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class HilPlant:
-    """A plant with its sensors, and what a loop elsewhere is to read and to follow."""
+    """A plant with its sensors, and the inputs of an external loop."""
 
     bench: Bench
     lane: Lanes
     shape: NestedShape
     waveforms: Mapping[str, AbstractWaveform]
-    """Noise, and what no controller has, by the name of the drive."""
+    """Noise, and drives without a controller, by drive."""
     driven: list[str]
-    """Drives of the plant."""
     count: int
-    """Periods."""
 
     @classmethod
     def begin(cls, scenario: Scenario, bench: Bench, duration: float) -> HilPlant:
-        """Return the plant at rest."""
+        """Return the plant in the steady state."""
         plant, driven = open_plant(bench), [drive.name for drive in bench.plant.drives()]
-        given = by_name(bench.plant, scenario.waveform) | noise_waveforms(bench, duration, scenario.seed)
+        waveforms = by_name(bench.plant, scenario.waveform) | noise_waveforms(bench, duration, scenario.seed)
         drives = [drive.name for drive in list_drives(plant)]
-        first = [given[name].value(0.0) if name in given else 0.0 for name in drives]
-        found = cls(
+        first = [waveforms[name].value(0.0) if name in waveforms else 0.0 for name in drives]
+        created = cls(
             bench,
             Lanes(plant, 1),
             NestedShape(plant.init(floats, *first)),
-            given,
+            waveforms,
             driven,
             int(duration / bench.period + 1e-6),
         )
-        found.lane.reset(np.array(first)[:, None])
-        return found
+        created.lane.reset(np.array(first)[:, None])
+        return created
 
     def read_inputs(self, k: int) -> list[float]:
-        """Return the inputs of the loop in sample k: readings with their ages, references and modes, free signals."""
+        """Return the inputs of the loop in sample k: readings with ages, references, modes, and free signals."""
         state = self.shape.rebuild(self.lane.state[:, 0].tolist())
         sensed = dict(zip(self.bench.sensors.members(), state.sensors, strict=True))
-        time, taken = k * self.bench.period, self.bench.controllers.members()
+        time, controlled = k * self.bench.period, self.bench.controllers.members()
         readings = [number for name in list_reads(self.bench) for number in (sensed[name].reading, sensed[name].age)]
         followed = [one.value(time) for one in reference_waveforms(self.bench).values()]
-        free = [name for name in self.driven if name not in taken]
+        free = [name for name in self.driven if name not in controlled]
         return [*readings, *followed, *(self._play(name, time) for name in free)]
 
     def advance(self, k: int, signals: Mapping[str, float]) -> list[float]:
-        """Return the outputs in sample k under signals; the plant goes on to the next one.
+        """Return the outputs in sample k under signals, and advance the plant to the next sample.
 
         Raises:
-            SolveError: it cannot be solved.
+            SolveError: the plant cannot be solved.
         """
         time = (k + 1) * self.bench.period
         values = [signals[name] if name in signals else self._play(name, time) for name in self.lane.drives]
         inputs = np.array(values)[:, None]
-        seen = self.lane.observe(inputs)[:, 0].tolist()
+        outputs = self.lane.observe(inputs)[:, 0].tolist()
         if k < self.count:
             self.lane.advance(inputs[None], self.bench.period, shown=False)
             if (status := self.lane.status[0]).failed:
                 raise SolveError(f"The plant failed at {time - self.bench.period:.6g} s: {status.sentence}")
-        return seen
+        return outputs
 
     def _play(self, name: str, time: float) -> float:
         return self.waveforms[name].value(time) if name in self.waveforms else 0.0
 
 
 def _ask_board(link: BoardLink, k: int, numbers: Sequence[float]) -> Sequence[float]:
-    """Telemetry of one emulated sample."""
+    """Return the telemetry of one emulated sample."""
     until = link.now() + WAIT
     link.send("sample", time=k, readings=numbers)
     while link.now() < until:
@@ -192,13 +188,13 @@ def _ask_board(link: BoardLink, k: int, numbers: Sequence[float]) -> Sequence[fl
     raise SolveError(f"The board does not answer in sample {k}.")
 
 
-def compare_runs(scenario: Scenario, found: HilRun) -> list[tuple[str, str, float, float]]:
-    """Return differences between a run under a board and the run here: name, unit, largest, fraction of range."""
+def compare_runs(scenario: Scenario, board_run: HilRun) -> list[tuple[str, str, float, float]]:
+    """Return the differences between a run under a board and a simulation: name, unit, largest, fraction of range."""
     run = scenario.run()
     rows: list[tuple[str, str, float, float]] = []
-    for name, column in found.outputs.items():
+    for name, column in board_run.outputs.items():
         if name in run.columns:
-            own = np.asarray(run.columns[name])[: len(column)]
-            far, span = float(np.max(np.abs(column[: len(own)] - own))), float(np.ptp(own))
+            reference = np.asarray(run.columns[name])[: len(column)]
+            far, span = float(np.max(np.abs(column[: len(reference)] - reference))), float(np.ptp(reference))
             rows.append((name, run.unit(name), far, far / span if span > 0.0 else 0.0))
     return rows

@@ -1,6 +1,6 @@
-"""Board for the web bench: connected boards, a project for a scenario, and a run with progress.
+"""Boards for the web bench: connected boards, a project for a scenario, and a run with progress.
 
-This module uses plain tables and numbers in SI. A board is armed only with the word of a person.
+All tables and numbers are in SI. A board is armed only with the word of a person.
 """
 
 from __future__ import annotations
@@ -31,28 +31,28 @@ if TYPE_CHECKING:
     from martensite.signals.base import AbstractWaveform
 
 TOLD = 0.2
-"""Least time between two notes [s]."""
+"""Least time between two reports [s]."""
 MOST_ROWS = 24
-"""Samples in a note; the log has all."""
+"""Largest number of samples in a report; the log has all."""
 LISTENED = 2.0
 """Default duration of a dry run [s]."""
 TRUE = {"temperature": "K", "resistance": "ohm"}
-"""True values of the wire that only an emulator has."""
+"""True values of the wire, which only an emulator has."""
 
 Tell = Callable[[Mapping[str, Any]], None]
 
 
 def describe_boards() -> dict[str, Any]:
-    """Boards, serial ports, and what is missing for emulators: a sentence, empty if nothing is."""
+    """Return boards, serial ports, and missing tools of emulators."""
     from serial.tools.list_ports import comports
 
-    found = [{"name": one.name, "title": one.title, "emulated": one.name in MCUS} for one in list_boards().values()]
+    boards = [{"name": one.name, "title": one.title, "emulated": one.name in MCUS} for one in list_boards().values()]
     ports = [{"name": one.device, "about": one.description or ""} for one in comports()]
-    return {"boards": found, "ports": ports, "emulator": EMULATOR, "missing": find_missing()}
+    return {"boards": boards, "ports": ports, "emulator": EMULATOR, "missing": find_missing()}
 
 
 def find_missing() -> str:
-    """Return the missing tools of an emulator, in a sentence."""
+    """Return a sentence about missing tools of an emulator, or an empty text."""
     there = shutil.which("avr-g++") and CORE.is_dir() and SIMAVR.exists()
     return "" if there else "An emulator needs gcc-avr, avr-libc, arduino-core-avr and libsimavr-dev (Debian)."
 
@@ -63,49 +63,48 @@ class LiveRun:
 
     board: str
     port: str
-    """One of those that there are, or `emulator`."""
     levels: str = ""
-    """Times and duties such as `2 s:0.4, 5 s:0`; empty for the loop of the scenario."""
+    """Times and duty cycles such as `2 s:0.4, 5 s:0`; empty for the loop of the scenario."""
     duration: float | None = None
-    """Duration of the loop, or of a dry run [s]; None for the duration of the scenario, or `LISTENED`."""
+    """Duration of the loop, or of a dry run [s]; default: that of the scenario, or `LISTENED`."""
     word: str = ""
-    """`ARM`, said by a person; empty for a dry run, which heats nothing."""
+    """`ARM`, given by a person; empty for a dry run, which heats nothing."""
     calibration: Mapping[str, Any] | None = None
     """Content of `calibration.json`; None for nominal gains."""
 
     def check(self) -> None:
         """Raise `InputError` for an unknown port, invalid levels, or another word than `ARM`."""
-        known = [EMULATOR, *(one["name"] for one in describe_boards()["ports"])]
-        if self.port not in known:
-            raise InputError(f"There is no port `{self.port}`; there are {', '.join(known)}.")
+        allowed = [EMULATOR, *(one["name"] for one in describe_boards()["ports"])]
+        if self.port not in allowed:
+            raise InputError(f"There is no port `{self.port}`; there are {', '.join(allowed)}.")
         if self.word not in ("", ARM):
             raise InputError(f"Nothing is armed without the word `{ARM}`, but `{self.word}` was given.")
         self.list_levels()
 
     def list_levels(self) -> list[tuple[float, float]]:
-        """Return the times [s] and duties; none for the loop."""
+        """Return times [s] and duty cycles; empty for the loop."""
         return read_levels(self.levels) if self.levels.strip() else []
 
 
 @dataclass
 class LiveWatch:
-    """Tells what is new of a log, now and then, and ends a run that shall stop."""
+    """Reports new rows of a log, and stops a run on request."""
 
     session: Session
     tell: Tell
     stop: threading.Event
     wanted: Mapping[str, AbstractWaveform] = field(default_factory=dict[str, "AbstractWaveform"])
-    """References of the loop, by the names of columns."""
+    """References of the loop, by column."""
     log: BoardLog | None = None
     _told: int = 0
     _next: float = 0.0
     _true: list[list[float]] = field(default_factory=list[list[float]])
 
     def __call__(self, log: BoardLog, share: float) -> None:
-        """Look at a log of which a share is done.
+        """Report a log with its completed fraction.
 
         Raises:
-            RunStopped: it shall stop.
+            RunStopped: a stop was requested.
         """
         self.log = log
         truth = getattr(self.session.port, "truth", None)
@@ -119,20 +118,20 @@ class LiveWatch:
             self._told = len(log)
 
     def describe_rows(self, first: int, most: int | None = None) -> dict[str, Any]:
-        """Return the columns from a row on, at most so many rows, spread evenly and the newest among them."""
+        """Return the columns from a row on, with at most `most` evenly spaced rows, including the newest."""
         if self.log is None or len(self.log) <= first:
             return {"columns": {}}
         table = self.log.table(first)
         every = 1 if most is None else -(-len(table) // most)
-        kept = slice((len(table) - 1) % every, None, every)
-        columns = {name: table[kept, k].tolist() for k, name in enumerate(self.log.names)}
-        true = self._true[first:][kept]
+        rows = slice((len(table) - 1) % every, None, every)
+        columns = {name: table[rows, k].tolist() for k, name in enumerate(self.log.names)}
+        true = self._true[first:][rows]
         columns |= {f"true {name}": [row[k] for row in true] for k, name in enumerate(TRUE) if true}
         columns |= {name: [one.value(t) for t in columns["time"]] for name, one in self.wanted.items()}
         return {"columns": columns}
 
     def describe_link(self) -> dict[str, Any]:
-        """Counters of the link, and whether the board says that it is armed."""
+        """Return the counters of the link, and whether the board is armed."""
         latest = self.log.latest if self.log is not None else {}
         armed = bool(int(latest.get("status", 0.0)) & BoardFlags.ARMED)
         return {"counts": vars(self.session.link.reader.counts).copy(), "armed": armed}
@@ -143,20 +142,20 @@ class RunStopped(Exception):
 
 
 def make_project(scenario: Scenario, board: str, folder: Path) -> None:
-    """Write the firmware of a scenario into a folder, unless it is there already."""
+    """Write the firmware of a scenario into a folder, unless it exists."""
     if not (folder / "firmware.json").exists():
         build_firmware(scenario, board, name=folder.name).write(folder)
 
 
 def run_live(asked: LiveRun, project: Path, log: Path, tell: Tell, stop: threading.Event) -> dict[str, Any]:
-    """Run, or listen to, the board of a project; report notes, and return a log and all its columns.
+    """Run, or listen to, the board of a project; report progress, write a log, and return all its columns.
 
     Raises:
-        InputError: the port cannot be opened, or the board holds another firmware.
-        SolveError: the board does not answer, or the link broke.
+        InputError: the port cannot be opened, or the board has another firmware.
+        SolveError: the board does not answer, or the link failed.
     """
-    given = {"points": {}, "settings": {}, **(asked.calibration or {})}
-    write_file(project / CALIBRATION, json.dumps(given, indent=1) + "\n")
+    calibration = {"points": {}, "settings": {}, **(asked.calibration or {})}
+    write_file(project / CALIBRATION, json.dumps(calibration, indent=1) + "\n")
     tell({"stage": "compiling and starting the emulator" if asked.port == EMULATOR else "opening the port"})
     with Session.open(project, asked.port) as session:
         if asked.calibration is None and asked.word:
@@ -169,31 +168,31 @@ def run_live(asked: LiveRun, project: Path, log: Path, tell: Tell, stop: threadi
         if watch.log is not None and len(watch.log):
             watch.log.write(log, session.link.reader.counts)
         rig = write_rig_scenario(session.firmware["scenario"])
-        told = {**watch.describe_rows(0), "counts": watch.describe_link()["counts"], "units": units}
-    return {**told, "ended": ended, "safe": safe, "rig": rig}
+        columns = {**watch.describe_rows(0), "counts": watch.describe_link()["counts"], "units": units}
+    return {**columns, "ended": ended, "safe": safe, "rig": rig}
 
 
 def name_wanted(session: Session) -> dict[str, AbstractWaveform]:
     """Return the references of the loop as columns: `wanted position` for a column with the same unit."""
     units = {row["name"]: row["unit"] for row in session.firmware["settings"]}
-    found: dict[str, AbstractWaveform] = {}
+    wanted: dict[str, AbstractWaveform] = {}
     for name, one in session.list_references().items():
         alike = (row["name"] for row in session.firmware["telemetry"] if row["unit"] == units[name] != "1")
-        found[f"wanted {next(alike, name).removeprefix('estimated.')}"] = one
-    return found
+        wanted[f"wanted {next(alike, name).removeprefix('estimated.')}"] = one
+    return wanted
 
 
 def list_units(session: Session, wanted: Iterable[str]) -> dict[str, str]:
     """Return the SI units of the columns of a log, and of the added columns."""
-    known = {row["name"]: row["unit"] for row in session.firmware["telemetry"]}
+    telemetry = {row["name"]: row["unit"] for row in session.firmware["telemetry"]}
     true = TRUE if hasattr(session.port, "truth") else {}
-    plain = {name.removeprefix("estimated."): unit for name, unit in known.items()}
+    plain = {name.removeprefix("estimated."): unit for name, unit in telemetry.items()}
     beside = {name: plain.get(name.removeprefix("wanted "), "1") for name in wanted}
-    return {"time": "s", **known, **beside, **{f"true {name}": unit for name, unit in true.items()}}
+    return {"time": "s", **telemetry, **beside, **{f"true {name}": unit for name, unit in true.items()}}
 
 
 def _run_watched(asked: LiveRun, session: Session, watch: LiveWatch) -> str:
-    """Why it ended, in a sentence; empty if it is whole."""
+    """Return why the run ended early, or an empty text."""
     try:
         if not asked.word:
             session.listen(LISTENED if asked.duration is None else asked.duration, watch)
@@ -211,7 +210,7 @@ def _run_watched(asked: LiveRun, session: Session, watch: LiveWatch) -> str:
 
 
 def _confirm_disarmed(session: Session) -> str:
-    """Ask the board to disarm once more, now with an answer."""
+    """Disarm the board once more, with an answer."""
     try:
         session.link.disarm()
     except SolveError:

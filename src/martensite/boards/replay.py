@@ -1,10 +1,11 @@
-"""A log through the model: what the scenario says its sensors would have read under the signals that the board gave."""
+"""Replay of a log: readings of the model of a scenario under the signals of a board."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import DataError, InputError, SolveError
 from martensite.boards.firmware.settings import name_duty
 from martensite.boards.hil import open_plant
+from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED
 from martensite.simulate.lanes import Lanes
 
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ReplayedReading:
-    """A reading of a log beside that of the model."""
+    """A measured and a modelled reading."""
 
     name: str
     unit: str
@@ -37,20 +39,20 @@ class ReplayedReading:
 
     @property
     def fit(self) -> float:
-        """1 - rms of the difference over that of the reading about its mean; 1 if they are the same."""
+        """Return 1 - rms of the difference over the standard deviation of the reading."""
         about = float(np.std(self.measured))
         return 1.0 - self.rms / about if about > 0.0 else float("nan")
 
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """A log beside the model."""
+    """A log compared with the model."""
 
     times: NDArray[np.float64]
     readings: list[ReplayedReading]
 
     def plot(self) -> Figure:
-        """Return every reading, measured and modelled."""
+        """Return a figure of every reading, measured and modelled."""
         from martensite.show.figures.style import make_figure, use_style
 
         with use_style():
@@ -66,12 +68,12 @@ class Replay:
 
 
 def replay_log(scenario: Scenario, path: Path) -> Replay:
-    """Return the readings of a log, and what the model of a scenario says under the signals of the log.
+    """Return the readings of a log, and of the model of a scenario under the signals of the log.
 
-    The plant begins at rest where the log does; sensors make no noise.
+    The plant starts in the steady state; sensors have no noise.
 
     Raises:
-        InputError: the scenario has no loop, or the log not its signals or none of its readings.
+        InputError: the scenario has no loop, or the log lacks its signals or readings.
         DataError: the log cannot be read, or is too short.
         SolveError: the model fails.
     """
@@ -80,36 +82,38 @@ def replay_log(scenario: Scenario, path: Path) -> Replay:
     if scenario.bench is None:
         raise InputError("A replay needs the sensors of a loop, which this scenario has not.")
     plant, record = open_plant(scenario.bench), read_lab_file(path).record
-    known = {name: np.asarray(column, float) for name, column in record.columns.items()}
+    columns = {name: np.asarray(column, float) for name, column in record.columns.items()}
     drives = [drive.name for drive in scenario.bench.plant.drives()]
-    known |= {name: known[name_duty(name)] for name in drives if name_duty(name) in known}
-    missing = [name for name in ("time", *drives) if name not in known]
+    columns |= {name: columns[name_duty(name)] for name in drives if name_duty(name) in columns}
+    missing = [name for name in ("time", *drives) if name not in columns]
     if missing:
-        raise InputError(f"The log has no column `{missing[0]}`; it has {', '.join(known)}.")
-    times = known["time"]
+        raise InputError(f"The log has no column `{missing[0]}`; it has {', '.join(columns)}.")
+    times = columns["time"]
     if len(times) < 3:
         raise DataError(f"`{path}` holds {len(times)} samples, which are too few.")
-    period = scenario.bench.period
-    counts = np.maximum(np.rint(np.diff(times) / period), 1).astype(int)  # lost samples: the signal was held
+    modelled = _simulate_readings(plant, times, {name: columns[name] for name in drives}, scenario.bench.period)
+    outputs, sensors = plant.outputs(), scenario.bench.sensors.members()
+    readings = [
+        ReplayedReading(name, outputs[MEASURED + name].unit, columns[name], modelled[MEASURED + name])
+        for name in sensors
+        if name in columns
+    ]
+    if not readings:
+        raise InputError(f"The log has none of the readings {', '.join(sensors)}.")
+    return Replay(times, readings)
+
+
+def _simulate_readings(
+    plant: Bench, times: NDArray[Any], signals: Mapping[str, NDArray[Any]], period: float
+) -> dict[str, NDArray[Any]]:
+    """Return the outputs of a plant under signals; lost samples hold the signal."""
     lane = Lanes(plant, 1)
-    signals = np.array([known[name] for name in drives])
-    given = np.zeros((len(lane.drives), len(times)))
-    for k, name in enumerate(lane.drives):
-        if name in drives:
-            given[k] = signals[drives.index(name)]
+    inputs = np.array([signals.get(name, np.zeros(len(times))) for name in lane.drives])
     lane.reset(np.zeros((len(lane.drives), 1)))
-    rows = [lane.observe(given[:, :1])[:, 0]]
-    for k, count in enumerate(counts):
-        step = np.broadcast_to(given[None, :, k, None], (int(count), len(lane.drives), 1))
+    rows = [lane.observe(inputs[:, :1])[:, 0]]
+    for k, count in enumerate(np.maximum(np.rint(np.diff(times) / period), 1).astype(int)):
+        step = np.broadcast_to(inputs[None, :, k, None], (int(count), len(lane.drives), 1))
         rows.append(lane.advance(step, period)[-1, :, 0])
     if (status := lane.status[0]).failed:
         raise SolveError(f"The model fails under the signals of the log: {status.sentence}")
-    table, outputs = np.array(rows), plant.outputs()
-    found = [
-        ReplayedReading(name, outputs[MEASURED + name].unit, known[name], table[:, lane.names.index(MEASURED + name)])
-        for name in scenario.bench.sensors.members()
-        if name in known
-    ]
-    if not found:
-        raise InputError(f"The log has none of the readings {', '.join(scenario.bench.sensors.members())}.")
-    return Replay(times, found)
+    return dict(zip(lane.names, np.array(rows).T, strict=True))

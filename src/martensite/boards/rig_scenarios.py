@@ -1,6 +1,6 @@
-"""The model of a log that a board wrote: the scenario inside it without its loop, and what of it the log tells.
+"""Model of the log of a board: the scenario inside it without its loop, and the parameters that the log determines.
 
-`martensite fit LOG` asks here where no scenario is said, so that such a log is read without options.
+`martensite fit LOG` uses it without a scenario, so that such a log is read without options.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.scenario.sections import SECTIONS
 
 USUAL = ("h", "A_s", "A_f", "M_s", "M_f")
-"""Numbers of a wire that are free where none is said, if the log tells something of them."""
+"""Free parameters of a wire by default, if the log determines them."""
 SILENT = 1e-3
-"""Influence on what was measured, as a share of the largest, below which a log tells nothing of a number."""
+"""Influence on the measurements over the largest below which a log does not determine a parameter."""
 
 
 def write_rig_scenario(text: str) -> str:
@@ -31,14 +31,14 @@ def write_rig_scenario(text: str) -> str:
     document: dict[str, Any] = tomllib.loads(text)
     source = document.get("driver", {"kind": "pwm-voltage"})
     followed = {"waveform": {"kind": "log", "column": "duty", "between": "hold"}}
-    kept = {name: own for name, own in document.items() if name not in (*SECTIONS, "driver", "run")}
-    return as_toml(kept | {"drive": {**source, **followed}})
+    sections = {name: section for name, section in document.items() if name not in (*SECTIONS, "driver", "run")}
+    return as_toml(sections | {"drive": {**source, **followed}})
 
 
 def read_rigs(logs: Sequence[str], free: Sequence[str] | None = None) -> tuple[list[Scenario], list[str]] | None:
-    """Scenarios for logs, and their free numbers: those given, else the usual ones that the logs tell something of.
+    """Return scenarios for logs, and their free parameters: given, or the usual ones that the logs determine.
 
-    None if a log carries no scenario.
+    None if a log has no scenario.
     """
     texts = [_read_carried(Path(one)) for one in logs]
     if not texts or not all(texts):
@@ -54,17 +54,17 @@ def _read_carried(path: Path) -> str:
 
 
 def choose_free(rigs: Sequence[Scenario], logs: Sequence[str]) -> list[str]:
-    """Return the usual numbers that logs tell something of, by the slopes of the model at the start.
+    """Return the usual parameters that logs determine, by the slopes of the model at the start.
 
     Raises:
-        ParameterError: they tell nothing of any.
+        ParameterError: the logs determine none of them.
     """
     there = {leaf.path.rpartition(".")[2] for rig in rigs for leaf in rig.system.leaves()}
     names = [name for name in USUAL if name in there]
     problem = build_task(rigs, list(logs), names).arrange(check=False).problem.training
-    found = problem.evaluate(problem.start, slopes=True)
-    told = np.zeros(len(names)) if found is None else np.linalg.norm(found.jacobian, axis=0)
-    kept = [name for name, own in zip(names, told, strict=True) if own > SILENT * max(told)]
-    if not kept:
+    evaluation = problem.evaluate(problem.start, slopes=True)
+    influence = np.zeros(len(names)) if evaluation is None else np.linalg.norm(evaluation.jacobian, axis=0)
+    determined = [name for name, size in zip(names, influence, strict=True) if size > SILENT * max(influence)]
+    if not determined:
         raise ParameterError("The logs determine no parameter of the wire. Choose parameters by --free.")
-    return kept
+    return determined

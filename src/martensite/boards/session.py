@@ -1,8 +1,7 @@
-"""A board that is at hand: its project, its link, and what is done with it.
+"""A connected board: its project, its link, and its operation.
 
 `Session.open` takes a serial port, or `emulator`: the board of the project under simavr with the plant of the scenario
-at its pins, or under QEMU. Everything that heats goes through `drive`, which arms, keeps the board listening, and
-disarms whatever happens.
+at its pins, or under QEMU. All heating uses `drive`, which arms, keeps the link alive, and always disarms.
 """
 
 from __future__ import annotations
@@ -29,20 +28,19 @@ if TYPE_CHECKING:
     from martensite.signals.base import AbstractWaveform
 
 EMULATOR = "emulator"
-"""In the place of a port."""
+"""Name of the emulator instead of a port."""
 HEARTBEAT = 0.01
-"""Time between words to the board while it is armed [s]."""
+"""Time between messages to an armed board [s]."""
 CALIBRATION = "calibration.json"
-"""Beside `firmware.json`: gains and offsets of this very board."""
+"""File next to `firmware.json` with gains and offsets of this board."""
 
 
 @dataclass
 class Session:
-    """Board with its project and its firmware description."""
+    """A board with its project and the description of its firmware."""
 
     project: Path
     firmware: dict[str, Any]
-    """`firmware.json`, with settings as the board has them."""
     link: BoardLink
     port: Port
 
@@ -51,11 +49,14 @@ class Session:
     def open(cls, project: Path, port: str, emulated: Mapping[str, Any] | None = None) -> Iterator[Session]:
         """Open the board of a project, greet it, and send its calibration; close it at the end.
 
-        `emulated` changes the wire of an emulator, by path of the scenario: what is at hand is never quite the model.
+        Args:
+            project: folder of the project.
+            port: serial port, or `emulator`.
+            emulated: changes of the wire of an emulator, by path of the scenario.
 
         Raises:
             DataError: there is no `firmware.json`.
-            InputError: the port cannot be opened, or the board holds another firmware.
+            InputError: the port cannot be opened, or the board has another firmware.
             SolveError: the board does not answer.
         """
         firmware = read_project(project)
@@ -65,9 +66,9 @@ class Session:
         line = _start_emulator(project, firmware, emulated) if port == EMULATOR else open_port(port, baud)
         try:
             clock: Callable[[], float] = getattr(line, "now", time.monotonic)
-            found = cls(project, firmware, BoardLink(line, now=clock), line)
-            found._greet()
-            yield found
+            session = cls(project, firmware, BoardLink(line, now=clock), line)
+            session._greet()
+            yield session
         finally:
             line.close()
 
@@ -78,30 +79,30 @@ class Session:
 
     @property
     def settings(self) -> dict[str, float]:
-        """Return the numbers of the board by name, in SI."""
+        """Return the settings of the board by name, in SI."""
         return {row["name"]: row["value"] for row in self.firmware["settings"]}
 
     @property
     def scenario(self) -> Scenario:
-        """Return the scenario that the firmware was written for."""
+        """Return the scenario of the firmware."""
         return read_project_scenario(self.firmware)
 
     def list_references(self) -> dict[str, AbstractWaveform]:
-        """Return the references of the loop of the scenario, by the names of its settings."""
+        """Return the references of the loop, by the names of its settings."""
         from martensite.control.loop.run import reference_waveforms
 
         bench = self.scenario.bench
         return {} if bench is None else reference_waveforms(bench)
 
     def find_setting(self, name: str) -> int:
-        """Return the place of a setting or of a parameter of the loop; `InputError` if there is none."""
+        """Return the place of a setting or parameter; raise `InputError` if it does not exist."""
         names = [row["name"] for row in (*self.firmware["settings"], *self.firmware["parameters"])]
         if name not in names:
             raise InputError(f"The firmware has no setting `{name}`. {suggest_name(name, names)}")
         return names.index(name)
 
     def set(self, name: str, value: float) -> None:
-        """Set a setting of the board, in SI, and record it.
+        """Set a setting of the board in SI.
 
         Raises:
             InputError: the setting does not exist.
@@ -113,7 +114,7 @@ class Session:
             self.firmware["settings"][place]["value"] = value
 
     def get(self, name: str) -> float:
-        """Return a number as the board has it, in SI."""
+        """Return a setting of the board in SI."""
         place = self.find_setting(name)
         until = self.link.now() + 1.0
         self.link.send("read", place=place)
@@ -124,11 +125,11 @@ class Session:
         raise SolveError(f"The board does not say its `{name}`.")
 
     def listen(self, duration: float, watch: Callable[[BoardLog, float], None] | None = None) -> BoardLog:
-        """Log what the board measures, nothing armed.
+        """Log a board that is not armed.
 
         Args:
-            duration: [s]
-            watch: called now and then with the log and the share that is done.
+            duration: duration [s].
+            watch: called repeatedly with the log and the completed fraction.
         """
         log = BoardLog(self.firmware)
         self.link.command("rate", every=1)
@@ -149,18 +150,18 @@ class Session:
         send: Callable[[float], None],
         watch: Callable[[BoardLog, float], None] | None = None,
     ) -> BoardLog:
-        """Arm the board in a mode, keep it listening, log it, and disarm it.
+        """Arm the board in a mode, keep the link alive, log, and disarm.
 
         Args:
             mode: `loop` or `waveform`.
-            duration: [s]
-            word: `ARM`, said by a person.
-            send: called every 10 ms with the time since it was armed [s]; sends what belongs there.
+            duration: duration [s].
+            word: `ARM`, given by a person.
+            send: called every 10 ms with the time since arming [s], to send messages.
             watch: as for `listen`.
 
         Raises:
             InputError: another word.
-            SolveError: the board refuses, or disarms by itself; the log until then is in its `log`.
+            SolveError: the board refuses, or disarms itself; its `log` has the samples until then.
         """
         log = BoardLog(self.firmware)
         if self.settings["calibrated"] < 0.5:
@@ -186,14 +187,14 @@ class Session:
                     watch(log, passed / duration)
         finally:
             self.link.send("disarm")
-            for message in self.link.receive():  # the time of an emulator goes on while it is read from
+            for message in self.link.receive():  # an emulator advances while it is read
                 log.take(message)
         return log
 
     def follow(
         self, references: Mapping[str, AbstractWaveform], duration: float, *, word: str, watch: Any = None
     ) -> BoardLog:
-        """Run the loop on the board, with references by the names of their settings; arguments as for `drive`."""
+        """Run the loop on the board, with references by the names of their settings; see `drive`."""
         places = {self.find_setting(name): one for name, one in references.items()}
 
         def send(passed: float) -> None:
@@ -204,7 +205,7 @@ class Session:
         return self.drive("loop", duration, word=word, send=send, watch=watch)
 
     def play(self, levels: Sequence[tuple[float, float]], *, word: str, watch: Any = None) -> BoardLog:
-        """Play levels of the duty of the only drive: pairs of time [s] and duty; arguments as for `drive`."""
+        """Play levels of the duty cycle of the only drive, pairs of time [s] and duty cycle; see `drive`."""
         waiting, ahead = list(levels), 0.0
 
         def send(passed: float) -> None:
@@ -218,10 +219,9 @@ class Session:
 
 
 class BoardStopped(SolveError):
-    """A board disarmed by itself."""
+    """A board disarmed itself."""
 
     def __init__(self, log: BoardLog, reason: DisarmReason, time: float) -> None:
-        """With what was logged until then."""
         super().__init__(f"The board disarmed after {time:.4g} s: {REASONS[reason]}.")
         self.log, self.reason, self.time = log, reason, time
 
@@ -238,8 +238,8 @@ REASONS = {
 
 
 def read_levels(text: str) -> list[tuple[float, float]]:
-    """Return the times [s] and duties from `2 s:0.4, 5 s:0`; `InputError` for what is none."""
-    found = list[tuple[float, float]]()
+    """Return times [s] and duty cycles from `2 s:0.4, 5 s:0`; raise `InputError` for an invalid text."""
+    levels = list[tuple[float, float]]()
     for piece in text.split(","):
         length, sign, level = piece.rpartition(":")
         try:
@@ -254,8 +254,8 @@ def read_levels(text: str) -> list[tuple[float, float]]:
         seconds = units.parse_quantity(length.strip(), "s")
         if not seconds > 0.0:
             raise InputError(f"Levels last longer than 0 s, but `{piece.strip()}` lasts {seconds:g} s.")
-        found.append((seconds, duty))
-    return found
+        levels.append((seconds, duty))
+    return levels
 
 
 def read_project(project: Path) -> dict[str, Any]:
@@ -267,7 +267,7 @@ def read_project(project: Path) -> dict[str, Any]:
 
 
 def load_calibration(project: Path) -> dict[str, Any]:
-    """Return the points and settings that are kept for a project; empty ones before there are any."""
+    """Return the stored points and settings of a project; empty before the first."""
     place = project / CALIBRATION
     if not place.exists():
         return {"points": {}, "settings": {}}
@@ -275,14 +275,14 @@ def load_calibration(project: Path) -> dict[str, Any]:
 
 
 def read_project_scenario(firmware: Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> Scenario:
-    """Return the scenario that a firmware was written for, with changes by path."""
+    """Return the scenario of a firmware, with changes by path."""
     from martensite.scenario.scenario import read_scenario
 
     return read_scenario(firmware["scenario"], None, changes)
 
 
 def _start_emulator(project: Path, firmware: dict[str, Any], changes: Mapping[str, Any] | None) -> Port:
-    """Return the board of a project, emulated; compiled first if it is not."""
+    """Return the emulated board of a project, compiled if necessary."""
     from martensite.boards.emulators.cortex import QemuBoard
     from martensite.boards.emulators.rig import start_rig
     from martensite.boards.emulators.toolchains import MCUS, compile_bare, compile_sketch

@@ -1,1 +1,1 @@
-"""Experiments on a wire behind a board, chosen for what a fit must learn."""
+"""Experiments on a wire behind a board, chosen by their information for a fit."""

@@ -1,7 +1,7 @@
-"""From a wire behind a board to a fitted scenario: courses that tell most, run, logged, fitted.
+"""From a wire behind a board to a fitted scenario: excitation profiles, logs, and a fit.
 
-The model of the fit is the scenario without its loop, driven by the duty of the log: it is written beside the logs,
-so that `martensite fit` says the same again.
+The model of the fit is the scenario without its loop, driven by the duty cycle of the log. It is written next to the
+logs, so that `martensite fit` repeats the fit.
 """
 
 from __future__ import annotations
@@ -28,36 +28,36 @@ WIDTHS = {"K": 5.0, "1": 0.1}
 RELATIVE_WIDTH = 0.2
 """Assumed uncertainty for all other units, as a fraction."""
 RIG = "rig.toml"
-"""The scenario of a fit."""
+"""Scenario of the fit."""
 MARGIN = 5.0
-"""Below the temperature limit of the element [K] that no wire passes."""
+"""Distance from the temperature limit of the element [K]."""
 
 
 def list_unknown(bench: Bench, names: Sequence[str], widths: Mapping[str, float]) -> list[UnknownNumber]:
-    """Return the unknown parameters, by their paths in the plant or unique endings of them.
+    """Return the unknown parameters, by paths in the plant or unique endings.
 
     Args:
-        bench: whose plant has them.
-        names: of the numbers.
-        widths: how far a number may be off [SI], by its name; else as is usual for its unit.
+        bench: bench with the plant.
+        names: names of the parameters.
+        widths: uncertainties [SI] by name; default: by unit.
 
     Raises:
         ParameterError: the parameter does not exist.
     """
-    found: list[UnknownNumber] = []
+    parameters: list[UnknownNumber] = []
     for name in names:
         leaf = find_plant_leaf(bench, name)
         usual = WIDTHS["K"] if leaf.declared.unit == "K" else RELATIVE_WIDTH * abs(float(leaf.value)) or WIDTHS["1"]
-        found.append(UnknownNumber(leaf.path, leaf.declared.unit, float(leaf.value), widths.get(name, usual)))
-    return found
+        parameters.append(UnknownNumber(leaf.path, leaf.declared.unit, float(leaf.value), widths.get(name, usual)))
+    return parameters
 
 
 def plan_courses(bench: Bench, unknown: Sequence[UnknownNumber], budget: float) -> ChosenCourses:
-    """Return the courses that tell most of a wire within a time [s], none of which heats it above its limit.
+    """Return the safe excitation profiles with the most information within a time [s].
 
     Raises:
         InputError: the plant has several wires, or the element no temperature limit.
-        SolveError: no duty makes the wire austenite.
+        SolveError: no duty cycle transforms the wire to austenite.
     """
     actuators = list(bench.plant.actuators().values())
     if len(actuators) != 1:
@@ -70,7 +70,7 @@ def plan_courses(bench: Bench, unknown: Sequence[UnknownNumber], budget: float) 
 
 
 def fit_courses(text: str, folder: Path, logs: Sequence[Path], unknown: Sequence[UnknownNumber]) -> Fit:
-    """Fit the numbers to the logs of all courses; the scenario of the fit, `rig.toml`, is written into the folder."""
+    """Fit the parameters to the logs, and write the scenario of the fit, `rig.toml`, into the folder."""
     from martensite.fit.api import fit_logs
 
     scenario = folder / RIG
@@ -78,18 +78,18 @@ def fit_courses(text: str, folder: Path, logs: Sequence[Path], unknown: Sequence
     return fit_logs(scenario, list(logs), [one.path for one in unknown])
 
 
-def write_fit(found: Fit, folder: Path) -> list[Path]:
-    """Write material and report beside the scenario of a fit; all these files."""
+def write_fit(fit: Fit, folder: Path) -> list[Path]:
+    """Write material and report next to the scenario of a fit, and return all files."""
     from martensite.fit.material_files import write_material
     from martensite.show.pages import write_report
 
     material = folder / "wire.toml"
-    write_material(found, material, title="Wire behind a board")
-    return [folder / RIG, material, *write_report(found, folder / "report.html")]
+    write_material(fit, material, title="Wire behind a board")
+    return [folder / RIG, material, *write_report(fit, folder / "report.html")]
 
 
 def describe_plan(unknown: Sequence[UnknownNumber], chosen: ChosenCourses) -> list[Block]:
-    """Which courses, and what they will tell if the model is right."""
+    """Describe the profiles and their expected information."""
     courses = [[one.name, f"{one.duration:.3g} s", f"{max(d for _, d in one.levels):.3f}"] for one in chosen.courses]
     rows = [
         [one.path, write_quantity(one.value, one.unit), f"{one.width:.3g}", f"{one.width * left:.2g}", one.unit]
@@ -103,13 +103,13 @@ def describe_plan(unknown: Sequence[UnknownNumber], chosen: ChosenCourses) -> li
     ]
 
 
-def describe_fit(found: Fit) -> list[Block]:
+def describe_fit(fit: Fit) -> list[Block]:
     """Describe the results of a fit."""
     from martensite.show.summaries.fit import summarise_fit
 
-    return list(summarise_fit(found).blocks)
+    return list(summarise_fit(fit).blocks)
 
 
 def name_logs(folder: Path, courses: Sequence[DutyCourse]) -> list[Path]:
-    """Return a file for the log of every course."""
+    """Return a log file for every profile."""
     return [folder / f"{k + 1:02d}_{one.name.replace(' ', '_')}.csv" for k, one in enumerate(courses)]

@@ -1,7 +1,7 @@
-"""Courses of a duty that characterise a wire: pulses, staircases, ramps and first-order reversal curves.
+"""Duty cycle profiles that characterise a wire: pulses, staircases, ramps and first-order reversal curves.
 
-Each is a list of levels, (time [s], duty), in shares of a full duty, which is found on the model: the least with which
-the wire comes to rest as austenite. A course begins and ends cold.
+Each is a list of levels (time [s], duty cycle), relative to a full duty cycle: the least of the model that transforms
+the wire to austenite in the steady state. A profile begins and ends cold.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from martensite.base.errors import SolveError
 from martensite.simulate.lanes import Lanes
 
 DUTIES = 40
-"""Duties among which the full one is sought."""
+"""Number of candidates for the full duty cycle."""
 AUSTENITE = 0.02
-"""Martensite fraction that counts as none."""
+"""Martensite fraction that counts as zero."""
 REST = 3.0
-"""Rest after a course, in times of cooling: the next one begins as if nothing had been."""
+"""Rest after a profile, in cooling times."""
 STEP = 0.02
-"""Length of a step on the model [s]."""
+"""Step of the model [s]."""
 
 
 @dataclass(frozen=True)
 class DutyCourse:
-    """Levels of a duty."""
+    """Levels of a duty cycle."""
 
     name: str
     levels: tuple[tuple[float, float], ...]
-    """Time [s] and duty of each."""
+    """Time [s] and duty cycle of each level."""
 
     @property
     def duration(self) -> float:
@@ -40,32 +40,32 @@ class DutyCourse:
         return sum(length for length, _ in self.levels)
 
     def scaled(self, factor: float) -> DutyCourse:
-        """With all duties times a factor, none above 1."""
+        """Return the profile with all duty cycles multiplied, at most 1."""
         levels = tuple((length, min(duty * factor, 1.0)) for length, duty in self.levels)
         return DutyCourse(self.name, levels)
 
     def sample(self, step: float) -> NDArray[np.float64]:
-        """Return the duty in every step [s]."""
+        """Return the duty cycle in every step [s]."""
         return np.concatenate([np.full(max(1, round(length / step)), duty) for length, duty in self.levels])
 
 
 @dataclass(frozen=True)
 class WirePace:
-    """Strength and speed of a wire, on its model."""
+    """Full duty cycle and speed of a wire of the model."""
 
     full: float
-    """Duty with which it comes to rest as austenite."""
+    """Duty cycle with a steady state of austenite."""
     rise: float
-    """Time to be austenite under it [s]."""
+    """Time of heating to austenite [s]."""
     fall: float
-    """Time to be martensite again without any [s]."""
+    """Time of cooling to martensite [s]."""
 
 
 def measure_pace(plant: AbstractSystem, longest: float = 60.0) -> WirePace:
-    """Return the full duty of a plant of one wire, and its times, by its model.
+    """Return full duty cycle and times of the model of a plant of one wire.
 
     Raises:
-        SolveError: no duty makes it austenite in the longest time [s].
+        SolveError: no duty cycle gives austenite in the longest time [s].
     """
     duties = np.linspace(1.0 / DUTIES, 1.0, DUTIES)
     lanes = Lanes(plant, DUTIES)
@@ -86,10 +86,10 @@ def measure_pace(plant: AbstractSystem, longest: float = 60.0) -> WirePace:
 
 
 def list_courses(pace: WirePace) -> Iterator[DutyCourse]:
-    """Yield all courses that there are for a wire."""
+    """Yield all profiles for a wire."""
     full, rise, rest = pace.full, pace.rise, (REST * pace.fall, 0.0)
-    for share in (0.4, 0.7, 1.0):
-        yield DutyCourse(f"pulse {share:g}", ((share * rise, full), rest))
+    for fraction in (0.4, 0.7, 1.0):
+        yield DutyCourse(f"pulse {fraction:g}", ((fraction * rise, full), rest))
     yield DutyCourse("short pulse", ((0.3 * rise, min(1.0, 2.0 * full)), rest))
     shares = np.linspace(0.2, 1.0, 5)
     yield DutyCourse("staircase", (*_hold_shares([*shares, *shares[-2::-1]], 0.8 * rise, full), rest))
@@ -101,5 +101,5 @@ def list_courses(pace: WirePace) -> Iterator[DutyCourse]:
 
 
 def _hold_shares(shares: Sequence[float], length: float, full: float) -> Iterator[tuple[float, float]]:
-    for share in shares:
-        yield length, float(share) * full
+    for fraction in shares:
+        yield length, float(fraction) * full

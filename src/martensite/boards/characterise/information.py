@@ -1,13 +1,12 @@
-"""Choice of excitation profiles by their information for a fit, before the wire is heated.
+"""Choice of duty cycle profiles by their information for a fit, before the wire is heated.
 
-    F = Σ_courses Σ_t J(t)ᵀ J(t)/σ²,      J: slopes of the readings with the free numbers, in units of their widths
+    F = Σ_profiles Σ_t J(t)ᵀ J(t)/σ²,      J: slopes of the readings by the free parameters, in units of their widths
 
-Courses are chosen one by one, by the largest gain of ln det(F + 1) over their time, until the time is used (D-optimal,
-greedy). A course is used at most twice, since models are inexact and a repetition gives less information than they
-predict. For the same reason the noise σ of a reading is at least 1 % of its range. Widths are the uncertainties before
-the tests, so 1 means no new information. The roots of the diagonal of (F + 1)⁻¹ are the remaining uncertainties.
-
-A course is safe if the hottest of many possible wires stays below the limit; otherwise its duty is reduced.
+Profiles are chosen one by one, by the largest gain of ln det(F + 1) over their time, until the time is used (D-optimal,
+greedy). A profile is used at most twice, and the noise σ of a reading is at least 1 % of its range, since models are
+inexact. Widths are the uncertainties before the tests; the roots of the diagonal of (F + 1)⁻¹ are the remaining ones,
+so 1 means no new information. A profile is safe if the hottest of many possible wires stays below the limit; otherwise
+its duty cycle is reduced.
 
 Source: Fedorov and Leonov (2013), Optimal Design for Nonlinear Response Models, chapter 3.
 """
@@ -28,24 +27,23 @@ from martensite.search.starts import draw_points
 from martensite.simulate.lanes import Lanes
 
 OTHERS = 32
-"""Wires among which the hottest is sought."""
+"""Number of possible wires in the search of the hottest."""
 NUDGE = 0.05
-"""Change of a free number for its slope, as a share of its width."""
+"""Step of a parameter for its slope, over its width."""
 REPEATS, DOUBT = 2, 0.01
-"""Largest number of uses of a course, and smallest noise of a reading, as a fraction of its range."""
+"""Largest number of uses of a profile, and least noise of a reading over its range."""
 FINITE = 0.75
-"""Share of the wires that the model must be able to run; numbers far apart may contradict each other."""
+"""Least fraction of the wires that the model can run."""
 WEAKER, TRIES = 0.9, 20
-"""A course that is too hot is tried with so much of its duty, so often."""
+"""Factor of the duty cycle of a profile that is too hot, and number of tries."""
 Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class UnknownNumber:
-    """A number of the wire that is to be learnt."""
+    """An unknown parameter of the wire."""
 
     path: str
-    """In the plant."""
     unit: str
     value: float
     """Value in the scenario [SI]."""
@@ -55,57 +53,62 @@ class UnknownNumber:
 
 @dataclass(frozen=True, eq=False)
 class ChosenCourses:
-    """Courses, and what they will tell."""
+    """Chosen profiles with their expected information."""
 
     courses: tuple[DutyCourse, ...]
     hottest: float
     """Highest temperature of all possible wires, over all courses [K]."""
     left: Numbers
-    """Remaining uncertainty of every parameter, as a fraction of its width."""
+    """Remaining uncertainty of every parameter over its width."""
 
 
 def choose_courses(
     bench: Bench, unknown: Sequence[UnknownNumber], candidates: Sequence[DutyCourse], *, limit: float, budget: float
 ) -> ChosenCourses:
-    """Return the safe courses that tell most within a time.
+    """Return the safe profiles with the most information within a time.
 
     Args:
         bench: plant and sensors.
-        unknown: what is to be learnt.
-        candidates: courses to choose among.
-        limit: temperature [K] that no wire passes.
-        budget: time for all courses [s].
+        unknown: unknown parameters.
+        candidates: profiles to choose from.
+        limit: highest temperature of any possible wire [K].
+        budget: time of all profiles [s].
 
     Raises:
-        InputError: no course fits into the time.
-        SolveError: the model fails under all of them.
+        InputError: no profile fits into the time.
+        SolveError: the model fails under all profiles.
     """
-    safe = [found for one in candidates if (found := make_safe(bench.plant, unknown, one, limit)) is not None]
+    safe = [pair for one in candidates if (pair := make_safe(bench.plant, unknown, one, limit)) is not None]
     if not safe:
         raise SolveError("The model fails under every course, or all are too hot: see the temperature limit.")
-    told = {one.name: compute_information(bench, unknown, one) for one, _ in safe}
-    total, chosen, left = np.eye(len(unknown)), list[tuple[DutyCourse, float]](), budget
-    while True:
-        taken = [one.name for one, _ in chosen]
-        fits = [(one, hot) for one, hot in safe if one.duration <= left and taken.count(one.name) < REPEATS]
-        if not fits:
-            break
-        before = np.linalg.slogdet(total)[1]
-        gains = [(np.linalg.slogdet(total + told[one.name])[1] - before) / one.duration for one, _ in fits]
-        best, hot = fits[int(np.argmax(gains))]
-        total, left = total + told[best.name], left - best.duration
-        chosen.append((best, hot))
+    information = {one.name: compute_information(bench, unknown, one) for one, _ in safe}
+    chosen = _choose_greedily([one for one, _ in safe], information, budget)
     if not chosen:
         shortest = min(one.duration for one, _ in safe)
         raise InputError(f"No course fits into {budget:.4g} s; the shortest takes {shortest:.4g} s.")
-    spread = np.sqrt(np.diag(np.linalg.inv(total)))
-    return ChosenCourses(tuple(one for one, _ in chosen), max(hot for _, hot in chosen), spread)
+    total = np.eye(len(unknown)) + sum(information[one.name] for one in chosen)
+    hottest = max(hot for one, hot in safe if one in chosen)
+    return ChosenCourses(tuple(chosen), hottest, np.sqrt(np.diag(np.linalg.inv(total))))
+
+
+def _choose_greedily(
+    courses: Sequence[DutyCourse], information: Mapping[str, Numbers], budget: float
+) -> list[DutyCourse]:
+    """Return the profiles with the largest gain of information over time, one by one."""
+    total, chosen = np.eye(len(information[courses[0].name])), list[DutyCourse]()
+    while fits := [one for one in courses if one.duration <= budget and chosen.count(one) < REPEATS]:
+        before = np.linalg.slogdet(total)[1]
+        gains = [(np.linalg.slogdet(total + information[one.name])[1] - before) / one.duration for one in fits]
+        best = fits[int(np.argmax(gains))]
+        total, budget = total + information[best.name], budget - best.duration
+        chosen.append(best)
+    return chosen
 
 
 def make_safe(
     plant: AbstractSystem, unknown: Sequence[UnknownNumber], course: DutyCourse, limit: float
 ) -> tuple[DutyCourse, float] | None:
-    """Return a course with as much of its duty as no wire that may be at hand gets too hot by, and the hottest [K]."""
+    """Return a profile with a duty cycle that is safe for all possible wires, and the hottest [K]; or None."""
     points = 2.0 * draw_points(len(unknown), OTHERS, 0) - 1.0
     values = {one.path: one.value + 2.0 * one.width * z for one, z in zip(unknown, points.T, strict=True)}
     for _ in range(TRIES):
@@ -119,7 +122,7 @@ def make_safe(
 
 
 def compute_information(bench: Bench, unknown: Sequence[UnknownNumber], course: DutyCourse) -> Numbers:
-    """Return the information of a course on all numbers, in units of their widths; 0 where the model fails."""
+    """Return the information of a profile, in units of the widths; 0 where the model fails."""
     count = len(unknown)
     values = {one.path: np.full(2 * count, one.value) for one in unknown}
     for k, one in enumerate(unknown):
@@ -127,25 +130,25 @@ def compute_information(bench: Bench, unknown: Sequence[UnknownNumber], course: 
         values[one.path][2 * k + 1] -= NUDGE * one.width
     rows, names = _march_wires(bench.plant, course, values, 2 * count)
     every = max(1, round(bench.period / STEP))
-    found = np.zeros((count, count))
+    information = np.zeros((count, count))
     for mounted in bench.sensors.members().values():
-        (seen, *_), sensor = mounted.sees(), mounted.sensor
-        if seen not in names:
+        (output, *_), sensor = mounted.sees(), mounted.sensor
+        if output not in names:
             continue
-        column = rows[::every, names.index(seen)]
+        column = rows[::every, names.index(output)]
         noise = np.hypot(float(sensor.noise), float(sensor.resolution) / np.sqrt(12.0))
         noise = np.hypot(noise, float(getattr(sensor, "relative_noise", 0.0)) * float(np.mean(np.abs(column))))
         slopes = (column[:, ::2] - column[:, 1::2]) / (2.0 * NUDGE)
         noise = np.hypot(noise, DOUBT * float(np.ptp(np.mean(column, axis=1))))
         if noise > 0.0 and np.isfinite(slopes).all():
-            found += slopes.T @ slopes / noise**2
-    return found
+            information += slopes.T @ slopes / noise**2
+    return information
 
 
 def _march_wires(
     plant: AbstractSystem, course: DutyCourse, values: Mapping[str, Numbers], count: int
 ) -> tuple[Numbers, list[str]]:
-    """Return the outputs of wires under a course, (steps, outputs, wires), and their names."""
+    """Return the outputs of wires under a profile, (steps, outputs, wires), and their names."""
     lanes = Lanes(plant, count, values)
     lanes.reset(np.zeros((1, count)))
     duty = course.sample(STEP)

@@ -1,1 +1,1 @@
-"""Boards that are emulated: AVR by simavr, Cortex-M4 by QEMU; their serial lines as ports."""
+"""Emulated boards with their serial lines as ports: AVR by simavr, Cortex-M4 by QEMU."""

@@ -1,7 +1,4 @@
-"""An AVR under simavr, lock-stepped: its time goes on only while it is read from.
-
-So an hour at 1 kHz passes in emulated time whatever this machine is doing, and runs repeat to the last byte.
-"""
+"""An AVR under simavr in lock-step: its time advances while it is read, so runs are reproducible on any machine."""
 
 from __future__ import annotations
 
@@ -19,41 +16,39 @@ ASKED, ANSWERED, MARKS = struct.Struct("<I8HH"), struct.Struct("<Q2HBH"), struct
 
 @dataclass
 class SimavrBoard:
-    """A board of simavr as a port; `now` is its own time."""
+    """A board under simavr as a port; `now` is its own time."""
 
     elf: Path
     board: str
     baud: int
     folder: Path
-    """Folder of the program that contains the emulator."""
     turn: float = 0.5e-3
     """Time that passes in a read [s]."""
     volts: list[float] = field(default_factory=lambda: [0.0] * 8)
-    """At A0 to A7 [V]."""
+    """Voltages at A0 to A7 [V]."""
     cycles: int = 0
     duties: tuple[float, float] = (0.0, 0.0)
     """Duty cycles of pins 9 and 10."""
     marks: tuple[int, ...] = ()
-    """Most cycles between GPIOR0 = k and GPIOR0 = 0."""
+    """Largest number of cycles between GPIOR0 = k and GPIOR0 = 0."""
     _waiting: bytearray = field(default_factory=bytearray)
 
     def __post_init__(self) -> None:
-        """Start it."""
         program = build_simavr_line(self.folder)
         words = [program, self.elf, MCUS[self.board][0], f"{self.clock:.0f}", str(self.baud)]
         self._process = subprocess.Popen(list(map(str, words)), stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     @property
     def clock(self) -> float:
-        """Return the cycles in a second."""
+        """Return the clock frequency [Hz]."""
         return find_board(self.board).clock
 
     def now(self) -> float:
-        """Return the time since its reset [s]."""
+        """Return the time since the reset [s]."""
         return self.cycles / self.clock
 
     def write(self, data: bytes) -> int:
-        """Return the bytes for the board, which it gets while time goes on."""
+        """Send bytes to the board, which gets them as time advances."""
         self._waiting += data
         return len(data)
 
@@ -62,10 +57,10 @@ class SimavrBoard:
         return self.run(self.turn)
 
     def run(self, seconds: float) -> bytes:
-        """Let time go on [s]; what the board sent meanwhile.
+        """Advance by a time [s] and return the output of the board.
 
         Raises:
-            SolveError: its processor has crashed, or simavr has ended.
+            SolveError: the processor has crashed, or simavr has ended.
         """
         pipe_in, pipe_out = self._process.stdin, self._process.stdout
         if pipe_in is None or pipe_out is None:
@@ -77,17 +72,17 @@ class SimavrBoard:
             pipe_in.write(ASKED.pack(round(seconds * self.clock), *levels, len(data)) + data)
             pipe_in.flush()
             self.cycles, first, second, crashed, count = ANSWERED.unpack(pipe_out.read(ANSWERED.size))
-            found = pipe_out.read(count)
+            output = pipe_out.read(count)
             self.marks = MARKS.unpack(pipe_out.read(MARKS.size))
         except (OSError, struct.error):
             raise SolveError("simavr has ended; does the firmware fit the board?") from None
         self.duties = first / 255.0, second / 255.0
         if crashed:
             raise SolveError(f"The processor crashed {self.now():.6g} s after its reset.")
-        return found
+        return output
 
     def close(self) -> None:
-        """End it."""
+        """End the emulator."""
         self._process.kill()
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):

@@ -1,4 +1,4 @@
-"""A Cortex-M4 under QEMU (`netduinoplus2`, an STM32F405): its time is that of this machine."""
+"""A Cortex-M4 under QEMU (`netduinoplus2`, an STM32F405), in the time of the host."""
 
 from __future__ import annotations
 
@@ -14,26 +14,24 @@ from martensite.base.errors import SolveError
 from martensite.boards.emulators.toolchains import require_tool
 
 MACHINE = "netduinoplus2"
-BEGUN = 10.0
+START_LIMIT = 10.0
 """Time limit for the start of QEMU [s]."""
 
 
 @dataclass
 class QemuBoard:
-    """A board of QEMU as a port: its USART1 on a socket."""
+    """A board under QEMU as a port: its USART1 on a socket."""
 
     elf: Path
     words: tuple[str, ...] = ()
-    """More of the command line."""
     _folder: Any = field(default_factory=tempfile.TemporaryDirectory)
 
     def __post_init__(self) -> None:
-        """Start it."""
         place = Path(self._folder.name) / "line"
         command = [require_tool("qemu-system-arm"), "-M", MACHINE, "-nographic", "-monitor", "none"]
         command += ["-serial", f"unix:{place},server=on,wait=off", "-kernel", str(self.elf), *self.words]
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-        self._line, until = socket.socket(socket.AF_UNIX), time.monotonic() + BEGUN
+        self._line, until = socket.socket(socket.AF_UNIX), time.monotonic() + START_LIMIT
         while True:
             try:
                 self._line.connect(str(place))
@@ -46,7 +44,7 @@ class QemuBoard:
         self._line.settimeout(0.002)
 
     def write(self, data: bytes) -> int:
-        """Return the bytes for the board."""
+        """Send bytes to the board."""
         self._line.sendall(data)
         return len(data)
 
@@ -58,7 +56,7 @@ class QemuBoard:
             return b""
 
     def close(self) -> None:
-        """End it."""
+        """End the emulator."""
         self._line.close()
         self._process.kill()
         self._process.wait()

@@ -1,7 +1,8 @@
 """Cost of a step on emulated processors: cycles on AVR, instructions on Cortex-M4, and bytes.
 
-simavr counts cycles as in the data sheet. QEMU counts instructions; a Cortex-M4 takes 1 to 14 cycles for each. Times
-from instructions are therefore lower bounds at one cycle each, and are labelled so.
+simavr counts cycles as in the data sheet. QEMU counts instructions, which take 1 to 14 cycles each on a Cortex-M4;
+times
+at one cycle each are lower bounds, and are labelled so.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 TICK = 1e3 / 168.0
-"""Instructions in a tick of SysTick, under QEMU with an instruction a nanosecond."""
+"""Instructions per tick of SysTick under QEMU, with one instruction per nanosecond."""
 STEPS, PLAYED, LONGEST = 400, 150, 600
-"""Steps of a scenario; of them so many are played: of a plant spread over it, of a loop from its start."""
+"""Steps of a scenario, and played steps: of a plant spread over it, of a loop from its start."""
 AVR_FLAGS = ("-mmcu=atmega2560", "-DF_CPU=16000000L", "-std=gnu11", "-O2")
 ARM_FLAGS = ("-std=gnu11", "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
 ARM_LINK = ("-T", "stm32f405.ld", "-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs")
@@ -34,17 +35,17 @@ ARM_LINK = ("-T", "stm32f405.ld", "-nostartfiles", "--specs=nano.specs", "--spec
 
 @dataclass(frozen=True)
 class StepCost:
-    """A step of a core on a processor."""
+    """Cost of a step of a core on a processor."""
 
     processor: str
     most: int
-    """Cycles of AVR, instructions of Cortex-M4, in the dearest step."""
+    """Cycles of AVR or instructions of Cortex-M4 in the longest step."""
     flash: int
-    """Flash of the core, of the library that it needs, and of the program around it [bytes]."""
+    """Flash of the core, its library, and the program around it [bytes]."""
     ram: int
     """[bytes]"""
     failed: bool
-    """A step did not solve in float32."""
+    """True if a step did not solve in float32."""
     counted: str
     """Unit of `most`: cycles or instructions."""
     clock: float
@@ -52,7 +53,7 @@ class StepCost:
 
     @property
     def time(self) -> float:
-        """Return the time of the dearest step [s], with a cycle for an instruction."""
+        """Return the time of the longest step [s], at one cycle per instruction."""
         return self.most / self.clock
 
     @property
@@ -65,9 +66,9 @@ def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, l
     """Return a core of a scenario in float32, and the costs of its steps on emulated processors.
 
     Args:
-        scenario: what is played.
-        part: `loop`: observers, controllers and supervisor; `plant`: without them.
-        folder: where programs are made.
+        scenario: played scenario.
+        part: `loop` (observers, controllers and supervisor) or `plant`.
+        folder: folder of the programs.
 
     Raises:
         InputError: the part is unknown, the scenario has no loop, or a tool is missing.
@@ -87,16 +88,16 @@ def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, l
     steps = [length for length, _ in played]
     whole = [row for length, row in played if length == max(steps)]
     rows = [first, *whole[:: max(1, len(whole) // PLAYED)][:PLAYED]]
-    if part == "loop":  # a loop goes on from sample to sample: none may be left out
+    if part == "loop":  # a loop needs all samples
         rows = [first, *(row for _, row in played)][:LONGEST]
     write_cost(core, rows, max(steps), folder)
     table = 4 * len(rows) * len(first)  # the played rows do not belong to a core
-    found = [cost_on_avr(core, folder), cost_on_cortex(core, folder)]
-    return core, [replace(one, flash=one.flash - table) for one in found]
+    costs = [cost_on_avr(core, folder), cost_on_cortex(core, folder)]
+    return core, [replace(one, flash=one.flash - table) for one in costs]
 
 
 def write_cost(core: CCore, rows: Sequence[Sequence[float]], period: float, folder: Path) -> None:
-    """Core, rows of inputs and the program that plays them, in a folder."""
+    """Write the core, rows of inputs, and the program that plays them into a folder."""
     table = ", ".join("{" + ", ".join(f"{x:.9e}f" for x in row) + "}" for row in rows)
     name = core.name
     numbers = {
@@ -118,11 +119,11 @@ def write_cost(core: CCore, rows: Sequence[Sequence[float]], period: float, fold
 
 
 def cost_on_avr(core: CCore, folder: Path) -> StepCost:
-    """Return the cycles of the dearest step on an ATmega2560 at 16 MHz.
+    """Return the cycles of the longest step on an ATmega2560 at 16 MHz.
 
     Raises:
         InputError: a tool is missing.
-        SolveError: it does not end.
+        SolveError: the program does not end.
     """
     elf = folder / "cost_avr.elf"
     run_tool([require_tool("avr-gcc"), *AVR_FLAGS, "cost.c", f"{core.name}.c", "-lm", "-o", elf], folder)
@@ -148,11 +149,11 @@ def _is_done(board: SimavrBoard) -> bool:
 
 
 def cost_on_cortex(core: CCore, folder: Path) -> StepCost:
-    """Instructions of the dearest step on a Cortex-M4F.
+    """Return the instructions of the longest step on a Cortex-M4F.
 
     Raises:
         InputError: a tool is missing.
-        SolveError: it does not end.
+        SolveError: the program does not end.
     """
     elf = folder / "cost_arm.elf"
     sources = ("cost.c", f"{core.name}.c", "start_stm32f405.c")

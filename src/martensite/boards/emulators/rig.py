@@ -1,7 +1,7 @@
-"""A whole rig that is emulated: a board under simavr, and the plant of a scenario at its pins.
+"""An emulated rig: a board under simavr with the plant of a scenario at its pins.
 
-The duty at a pin heats the wire; what the wiring list puts between wire and converter gives the voltages that the
-converter reads, in its own steps. Board and plant go on together, a turn at a time, however long this machine takes.
+The duty cycle at a pin heats the wire; the parts of the wiring list give the voltages of the converter in its steps.
+Board and plant advance together, independent of the speed of the host.
 """
 
 from __future__ import annotations
@@ -31,13 +31,11 @@ class EmulatedRig:
     scenario: Scenario
     board: SimavrBoard
     turn: float = 1e-3
-    """Time that board and plant go on in a read [s]."""
+    """Time step of board and plant in a read [s]."""
     seed: int = 0
-    """Seed of the noise of the sensors."""
     _inputs: BoardInputs = field(init=False)
 
     def __post_init__(self) -> None:
-        """The plant at rest."""
         bench = self.scenario.bench
         if bench is None:
             raise SolveError("A rig needs the sensors of a loop.")
@@ -53,7 +51,7 @@ class EmulatedRig:
         return self.board.now()
 
     def write(self, data: bytes) -> int:
-        """Return the bytes for the board."""
+        """Send bytes to the board."""
         return self.board.write(data)
 
     def read(self, size: int = 1) -> bytes:
@@ -61,43 +59,43 @@ class EmulatedRig:
         return self.run(self.turn)
 
     def run(self, seconds: float) -> bytes:
-        """Let both go on [s]; what the board sent meanwhile.
+        """Advance board and plant by a time [s] and return the output of the board.
 
         Raises:
             SolveError: the plant cannot be solved, or the processor crashed.
         """
-        found = b""
+        output = b""
         for _ in range(max(1, round(seconds / self.turn))):
             self._set_volts()
-            found += self.board.run(self.turn)
+            output += self.board.run(self.turn)
             rows = self._lane.advance(np.array(self._duties())[None, :, None], self.turn)
             self.truth = dict(zip(self._lane.names, rows[0, :, 0].tolist(), strict=True))
             if (status := self._lane.status[0]).failed:
                 raise SolveError(f"The plant failed {self.now():.6g} s after the reset: {status.sentence}")
-        return found
+        return output
 
     def close(self) -> None:
-        """End it."""
+        """End the emulator."""
         self.board.close()
 
     def _duties(self) -> tuple[float, ...]:
         return self.board.duties[: len(self._plant.drives())]
 
     def _look(self) -> dict[str, float]:
-        """All that is true now; electrical outputs as means over the pulses, as the filters of the wiring give them."""
+        """Return all true values; electrical outputs are means over the pulses, as behind the filters."""
         values = self._lane.observe(np.array(self._duties())[:, None])
         return dict(zip(self._lane.names, values[:, 0].tolist(), strict=True))
 
     def _set_volts(self) -> None:
-        """Voltages at the converter, by the nominal gains of the wiring list."""
-        own = find_board(self.board.board)
+        """Set the voltages at the converter from the nominal gains of the wiring list."""
+        board = find_board(self.board.board)
         for k, one in enumerate(self._inputs.channels):
             if one.pin >= 0:
                 value = self._find_value(k) / one.gain + one.offset
-                self.board.volts[one.pin - (own.first_analog or 0)] = value * own.volts / own.steps
+                self.board.volts[one.pin - (board.first_analog or 0)] = value * board.volts / board.steps
 
     def _find_value(self, k: int) -> float:
-        """Return the value of channel k, in SI."""
+        """Return the value of channel k in SI."""
         reading = next((one for one in self._inputs.readings if k in (one.channel, one.other)), None)
         if reading is None:
             return self._inputs.supply
@@ -116,5 +114,5 @@ class EmulatedRig:
 
 
 def start_rig(scenario: Scenario, elf: Path, board: str, folder: Path) -> EmulatedRig:
-    """Return a board of a firmware with the plant of its scenario; the program that holds it is made in the folder."""
+    """Return a board of a firmware with the plant of its scenario; the emulator program is compiled in the folder."""
     return EmulatedRig(scenario, SimavrBoard(elf, board, find_board(board).baud, folder))

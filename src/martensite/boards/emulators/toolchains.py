@@ -1,7 +1,7 @@
-"""Compilers and emulators of boards, where the system has them; firmware compiled by them.
+"""Compilers and emulators of boards, if installed.
 
 On Debian: gcc-avr, avr-libc, arduino-core-avr, libsimavr-dev for the Uno; gcc-arm-none-eabi, libnewlib-arm-none-eabi,
-qemu-system-arm for the STM32F405. Nothing of them is part of this package.
+qemu-system-arm for the STM32F405. This package contains none of them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from martensite.boards.firmware.boards import find_board
 from martensite.kernels.compiler import find_compiler
 
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")
-"""Folder of the Arduino core for AVR on Debian."""
+"""Arduino core for AVR on Debian."""
 SIMAVR = Path("/usr/include/simavr/sim_avr.h")
 MCUS = {"uno": ("atmega328p", "standard", "AVR_UNO"), "mega2560": ("atmega2560", "mega", "AVR_MEGA2560")}
 """Processor, variant and name of a board in the Arduino core."""
@@ -30,7 +30,7 @@ PACKAGES = {
 }
 
 STACK = 400
-"""Bytes that calls of the loop and of the link take beside static memory, at least; assumed."""
+"""Assumed least stack of the loop and the link [bytes]."""
 LARGER = "Take a larger board, such as mega2560 or stm32f405."
 
 
@@ -38,26 +38,26 @@ def require_tool(name: str) -> str:
     """Return the path of a tool.
 
     Raises:
-        InputError: it is not installed; the sentence names its packages on Debian.
+        InputError: it is not installed; the message names its Debian packages.
     """
-    found = shutil.which(name)
-    if found is None:
+    path = shutil.which(name)
+    if path is None:
         raise InputError(f"This needs `{name}`, which is not installed; on Debian: {PACKAGES[name]}.")
-    return found
+    return path
 
 
 def run_tool(command: Sequence[str | Path], folder: Path) -> None:
-    """Run a compiler; `CompileError` with what it says if it fails."""
+    """Run a compiler; raise `CompileError` with its message if it fails."""
     done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
         raise CompileError(f"`{Path(command[0]).name}` failed: {done.stderr.strip()[:1500]}")
 
 
 def compile_sketch(folder: Path, board: str, flags: Sequence[str] = ()) -> Path:
-    """Compile a sketch and the Arduino core for an AVR board, and return the ELF file in the folder.
+    """Compile a sketch and the Arduino core for an AVR board, and return the ELF file.
 
     Raises:
-        InputError: compiler or core are missing, or the board is not an AVR.
+        InputError: compiler or core is missing, or the board is not an AVR.
         CompileError: the compiler failed.
     """
     if board not in MCUS:
@@ -96,39 +96,39 @@ def compile_sketch(folder: Path, board: str, flags: Sequence[str] = ()) -> Path:
     return elf
 
 
-def explain_overflow(said: str, board: str) -> None:
-    """Raise `InputError` if a linker says that a program is too large; it says by how much of flash or RAM."""
-    found = re.search(r"region .?(text|data).? overflowed by (\d+) bytes", said)
-    if found is not None:
+def explain_overflow(message: str, board: str) -> None:
+    """Raise `InputError` with the missing flash or RAM if a linker reports that a program is too large."""
+    match = re.search(r"region .?(text|data).? overflowed by (\d+) bytes", message)
+    if match is not None:
         title, room = find_board(board).title, find_board(board).flash
-        what = "flash" if found[1] == "text" else "RAM"
+        memory = "flash" if match[1] == "text" else "RAM"
         raise InputError(
-            f"This loop does not fit into the {what} of {title}: it has {int(found[2]):,} bytes too many"
-            f"{f' for the {room:,} there are' if what == 'flash' else ''}. {LARGER}"
+            f"This loop does not fit into the {memory} of {title}: it has {int(match[2]):,} bytes too many"
+            f"{f' for the {room:,} there are' if memory == 'flash' else ''}. {LARGER}"
         ) from None
 
 
 def read_sizes(tool: str, elf: Path) -> tuple[int, int]:
-    """Return the flash and static RAM of a program [bytes]."""
+    """Return flash and static RAM of a program [bytes]."""
     done = subprocess.run([tool, str(elf)], capture_output=True, text=True, check=True)
     text, data, bss, *_ = done.stdout.splitlines()[1].split()
     return int(text) + int(data), int(data) + int(bss)
 
 
 def check_room(elf: Path, tool: str, board: str) -> None:
-    """Raise `InputError` if a program leaves no room on its board; the stack needs `STACK` bytes of the RAM."""
+    """Raise `InputError` if a program does not fit its board with `STACK` bytes of stack."""
     flash, ram = read_sizes(tool, elf)
-    known = find_board(board)
-    if flash > known.flash or ram + STACK > known.ram:
+    limits = find_board(board)
+    if flash > limits.flash or ram + STACK > limits.ram:
         elf.unlink()
         raise InputError(
-            f"This loop does not fit {known.title}: it takes {flash:,} of {known.flash:,} bytes of flash, and "
-            f"{ram:,} of {known.ram:,} bytes of RAM, of which the stack needs {STACK}. {LARGER}"
+            f"This loop does not fit {limits.title}: it takes {flash:,} of {limits.flash:,} bytes of flash, and "
+            f"{ram:,} of {limits.ram:,} bytes of RAM, of which the stack needs {STACK}. {LARGER}"
         )
 
 
 def compile_bare(folder: Path) -> Path:
-    """Compile a project with a Makefile; its ELF file.
+    """Compile a project with a Makefile, and return its ELF file.
 
     Raises:
         InputError: the compiler is missing.
@@ -140,7 +140,7 @@ def compile_bare(folder: Path) -> Path:
 
 
 def build_simavr_line(folder: Path) -> Path:
-    """Compile the program that holds an AVR under simavr by its line and clock; its path.
+    """Compile the program that runs an AVR under simavr, and return its path.
 
     Raises:
         InputError: simavr or a compiler is missing.
@@ -148,9 +148,9 @@ def build_simavr_line(folder: Path) -> Path:
     cc = find_compiler()
     if cc is None or not SIMAVR.exists():
         raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
-    found = folder.resolve() / "simavr_line"
-    if not is_private_file(found):
+    program = folder.resolve() / "simavr_line"
+    if not is_private_file(program):
         source = Path(__file__).with_name("simavr_line.c")
-        run_tool([cc, "-O2", source, "-o", found, "-lsimavr"], folder)
-        found.chmod(0o700)
-    return found
+        run_tool([cc, "-O2", source, "-o", program, "-lsimavr"], folder)
+        program.chmod(0o700)
+    return program

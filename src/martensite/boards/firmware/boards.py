@@ -1,4 +1,4 @@
-"""Boards that firmware can be written for: what stands in `boards.toml`."""
+"""Boards with firmware, from `boards.toml`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from martensite.base.errors import UnknownNameError
 
 @dataclass(frozen=True)
 class Board:
-    """A board: its converter, its pins, its room."""
+    """A board: converter, pins, memory."""
 
     name: str
     title: str
@@ -34,19 +34,19 @@ class Board:
     channel_pins: tuple[int, ...]
     encoder_pins: tuple[int, ...]
     platformio: dict[str, str]
-    """Platform and board of PlatformIO; empty where it has no part in it."""
+    """Platform and board of PlatformIO; empty without PlatformIO."""
     first_analog: int | None = None
-    """Number of the pin that is printed as A0; None where pins are printed by their numbers."""
+    """Pin that is labelled A0; None for boards with numbered pins."""
 
     def name_pin(self, pin: int) -> str:
-        """Return a pin of a channel as it is printed on the board."""
+        """Return the label of a channel pin."""
         if self.layer == "stm32f405":
             return f"PA{pin}"
         first = self.first_analog
         return f"A{pin - first}" if first is not None and pin >= first else str(pin)
 
     def name_drive_pin(self, pin: int) -> str:
-        """Return a pin of a switch as it is printed on the board."""
+        """Return the label of a switch pin."""
         return ("PA6", "PA7", "PB0", "PB1")[pin] if self.layer == "stm32f405" else str(pin)
 
 
@@ -54,15 +54,15 @@ class Board:
 def list_boards() -> dict[str, Board]:
     """Return all boards by name."""
     text = (files("martensite.boards.firmware") / "boards.toml").read_text("utf-8")
-    found: dict[str, Board] = {}
+    boards: dict[str, Board] = {}
     for name, table in tomllib.loads(text).items():
         numbers: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in table.items()}
-        found[name] = Board(name=name, **{"platformio": {}, **numbers})
-    return found
+        boards[name] = Board(name=name, **{"platformio": {}, **numbers})
+    return boards
 
 
 def find_board(name: str) -> Board:
-    """Return a board by its name; `UnknownNameError` if there is none."""
+    """Return a board by name; raise `UnknownNameError` if it does not exist."""
     if name not in list_boards():
         raise UnknownNameError("board", name, list(list_boards()))
     return list_boards()[name]

@@ -1,8 +1,8 @@
-"""Inputs of a board for a loop: raw channels, the readings computed from them, and their nominal gains.
+"""Inputs of a board for a loop: raw channels, readings computed from them, and nominal gains.
 
-A reading of a resistance is a voltage over a current; an encoder counts; everything else is a voltage at the converter.
-Nominal gains are assumed from the parts of the wiring list. They suffice for trials only: a board arms on its readings
-only after calibration.
+The reading of a resistance is a voltage over a current; an encoder counts; other readings are voltages at the
+converter. Nominal gains follow from the parts of the wiring list and suffice for trials only: a board arms on its
+readings only after calibration.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractSwitch
 
 SHUNT, AMPLIFIER = 0.1, 20.0
-"""Resistor [ohm] and gain of the amplifier that measure a current, of the wiring list; assumed."""
+"""Assumed shunt [ohm] and gain of the current amplifier."""
 DIVIDERS = (1.0, 2.0, 3.0, 5.0, 11.0)
-"""Ratios of dividers with resistors that everybody has: none, 10k:10k, 20k:10k, 40k:10k, 100k:10k."""
+"""Ratios of dividers of common resistors: none, 10k:10k, 20k:10k, 40k:10k, 100k:10k."""
 LEAST = 0.05
-"""Share of the largest current below which a resistance is not measured."""
+"""Current over the largest below which a resistance is not measured."""
 ROOM = 0.125
-"""Room of an analogue sensor at either end of what a loop asks for, as a share of it: no reading stands at its end."""
+"""Margin of an analogue sensor at either end of the reference, over its span."""
 MARGIN = 1.25
-"""Current over the largest one expected at which the board disarms."""
+"""Current over the largest expected one at which the board disarms."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,9 @@ class Channel:
     name: str
     unit: str
     gain: float
-    """Unit per step."""
     offset: float
-    """Steps at 0."""
+    """Steps at a value of 0."""
     pin: int
-    """Pin as in the board layer: below 0 for an encoder."""
     parts: str
     """Parts between the quantity and the pin, in words."""
 
@@ -56,36 +54,36 @@ class BoardReading:
     unit: str
     channel: int
     other: int
-    """Channel of the current, for a resistance; else the same."""
+    """Channel of the current for a resistance; else the same channel."""
     ratio: bool
 
 
 @dataclass(frozen=True)
 class BoardInputs:
-    """All that a board measures."""
+    """All measurements of a board."""
 
     channels: tuple[Channel, ...]
     readings: tuple[BoardReading, ...]
     supply_channel: int
     """Channel of the supply voltage; -1 without a free pin."""
     current_channel: int
-    """Channel of the current of the only wire; -1 if it is not measured."""
+    """Channel of the current of the only wire; -1 if not measured."""
     largest_current: float
-    """At the full signal, of the resistances that the element may have [A]."""
+    """Largest current at full signal over all resistances of the element [A]."""
     supply: float
     """[V]"""
 
     def told_channels(self) -> list[Channel]:
-        """Return the channels that no reading says already."""
-        said = {one.channel for one in self.readings if not one.ratio}
-        return [one for k, one in enumerate(self.channels) if k not in said]
+        """Return the channels that are no direct readings."""
+        direct = {one.channel for one in self.readings if not one.ratio}
+        return [one for k, one in enumerate(self.channels) if k not in direct]
 
 
 def find_supply(bench: Bench) -> tuple[float, float]:
-    """Return the voltage [V] of the supply, and the largest current [A] at the full signal.
+    """Return the supply voltage [V], and the largest current at full signal [A].
 
     Raises:
-        InputError: a source takes no duty.
+        InputError: a source takes no duty cycle.
     """
     volts, most = 0.0, 0.0
     for one in bench.plant.actuators().values():
@@ -105,13 +103,13 @@ def find_supply(bench: Bench) -> tuple[float, float]:
 
 
 def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
-    """Return the channels and readings of a loop on a board.
+    """Return channels and readings of a loop on a board.
 
     Raises:
-        InputError: a source takes no duty, a reading cannot be measured by it, or it has too few pins.
+        InputError: a source takes no duty cycle, a reading cannot be measured, or there are too few pins.
     """
     volts, most = find_supply(bench)
-    known, mounted = list_readings(bench), bench.sensors.members()
+    outputs, mounted = list_readings(bench), bench.sensors.members()
     channels, readings = list[Channel](), list[BoardReading]()
     pins, encoders, current = list(board.channel_pins), list(board.encoder_pins), -1
 
@@ -126,7 +124,7 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
             raise InputError(
                 f"The loop reads `{name}`, for which the scenario has no sensor: a board measures nothing else."
             )
-        sensor, unit = mounted[name].sensor, known[name].unit
+        sensor, unit = mounted[name].sensor, outputs[name].unit
         if isinstance(sensor, ResistanceSensor):
             ratio, gain = choose_divider(volts, board)
             end = "" if name == "resistance" else f"_{name.removeprefix('resistance_')}"
@@ -156,10 +154,10 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
 
 
 def choose_divider(volts: float, board: Board) -> tuple[float, float]:
-    """Ratio of a divider that brings a voltage [V] into the converter's range, and volts per step behind it.
+    """Return the ratio of a divider for a voltage [V], and volts per step.
 
     Raises:
-        InputError: the voltage is too high for any.
+        InputError: the voltage is too high.
     """
     for ratio in DIVIDERS:
         if volts <= ratio * board.volts:
@@ -170,7 +168,7 @@ def choose_divider(volts: float, board: Board) -> tuple[float, float]:
 
 
 def _find_range(bench: Bench, name: str) -> tuple[float, float]:
-    """Full scale of an analogue sensor, and its least value: of its limits, or of what the loop is asked for."""
+    """Return full scale and least value of an analogue sensor, from its limits or from the reference."""
     limits = bench.sensors.members()[name].sensor.limits()
     if limits is not None:
         return float(limits[1] - limits[0]), float(limits[0])
@@ -180,4 +178,4 @@ def _find_range(bench: Bench, name: str) -> tuple[float, float]:
             low, high = min(*levels, 0.0), max(levels)
             span = high - low or 1.0
             return (1.0 + 2.0 * ROOM) * span, low - ROOM * span
-    return 400.0, 233.15  # what is watched and not followed is a temperature in all sensors that have no range
+    return 400.0, 233.15  # sensors without a range that no loop controls are thermometers

@@ -1,4 +1,4 @@
-"""Parts that a firmware is wired with, by the numbers of its scenario: what to have at hand."""
+"""List of parts for the wiring of a firmware, from its scenario."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ class WiringPart:
 
 
 def describe_elements(bench: Bench) -> list[str]:
-    """Return the element of every actuator, with diameter and length where it has them."""
-    found: list[str] = []
+    """Return the element of every actuator, with diameter and length if it has them."""
+    descriptions: list[str] = []
     for one in bench.plant.actuators().values():
         words = [one.element.registered_name]
         for name in ("diameter", "length"):
             value = getattr(one.element, name, None)
             if isinstance(value, float):
                 words.append(f"{name} {write_quantity(value, 'm')}")
-        found.append(", ".join(words))
-    return found
+        descriptions.append(", ".join(words))
+    return descriptions
 
 
 def list_wiring_parts(plan: FirmwarePlan, elements: list[str]) -> list[WiringPart]:
-    """Return the parts of a firmware's wiring."""
+    """Return the parts of the wiring."""
     inputs, drives = plan.inputs, plan.drives
     most, analog = inputs.largest_current, [one for one in inputs.channels if one.pin >= 0]
     shunts = sum(one.name.startswith("current") for one in analog)

@@ -1,8 +1,8 @@
-"""A complete project around the loop of a scenario: `write_firmware`.
+"""A complete firmware project around the loop of a scenario.
 
-The loop is the C of `martensite export c --part loop` in float32, which is tried over the scenario first. Around it
-stand the firmware proper (`app.c`), the link (`link.c`), one file of the board's own (`board_*.c`), and `settings.h`
-with all numbers. Nothing is allocated, nothing is printed as text, and nothing is armed before the host says the word.
+The loop is the C code of `martensite export c --part loop` in float32, tried over the scenario first. The project adds
+the application (`app.c`), the link (`link.c`), the board layer (`board_*.c`), and all numbers in `settings.h`. It
+allocates no memory, prints no text, and arms only on the word of the host.
 """
 
 from __future__ import annotations
@@ -33,42 +33,41 @@ if TYPE_CHECKING:
 SHARED = ("app.c", "app.h", "board.h", "link.c", "link.h")
 LAYERS = {"arduino": ("board_arduino.cpp",), "stm32f405": ("board_stm32f405.c", "start_stm32f405.c", "stm32f405.ld")}
 TRIED_SAMPLES = 400
-"""Samples of the scenario over which the loop is tried, at least."""
+"""Least number of samples of the trial of the loop."""
 
 AROUND, PER_LETTER = 8000.0, 1.2
-"""Flash on an AVR [bytes] of a firmware without its loop, and of a letter of its loop's C; of four examples."""
+"""Flash on an AVR [bytes] of a firmware without its loop, and per letter of its C code; from four examples."""
 
 
 @dataclass(frozen=True)
 class Firmware:
-    """A project, not yet written."""
+    """A project in memory."""
 
     name: str
     plan: FirmwarePlan
     texts: Mapping[str, str]
-    """By the name of the file."""
     tried: str
     """Extent of the trial of the loop in float32, in a sentence."""
 
     @property
     def flash(self) -> float:
-        """Flash that it takes on an AVR [bytes], roughly, by the length of its loop; 0 for other processors."""
+        """Return the approximate flash on an AVR [bytes]; 0 for other processors."""
         if self.plan.board.layer != "arduino" or self.plan.board.steps != 1024:
             return 0.0
         return AROUND + PER_LETTER * len(self.plan.core.source)
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write all files, or none, into a folder that is made if it is missing; their paths.
+        """Write all files, or none, into a folder, and return their paths.
 
         Raises:
-            DataError: the folder cannot be written to.
+            DataError: the folder cannot be written.
         """
         home = Path(folder)
         make_folder(home)
         with replace_together():
             for name, text in self.texts.items():
                 write_file(home / name, text)
-        (home / "firmware.elf").unlink(missing_ok=True)  # it was made of other files
+        (home / "firmware.elf").unlink(missing_ok=True)  # it was compiled from other files
         return [home / name for name in self.texts]
 
 
@@ -76,14 +75,14 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     """Return the firmware of the loop of a scenario for a board.
 
     Args:
-        scenario: with a controller that is a kernel.
-        board: such as `uno` or `stm32f405`.
-        name: of the sketch, which must be that of its folder.
-        limits: when the board disarms by itself.
+        scenario: scenario with a controller.
+        board: board, such as `uno` or `stm32f405`.
+        name: name of the sketch and of its folder.
+        limits: limits at which the board disarms itself.
 
     Raises:
         InputError: the board is unknown, the scenario has no loop, or the board lacks inputs or outputs.
-        ParameterError: the loop stops in float32.
+        ParameterError: the loop fails in float32.
     """
     from martensite.export.c_core import build_c_loop
     from martensite.export.c_example import MOST_TRIED, played_by_loop, try_program
@@ -94,37 +93,37 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     core = build_c_loop(bench, name="loop", precision="float32")
     run = scenario.run()
     tried = try_program(core, played_by_loop(bench, scenario.waveform, run, TRIED_SAMPLES, MOST_TRIED))
-    inputs, given = plan_inputs(bench, chosen), limits or Limits()
+    inputs, chosen_limits = plan_inputs(bench, chosen), limits or Limits()
     drives, readings = len(bench.plant.drives()), len(inputs.readings)
     if drives > len(chosen.drive_pins):
         raise InputError(f"{chosen.title} drives {len(chosen.drive_pins)} switches here, but the loop has {drives}.")
     others = core.inputs[2 * readings :]
-    known = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
-    known |= {name: float(run.columns[name][0]) for name in list_references(bench)}
-    first = [known.get(one.name, 0.0) for one in others]
-    settings = list_settings(inputs, given, [(one.name, one.unit) for one in others], first)
+    initial = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
+    initial |= {name: float(run.columns[name][0]) for name in list_references(bench)}
+    first = [initial.get(one.name, 0.0) for one in others]
+    settings = list_settings(inputs, chosen_limits, [(one.name, one.unit) for one in others], first)
     room = TOLD - readings - drives - len(inputs.told_channels())
     more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
-    told = tuple(more[: max(room, 0)])
+    reported = tuple(more[: max(room, 0)])
     digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings)]).encode())
     wanted = tuple(range(2 * readings, len(core.inputs)))
-    plan = FirmwarePlan(core, chosen, inputs, given, settings, wanted, drives, told, bench.period, digest)
+    plan = FirmwarePlan(core, chosen, inputs, chosen_limits, settings, wanted, drives, reported, bench.period, digest)
     return Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
 
 
 def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: list[str]) -> dict[str, str]:
     home, board = files("martensite.boards") / "c", plan.board
-    found = {one: (home / one).read_text("utf-8") for one in (*SHARED, *LAYERS[board.layer])}
-    found |= plan.core.files | {"settings.h": print_settings(plan), "messages.h": print_header()}
-    found["firmware.json"] = json.dumps(describe_firmware(name, plan, scenario.text), indent=1) + "\n"
-    found["WIRING.md"] = describe_wiring(name, plan, elements)
-    found["wiring.svg"] = draw_wiring(plan, elements)
+    texts = {one: (home / one).read_text("utf-8") for one in (*SHARED, *LAYERS[board.layer])}
+    texts |= plan.core.files | {"settings.h": print_settings(plan), "messages.h": print_header()}
+    texts["firmware.json"] = json.dumps(describe_firmware(name, plan, scenario.text), indent=1) + "\n"
+    texts["WIRING.md"] = describe_wiring(name, plan, elements)
+    texts["wiring.svg"] = draw_wiring(plan, elements)
     if board.layer == "arduino":
-        found[f"{name}.ino"] = (home / "firmware.ino").read_text("utf-8")
-        found["platformio.ini"] = _print_platformio(board)
+        texts[f"{name}.ino"] = (home / "firmware.ino").read_text("utf-8")
+        texts["platformio.ini"] = _print_platformio(board)
     else:
-        found["Makefile"] = _MAKEFILE
-    return found
+        texts["Makefile"] = _MAKEFILE
+    return texts
 
 
 def describe_firmware(name: str, plan: FirmwarePlan, scenario: str) -> dict[str, Any]:

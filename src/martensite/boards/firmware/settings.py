@@ -1,7 +1,7 @@
-"""Settings of a firmware: numbers that stand in flash, and numbers that the host may change; `settings.h` of both.
+"""Settings of a firmware, in flash or set by the host, and `settings.h` with both.
 
-Limits stand in flash: nothing on the line changes them. Calibration, references and free signals are set by the host;
-behind them come the parameters of the loop itself, such as gains.
+Limits are in flash: nothing on the line changes them. The host sets calibration, references and free signals, and after
+these the parameters of the loop, such as gains.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from martensite.export.c_core import CCore
 
 TOLD = (MOST - 6) // 4
-"""Numbers that fit in a telemetry."""
+"""Largest number of values in a telemetry."""
 LOW_SUPPLY = 0.8
-"""Share of the supply's voltage below which the board disarms."""
+"""Supply voltage over the nominal one below which the board disarms."""
 
 
 @dataclass(frozen=True)
@@ -38,20 +38,20 @@ class Setting:
 
 @dataclass(frozen=True)
 class Limits:
-    """When a board disarms by itself."""
+    """Limits at which a board disarms itself."""
 
     silence: float = 0.04
-    """Without a word of the host [s]."""
+    """Time without a message of the host [s]."""
     longest: float = 3600.0
-    """Armed at a stretch [s]."""
+    """Longest armed time [s]."""
     most_duty: float = 1.0
     current: float | None = None
-    """[A]; by default 1.25 times the largest one that the supply drives through the element."""
+    """Largest current [A]; default: 1.25 times the largest current of the supply through the element."""
 
 
 @dataclass(frozen=True)
 class FirmwarePlan:
-    """Data of a firmware besides its loop."""
+    """Data of a firmware in addition to its loop."""
 
     core: CCore
     board: Board
@@ -59,18 +59,17 @@ class FirmwarePlan:
     limits: Limits
     settings: tuple[Setting, ...]
     wanted: tuple[int, ...]
-    """Places in the inputs of the loop of what the host sets: references, free signals."""
+    """Places of references and free signals in the inputs of the loop."""
     drives: int
-    """Signals of the loop: its first outputs."""
+    """Number of signals, the first outputs of the loop."""
     told: tuple[int, ...]
-    """Places in the outputs of the loop of what telemetry holds after readings and signals."""
+    """Places of further telemetry in the outputs of the loop."""
     period: float
     """[s]"""
     digest: int
-    """Digest of loop and settings."""
 
     def telemetry(self) -> list[tuple[str, str]]:
-        """Return the name and unit of every number of a telemetry, in their order."""
+        """Return name and unit of every number of a telemetry, in order."""
         outputs = self.core.outputs
         rows = [(one.name, one.unit) for one in self.inputs.readings]
         rows += [(name_duty(one.name), one.unit) for one in outputs[: self.drives]]
@@ -79,26 +78,26 @@ class FirmwarePlan:
 
 
 def name_duty(drive: str) -> str:
-    """Return the name of the signal of a drive in logs, which readers of logs recognise."""
+    """Return the name of the signal of a drive in logs."""
     return "duty" if drive == "drive" else f"duty_{drive}"
 
 
 def list_settings(
     inputs: BoardInputs, limits: Limits, wanted: Sequence[tuple[str, str]], first: Sequence[float]
 ) -> tuple[Setting, ...]:
-    """Return all settings in their order: those in flash, then those that the host may change.
+    """Return all settings in order: in flash, then set by the host.
 
     Args:
-        inputs: what the board measures.
-        limits: when it disarms.
+        inputs: measurements of the board.
+        limits: limits at which it disarms.
         wanted: name and unit of references and free signals.
-        first: their values before the host says others.
+        first: their initial values.
 
     Raises:
-        InputError: there are more than a message can name.
+        InputError: there are too many for a message.
     """
     current = MARGIN * inputs.largest_current if limits.current is None else limits.current
-    found = [
+    settings = [
         Setting("most_duty", "1", limits.most_duty, True, "no signal is above it"),
         Setting("least_supply", "V", LOW_SUPPLY * inputs.supply, True, "below it the board disarms"),
         Setting("most_current", "A", current, True, "above it the board disarms"),
@@ -106,20 +105,20 @@ def list_settings(
         Setting("calibrated", "1", 0.0, False, "1 once gains and offsets are those of this board"),
     ]
     for one in inputs.channels:
-        found.append(Setting(f"gain {one.name}", f"{one.unit}/step", one.gain, False, one.parts))
+        settings.append(Setting(f"gain {one.name}", f"{one.unit}/step", one.gain, False, one.parts))
     for one in inputs.channels:
-        found.append(
+        settings.append(
             Setting(f"offset {one.name}", "step", one.offset, False, f"what the channel reads at 0 {one.unit}")
         )
     for (name, unit), value in zip(wanted, first, strict=True):
-        found.append(Setting(name, unit, value, False, "what the host sets"))
-    if len(found) > 200:
-        raise InputError(f"This loop has {len(found)} settings; 200 are the most.")
-    return tuple(found)
+        settings.append(Setting(name, unit, value, False, "what the host sets"))
+    if len(settings) > 200:
+        raise InputError(f"This loop has {len(settings)} settings; 200 are the most.")
+    return tuple(settings)
 
 
 def print_settings(plan: FirmwarePlan) -> str:
-    """`settings.h`."""
+    """Return the text of `settings.h`."""
     inputs, board, core = plan.inputs, plan.board, plan.core
     channels, readings = inputs.channels, inputs.readings
     gains = 5
@@ -128,7 +127,7 @@ def print_settings(plan: FirmwarePlan) -> str:
     sources = ", ".join(
         f"{{{'APP_RATIO' if one.ratio else 'APP_DIRECT'}, {one.channel}, {one.other}}}" for one in readings
     )
-    encoders, told = sum(one.pin < 0 for one in channels), inputs.told_channels()
+    encoders, extra = sum(one.pin < 0 for one in channels), inputs.told_channels()
     rows = [
         "/* Numbers of this firmware, printed by martensite. Limits are in flash; what is not fixed the host sets. */",
         "#ifndef SETTINGS_H",
@@ -181,7 +180,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         "#ifdef APP_TABLES /* defined where they are used, so that they are there once */",
         f"static const app_reading app_source[] = {{{sources}}};",
         f"static const uint8_t app_told[] = {{{', '.join(map(str, plan.told)) or '0'}}};",
-        f"static const uint8_t app_told_channel[] = {{{', '.join(str(int(one in told)) for one in channels)}}};",
+        f"static const uint8_t app_told_channel[] = {{{', '.join(str(int(one in extra)) for one in channels)}}};",
         "static const float app_default[] = {",
         *(f"    {_print_float(one.value)}, /* {one.name} [{one.unit}]: {one.about} */" for one in plan.settings),
         "};",

@@ -1,4 +1,4 @@
-"""Wiring of a firmware: its list of wires and parts."""
+"""Wiring list of a firmware, `WIRING.md`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from martensite.boards.firmware.settings import FirmwarePlan
 
 
 def describe_wiring(name: str, plan: FirmwarePlan, elements: list[str]) -> str:
-    """`WIRING.md`."""
+    """Return the text of `WIRING.md`."""
     board, inputs = plan.board, plan.inputs
     rows = [
         f"# Wiring of `{name}` on {board.title}",

@@ -1,1 +1,1 @@
-"""The link between a host and a board: frames, messages, what was lost on the way."""
+"""Link between a host and a board: frames, messages, counters."""

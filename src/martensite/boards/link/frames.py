@@ -1,9 +1,9 @@
-"""Frames on the line: COBS, a number, a CRC-32; and what of them was lost, doubled, late or garbled.
+"""Frames on the line: COBS, a number, a CRC-32; counters of lost, doubled, late and garbled frames.
 
     frame = COBS(type, number, payload, check), 0
 
-as `link.h` of the firmware says it; the two are held together by tests. Numbers of 16 bits count the frames of each
-direction. A frame is taken if its check is right and its number is after all that have come.
+as in `link.h` of the firmware. 16-bit numbers count the frames of each direction. A frame is accepted if its check is
+right and its number is larger than all before.
 
 Sources: Cheshire and Baker (1999), IEEE/ACM Trans. Networking 7; CRC-32 of IEEE 802.3.
 """
@@ -22,14 +22,14 @@ from martensite.boards.link.messages import MOST, Message, unpack_message
 
 HEAD, CHECK = struct.Struct("<BH"), struct.Struct("<I")
 LONGEST = HEAD.size + MOST + CHECK.size + 1
-"""Bytes of a frame before its end."""
+"""Largest number of bytes before the end of a frame."""
 LATE = 32
-"""Numbers that are remembered behind the newest one."""
+"""Number of remembered frame numbers before the newest."""
 WRAP = 1 << 16
 
 
 def encode_frame(code: int, number: int, payload: bytes) -> bytes:
-    """Return a frame, its end included.
+    """Return a frame with its end.
 
     Raises:
         InputError: the payload is too long.
@@ -42,19 +42,19 @@ def encode_frame(code: int, number: int, payload: bytes) -> bytes:
 
 @dataclass
 class LinkCounts:
-    """Counts of received and lost messages of a link."""
+    """Counters of received and lost messages."""
 
     good: int = 0
     garbled: int = 0
-    """Frames whose check was wrong, or that were no frames."""
+    """Frames with a wrong check, or invalid frames."""
     lost: int = 0
-    """Numbers that never came."""
+    """Missing numbers."""
     doubled: int = 0
-    """Frames that came again; not taken."""
+    """Rejected repeated frames."""
     reordered: int = 0
-    """Frames that came after a later one; not taken."""
+    """Rejected late frames."""
     unknown: int = 0
-    """Good frames whose message is none: another version at the other end."""
+    """Good frames with an unknown message, from another version."""
 
     def describe(self) -> str:
         """Describe the rejected and missing frames."""
@@ -63,7 +63,7 @@ class LinkCounts:
 
 @dataclass
 class FrameReader:
-    """Bytes in, messages out; never raises, whatever the bytes are."""
+    """Reader of messages from bytes; it never raises."""
 
     counts: LinkCounts = field(default_factory=LinkCounts)
     _kept: bytearray = field(default_factory=bytearray)
@@ -75,7 +75,7 @@ class FrameReader:
         self._newest = None
 
     def feed(self, data: bytes) -> Iterator[Message]:
-        """Messages that these bytes complete."""
+        """Yield the messages that these bytes complete."""
         *whole, rest = data.split(b"\0")
         for piece in whole:
             self._keep(piece)
@@ -103,9 +103,9 @@ class FrameReader:
             self.counts.unknown += 1
 
     def _take(self, number: int) -> bool:
-        """Return whether a number comes after all others; counts what is missing, late or double."""
+        """Return whether a number comes after all others, and count missing, late or doubled frames."""
         if self._newest is None:
-            self._newest, self._window = number, (1 << LATE) - 1  # what may have come before is not waited for
+            self._newest, self._window = number, (1 << LATE) - 1  # earlier frames do not count
             return True
         ahead = (number - self._newest) % WRAP
         if 0 < ahead < WRAP // 2:
@@ -117,14 +117,14 @@ class FrameReader:
         if 0 < behind < LATE and not self._window >> behind & 1:
             self._window |= 1 << behind
             self.counts.reordered += 1
-            self.counts.lost = max(self.counts.lost - 1, 0)  # it was taken for lost
+            self.counts.lost = max(self.counts.lost - 1, 0)  # it was counted as lost
         else:
             self.counts.doubled += 1
         return False
 
 
 def _unstuff_frame(frame: bytes) -> bytes | None:
-    """Return the plain bytes of a frame, or None if its check is wrong."""
+    """Return the bytes of a frame, or None for a wrong check."""
     if len(frame) > LONGEST:
         return None
     try:
@@ -139,13 +139,13 @@ def _unstuff_frame(frame: bytes) -> bytes | None:
 
 @dataclass
 class BoardClock:
-    """A clock of 32 bits in microseconds, which wraps after 71.6 minutes, as one that does not."""
+    """A 32-bit clock in microseconds, which wraps after 71.6 minutes, without wraps."""
 
     _last: int = 0
     _wraps: int = 0
 
     def unwrap(self, micros: int) -> int:
-        """Return the time since the board began [us]."""
+        """Return the time since the start of the board [us]."""
         if micros < self._last:
             self._wraps += 1
         self._last = micros

@@ -1,7 +1,7 @@
-"""The host's end of a link: commands that are answered, telemetry that is counted.
+"""Host end of a link: answered commands and counted telemetry.
 
-Commands are sent again, as new frames, until they are answered: all of them may be said twice without harm. What comes
-meanwhile is kept and given out by `receive`.
+Commands are repeated as new frames until they are answered; repeating any of them is safe. `receive` returns messages
+that arrive meanwhile.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from martensite.boards.link.frames import BoardClock, FrameReader, encode_frame
 from martensite.boards.link.messages import ARM_WORD, VERSION, BoardAnswer, Message, Mode, pack_message
 
 LONGEST_WRITE = 0.5
-"""Time [s] after which a line that accepts no more bytes is given up."""
+"""Time limit of a blocked write [s]."""
 TRIES, WAIT = 5, 0.2
-"""Number of attempts of a command, and time limit of each answer [s]."""
+"""Attempts of a command, and time limit of each answer [s]."""
 ARM = "ARM"
-"""The word of a person without which nothing is armed."""
+"""Word of a person that is required for arming."""
 
 
 class Port(Protocol):
     """A line to a board, such as a `serial.Serial`."""
 
     def read(self, size: int = 1) -> bytes:
-        """Up to so many bytes, after its own timeout at the latest."""
+        """Return up to `size` bytes, at the latest after its timeout."""
         ...
 
     def write(self, data: bytes, /) -> Any:
@@ -36,7 +36,7 @@ class Port(Protocol):
         ...
 
     def close(self) -> None:
-        """Let the line go."""
+        """Close the line."""
         ...
 
 
@@ -44,7 +44,7 @@ def open_port(address: str, baud: int = 500_000) -> Port:
     """Return a serial line: a device such as `/dev/ttyACM0` or `COM3`, or an address of pyserial such as `socket://`.
 
     Raises:
-        InputError: it cannot be opened; the sentence names the ports that there are.
+        InputError: it cannot be opened; the message names the existing ports.
     """
     import serial
     from serial.tools.list_ports import comports
@@ -52,28 +52,28 @@ def open_port(address: str, baud: int = 500_000) -> Port:
     try:
         return serial.serial_for_url(address, baudrate=baud, timeout=0.002, write_timeout=LONGEST_WRITE)
     except (serial.SerialException, ValueError, OSError) as error:
-        known = [one.device for one in comports()]
-        there = f"There are {', '.join(known)}." if known else "No serial port is there."
+        ports = [one.device for one in comports()]
+        there = f"There are {', '.join(ports)}." if ports else "No serial port is there."
         raise InputError(f"The port `{address}` cannot be opened: {error}. {there}") from None
 
 
 @dataclass
 class BoardLink:
-    """One board, asked and listened to."""
+    """Commands to a board, and its messages."""
 
     port: Port
     reader: FrameReader = field(default_factory=FrameReader)
     clock: BoardClock = field(default_factory=BoardClock)
     now: Callable[[], float] = time.monotonic
-    """Time of the host [s]; a test may give another clock."""
+    """Time of the host [s]; replaceable by another clock."""
     _sent: int = 0
     _waiting: deque[Message] = field(default_factory=lambda: deque[Message]())
 
     def send(self, name: str, **values: Any) -> int:
-        """Send a message without waiting for its answer, and return its number.
+        """Send a message without waiting for an answer, and return its number.
 
         Raises:
-            SolveError: the line is lost, or accepts no more bytes.
+            SolveError: the line failed, or is blocked.
         """
         code, payload = pack_message(name, **values)
         number, self._sent = self._sent, (self._sent + 1) % 65536
@@ -88,48 +88,48 @@ class BoardLink:
         return number
 
     def receive(self) -> Iterator[Message]:
-        """Yield the messages since the last call, oldest first; those that are not taken stay for the next call."""
+        """Yield the messages since the last call, oldest first; messages that are not consumed stay."""
         self._waiting.extend(self._read())
         while self._waiting:
             yield self._waiting.popleft()
 
     def greet(self, digest: int | None = None) -> Message:
-        """Return the `hello` of the board; if a digest is given, check the firmware.
+        """Return the `hello` of the board, and check its firmware if a digest is given.
 
         Raises:
             SolveError: the board does not answer.
-            InputError: the board speaks another version, or holds another firmware.
+            InputError: the board has another version of the link, or another firmware.
         """
         self.reader.restart()
-        found = self._ask(
+        hello = self._ask(
             "ping", lambda m, _: m.name == "hello" and m.values["token"] == self._token, token=self._token
         )
-        version = found.values["version"]
+        version = hello.values["version"]
         if version != VERSION:
             raise InputError(
                 f"The board speaks version {version} of the link, this program {VERSION}: write the firmware again."
             )
-        if digest not in (None, found.values["digest"]):
+        if digest not in (None, hello.values["digest"]):
             raise InputError("The board holds another firmware than this project: write it to the board again.")
-        return found
+        return hello
 
     @property
     def _token(self) -> int:
         return id(self) % (1 << 32)
 
     def command(self, name: str, **values: Any) -> None:
-        """A command that the board must take.
+        """Send a command and wait until the board executes it.
 
         Raises:
-            SolveError: it refuses, or does not answer.
+            SolveError: the board refuses, or does not answer.
         """
-        found = self._ask(name, lambda m, number: m.name == "answer" and m.values["to"] == number, **values)
-        result = BoardAnswer(found.values["result"])
+        answer = self._ask(name, lambda m, number: m.name == "answer" and m.values["to"] == number, **values)
+        result = BoardAnswer(answer.values["result"])
         if result is not BoardAnswer.DONE:
             raise SolveError(f"The board answers `{name}` with: {ANSWERS[result]}.")
 
     def arm(self, word: str) -> None:
-        """Let signals pass; `word` must be `ARM`, said by a person.
+        """Allow signals; `word` must be `ARM`, given by a person.
 
         Raises:
             InputError: another word.
@@ -139,7 +139,7 @@ class BoardLink:
         self.command("arm", word=ARM_WORD)
 
     def disarm(self) -> None:
-        """All signals off."""
+        """Turn off all signals."""
         self.command("disarm")
 
     def choose_mode(self, name: str) -> None:
@@ -148,10 +148,10 @@ class BoardLink:
         Raises:
             InputError: the mode is unknown.
         """
-        known = {mode.name.lower(): mode for mode in Mode}
-        if name not in known:
-            raise InputError(f"There is no mode `{name}`. {suggest_name(name, known)}")
-        self.command("mode", mode=int(known[name]))
+        modes = {mode.name.lower(): mode for mode in Mode}
+        if name not in modes:
+            raise InputError(f"There is no mode `{name}`. {suggest_name(name, modes)}")
+        self.command("mode", mode=int(modes[name]))
 
     def _read(self) -> list[Message]:
         try:
@@ -163,11 +163,11 @@ class BoardLink:
         for _ in range(TRIES):
             number, until = self.send(name, **values), self.now() + WAIT
             while self.now() < until:
-                came = self._read()  # also what comes behind an answer
-                found = next((one for one in came if fits(one, number)), None)
-                self._waiting.extend(one for one in came if one is not found)
-                if found is not None:
-                    return found
+                came = self._read()
+                answer = next((one for one in came if fits(one, number)), None)
+                self._waiting.extend(one for one in came if one is not answer)
+                if answer is not None:
+                    return answer
         raise SolveError(
             f"The board does not answer `{name}` ({TRIES} tries in {TRIES * WAIT:g} s): check the cable, the baud "
             "rate, and that the firmware runs."

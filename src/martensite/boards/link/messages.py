@@ -1,7 +1,8 @@
-"""Messages between host and board: types and fields of all messages, in one table.
+"""Messages between host and board: types and fields in one table.
 
-Fields are numbers, least byte first; a message may end with any number of a last kind of field (`values`). The header
-of the firmware, `messages.h`, is generated from the same table. `VERSION` changes with the table; both ends send it.
+Fields are numbers, least significant byte first; a message may end with any number of repeated fields (`values`). The
+header of the firmware, `messages.h`, is generated from the same table. `VERSION` changes with the table; both ends send
+it.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ from martensite.base.errors import DataError, InputError, suggest_name
 
 VERSION = 1
 MOST = 120
-"""Bytes of a payload."""
+"""Largest number of bytes of a payload."""
 ARM_WORD = int.from_bytes(b"ARM!", "little")
-"""Without it in `arm` nothing is armed."""
+"""Required content of `arm`."""
 CODES = {"u8": "B", "u16": "H", "u32": "I", "f32": "f"}
-"""Kind of a field -> its code in `struct`."""
+"""Code in `struct` by kind of field."""
 
 
 class Mode(IntEnum):
@@ -28,11 +29,10 @@ class Mode(IntEnum):
 
     IDLE = 0
     LOOP = 1
-    """The exported loop, on the board's own readings."""
+    """Exported loop on the readings of the board."""
     WAVEFORM = 2
-    """Levels that the host keeps sending."""
     EMULATED = 3
-    """The exported loop, on readings that the host sends: one sample each."""
+    """Exported loop on readings from the host, one sample each."""
 
 
 class BoardFlags(IntFlag):
@@ -40,15 +40,11 @@ class BoardFlags(IntFlag):
 
     ARMED = 1
     GUARDED = 2
-    """The guard cuts."""
     BROWN_OUT = 4
-    """The supply is too low."""
     OVERRUN = 8
-    """A sample was not done in its period."""
     STOPPED = 16
-    """The loop could not be solved; signals are off until it is started again."""
+    """The loop could not be solved; signals are off until it restarts."""
     EMULATED = 32
-    """Readings come from the host."""
 
 
 class BoardAnswer(IntEnum):
@@ -56,26 +52,21 @@ class BoardAnswer(IntEnum):
 
     DONE = 0
     UNKNOWN = 1
-    """No such message, or of another length."""
+    """Unknown message, or another length."""
     REFUSED = 2
-    """Not now: not armed, or another mode."""
     OUT_OF_RANGE = 3
     FULL = 4
-    """No room for another level of the waveform."""
 
 
 class DisarmReason(IntEnum):
-    """Why a board disarmed itself."""
+    """Reason why a board disarmed itself."""
 
     ASKED = 0
     SILENCE = 1
-    """Nothing was heard from the host."""
     GUARD = 2
     BROWN_OUT = 3
     LOOP = 4
-    """The loop stopped."""
     TIME = 5
-    """Armed for longer than allowed."""
     CURRENT = 6
 
 
@@ -84,7 +75,7 @@ class Message(NamedTuple):
 
     name: str
     values: Mapping[str, Any]
-    """By field; the last one of a message that ends in several is a tuple."""
+    """Values by field; repeated fields are a tuple."""
     number: int = 0
 
 
@@ -94,12 +85,11 @@ class MessageKind:
 
     name: str
     code: int
-    """First byte of the message: below 128 from the host, else from the board."""
     about: str
     fields: Mapping[str, str]
-    """Name -> kind, of `CODES`."""
+    """Kind by name of field, see `CODES`."""
     repeated: str = ""
-    """Name of numbers (f32) that follow, as many as there are."""
+    """Name of the repeated f32 field."""
 
     @property
     def layout(self) -> struct.Struct:
@@ -120,23 +110,23 @@ class MessageKind:
                 raise InputError(f"Message `{self.name}` has no field `{name}`. {suggest_name(name, self.fields)}")
         rest: Sequence[float] = values[self.repeated] if self.repeated else ()
         try:
-            found = self.layout.pack(*(values[name] for name in self.fields)) + struct.pack(f"<{len(rest)}f", *rest)
+            payload = self.layout.pack(*(values[name] for name in self.fields)) + struct.pack(f"<{len(rest)}f", *rest)
         except (struct.error, OverflowError) as error:
             raise InputError(f"Message `{self.name}` cannot hold {dict(values)}: {error}.") from None
-        if len(found) > MOST:
-            raise InputError(f"Message `{self.name}` would have {len(found)} bytes; {MOST} is the most.")
-        return found
+        if len(payload) > MOST:
+            raise InputError(f"Message `{self.name}` would have {len(payload)} bytes; {MOST} is the most.")
+        return payload
 
     def unpack(self, payload: bytes) -> dict[str, Any]:
-        """Fields of a payload; `DataError` if its length is another one."""
+        """Return the fields of a payload; raise `DataError` for a wrong length."""
         size = self.layout.size
         more, odd = divmod(len(payload) - size, 4)
         if more < 0 or odd or (more and not self.repeated):
             raise DataError(f"A message `{self.name}` cannot have {len(payload)} bytes.")
-        found = dict(zip(self.fields, self.layout.unpack_from(payload), strict=True))
+        values = dict(zip(self.fields, self.layout.unpack_from(payload), strict=True))
         if self.repeated:
-            found[self.repeated] = struct.unpack_from(f"<{more}f", payload, size)
-        return found
+            values[self.repeated] = struct.unpack_from(f"<{more}f", payload, size)
+        return values
 
 
 KINDS = {
@@ -178,14 +168,14 @@ def pack_message(name: str, **values: Any) -> tuple[int, bytes]:
 
 
 def unpack_message(code: int, payload: bytes, number: int = 0) -> Message:
-    """Return a message from its type and payload; `DataError` if there is none of it."""
+    """Return a message from type and payload; raise `DataError` for an unknown type."""
     if code not in BY_CODE:
         raise DataError(f"There is no message of type {code:#04x}.")
     return Message(BY_CODE[code].name, BY_CODE[code].unpack(payload), number)
 
 
 def print_header() -> str:
-    """`messages.h`: types, lengths and places of fields, and all words, for the firmware."""
+    """Return the text of `messages.h`: types, lengths and places of fields."""
     rows = ["/* Messages of the link, printed by martensite. Types, lengths and places of fields. */"]
     rows += ["#ifndef MESSAGES_H", "#define MESSAGES_H", "", f"#define LINK_VERSION {VERSION}"]
     rows += [f"#define LINK_ARM_WORD {ARM_WORD:#x}UL", ""]
