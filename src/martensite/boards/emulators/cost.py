@@ -1,8 +1,7 @@
 """Cost of a step on emulated processors: cycles on AVR, instructions on Cortex-M4, and bytes.
 
 simavr counts cycles as in the data sheet. QEMU counts instructions, which take 1 to 14 cycles each on a Cortex-M4;
-times
-at one cycle each are lower bounds, and are labelled so.
+times at one cycle each are lower bounds, and are labelled so.
 """
 
 from __future__ import annotations

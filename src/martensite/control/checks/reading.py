@@ -86,8 +86,7 @@ class Mismatch(AbstractCheck):
     """Cut signals if two readings contradict each other.
 
     Compare two sensors, or a sensor with the estimate of an observer (`estimated.NAME`). Only this check finds a
-    reading
-    that drifts.
+    reading that drifts.
     """
 
     alarm, size = 7, 1
@@ -163,8 +162,7 @@ class NoCurrent(AbstractWhileOn):
     """Cut signals if no current flows in a circuit.
 
     The reading of the current is late by one period and the delay of its sensor; the time until the alarm must be
-    longer.
-    Without a signal the circuit cannot be tested: a guard with the answer `resume` tries again after `hold`.
+    longer. Without a signal the circuit cannot be tested: a guard with the answer `resume` tries again after `hold`.
     """
 
     alarm, size = 6, 2

@@ -235,9 +235,8 @@ class Correction(Parametrised):
 
         u = u_f + v,    low - u_f ≤ v ≤ high - u_f
 
-    u_f is the feed-forward and v the answer of a PID law to the measured error. The integral stops where the sum is
-    at a
-    limit. By default all gains are 0.
+    u_f is the feed-forward and v the answer of a PID law to the measured error. The integral stops where the sum is at
+    a limit. By default all gains are 0.
     """
 
     Kp: Number = param(GAIN, "proportional gain", default=0.0)

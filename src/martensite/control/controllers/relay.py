@@ -17,9 +17,8 @@ class OnOff(AbstractController):
 
         off if y ≥ r,     on if y < r - band,     else unchanged
 
-    r is the reference, which may move. With a sensor delay t_d and a sample period T, a reading with rate v
-    overshoots by
-    about v (t_d + T).
+    r is the reference, which may move. With a sensor delay t_d and a sample period T, a reading with rate v overshoots
+    by about v (t_d + T).
 
     If the reading falls while the signal is on, choose `high` below `low`.
     """
@@ -47,13 +46,11 @@ class TwoLevel(AbstractController):
             u_0   if e ≤ 0,            e = r - y
 
     Near the target the lower level reduces the oscillation of the relay. The switching has no memory and chatters at
-    the
-    sample rate. With `sign` = -1 the relay acts on -e: the second of two antagonistic elements gets the same controller
-    with the other sign, and is off while the first is on.
+    the sample rate. With `sign` = -1 the relay acts on -e: the second of two antagonistic elements gets the same
+    controller with the other sign, and is off while the first is on.
 
-    Source: variable structure control of Grant and Hayward (1997) for two antagonistic groups of fibres, where u_H
-    and u_L
-    are currents; original not seen.
+    Source: variable structure control of Grant and Hayward (1997) for two antagonistic groups of fibres, where u_H and
+    u_L are currents; original not seen.
     """
 
     cites = ("grant1997",)
@@ -84,9 +81,8 @@ class Direct(AbstractController):
 
         u = K r + u_0
 
-    It serves tests of a plant, records for identification, and comparisons with feedback. The reference has the unit
-    of the
-    signal; the limits are the limits of the source.
+    It serves tests of a plant, records for identification, and comparisons with feedback. The reference has the unit of
+    the signal; the limits are the limits of the source.
     """
 
     holds = False

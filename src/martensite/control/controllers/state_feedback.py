@@ -69,8 +69,7 @@ class NumberedGains(Parametrised):
     """A row of numbers n1, n2, …, such as gains or weights.
 
     As a row they are leaves, `gains.n1`, `gains.n2`, …: they may differ in a batch and have derivatives, and two rows
-    of
-    one length share a traced program.
+    of one length share a traced program.
     """
 
     def __init__(self, **numbers: float) -> None:

@@ -144,9 +144,8 @@ class Resisted(AbstractContact):
 class ContactResistance(AbstractPlantFault):
     """Resistance of a crimp or plug in series with the element.
 
-    A voltage source delivers less power, a current source the same. The heat of the contact does not heat the
-    element. The
-    meter measures the element alone, as with separate leads.
+    A voltage source delivers less power, a current source the same. The heat of the contact does not heat the element.
+    The meter measures the element alone, as with separate leads.
     """
 
     resistance: Number = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
@@ -179,8 +178,7 @@ class SupplySag(AbstractPlantFault):
 
     The supply parameters of the source (`supplied_by`) are multiplied: `supply` of a switch, `voltage_limit` of other
     sources. The power of a switch falls with the square of the fraction. A source with a limit is affected only where
-    it
-    needs the voltage, and not without a limit. A chamber has no supply.
+    it needs the voltage, and not without a limit. A chamber has no supply.
     """
 
     share: Number = param("1", "fraction of the voltage that is left", low=0.0, high=10.0, typical=0.7)

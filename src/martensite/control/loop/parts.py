@@ -52,12 +52,9 @@ class MountedSensor(Parametrised):
         truth → lag and noise → rounding → held until the next sample → delay + jitter n
 
     Lag, noise and rounding belong to the sensor. `sample_time` is rounded up to whole periods of the bench. Without a
-    valid
-    input the last reading is held. Each reading is late by `delay` + `jitter` n, at least 0, with an independent
-    standard
-    normal number n that is limited to ±4. In every period the newest reading that has arrived is used; a reading that
-    is
-    overtaken is lost.
+    valid input the last reading is held. Each reading is late by `delay` + `jitter` n, at least 0, with an independent
+    standard normal number n that is limited to ±4. In every period the newest reading that has arrived is used; a
+    reading that is overtaken is lost.
     """
 
     sensor: AbstractSensor = part("the sensor", SENSORS)

@@ -128,8 +128,7 @@ class RealtimeStep:
         Args:
             readings: readings by name, with `NAME.age` [s] if late, or an array in the order of `readings`; in SI.
             references: references in the order of the controllers, followed by references ahead (`list_previews`),
-                which
-                default to the present; default: the waveforms, with the first sample at 0 s.
+                which default to the present; default: the waveforms, with the first sample at 0 s.
             free: signals without a controller, by drive.
 
         Raises:

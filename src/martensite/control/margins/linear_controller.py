@@ -71,8 +71,7 @@ def settle_controller(
     """Return the memory and reference of a controller in the steady state with a signal.
 
     The solution is the least change of both for which `answer` gives the signal and keeps the memory. States that
-    neither
-    readings nor the reference move, such as an integral without gain, stay at their initial values.
+    neither readings nor the reference move, such as an integral without gain, stay at their initial values.
 
     Args:
         controller: controller without signal limits.

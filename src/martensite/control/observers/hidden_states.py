@@ -113,9 +113,8 @@ class ProcessNoisePlant(AbstractSystemAround):
 
     The standard normal numbers n change after every T_n: over that time both take a step of a random walk with the
     densities q. The drives are `noise.temperature` and `noise.martensite_fraction`, with the port in between on a
-    machine;
-    `simulate_bench` draws them like sensor noise. Fractions stay within [0, 1], so that outside the transformation the
-    noise is smaller than a filter assumes.
+    machine; `simulate_bench` draws them like sensor noise. Fractions stay within [0, 1], so that outside the
+    transformation the noise is smaller than a filter assumes.
     """
 
     temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)

@@ -215,8 +215,7 @@ class SelfSensing(UnscentedKalman):
         """Return the lower bound of the cooling over the cooling of the model.
 
         It is the bound of the sheet; 1 during the pulse, whose energy limits it; the largest while R shows the end;
-        then the
-        estimate of h less its deviation.
+        then the estimate of h less its deviation.
         """
         k, most = self._index(FILMS), self.sheet.film
         film = xp.exp(forecast.mean[k] - VOUCHED * xp.sqrt(xp.maximum(forecast.covariance[k][k], 0.0)))

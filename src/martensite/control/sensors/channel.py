@@ -53,8 +53,7 @@ class CurrentSensor(AbstractChannel):
     """Current sensor with errors of gain and offset.
 
     It measures the current through the element, for a switched source the rms value of a period. The defaults are
-    assumed:
-    ±5 A in 12 bits, and noise of two steps.
+    assumed: ±5 A in 12 bits, and noise of two steps.
     """
 
     unit = "A"
@@ -71,8 +70,7 @@ class VoltageSensor(AbstractChannel):
     """Voltage sensor with errors of gain and offset.
 
     It measures the voltage across the element, for a switched source the rms value of a period. The defaults are
-    assumed:
-    ±20 V in 12 bits, and noise of two steps.
+    assumed: ±20 V in 12 bits, and noise of two steps.
     """
 
     unit = "V"
@@ -116,10 +114,8 @@ class TiltSensor(AbstractChannel):
     """Angle sensor with a low-pass, such as an accelerometer.
 
     The low-pass with time constant τ reduces the effect of accelerations and delays the reading. The remaining effect
-    is
-    part of the noise σ: accelerations of the mount are not computed. b is an error of mounting. An observer can
-    combine a
-    `tilt` and a `gyroscope` to an angle without lag.
+    is part of the noise σ: accelerations of the mount are not computed. b is an error of mounting. An observer can
+    combine a `tilt` and a `gyroscope` to an angle without lag.
 
     All defaults are assumed.
     """
@@ -141,8 +137,7 @@ class GyroscopeSensor(AbstractSensor):
         y = (φ - φ⁻)/Δt,    τ dω/dt = y - ω,    reading = round((ω + b + σ n)/q) q,  within ±range
 
     y is the mean rate since the last reading, so that its integral is the change of the angle. The bandwidth is 1/(2π
-    τ).
-    b is a constant bias: its integral drifts.
+    τ). b is a constant bias: its integral drifts.
 
     The defaults are assumed: a range of ±2000 deg/s in 16 bits, 40 Hz, and noise of 0.1 deg/s.
     """

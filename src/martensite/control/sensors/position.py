@@ -14,14 +14,11 @@ class PositionSensor(AbstractSensor):
         p⁺ = max(y - w/2, min(y + w/2, p)),    reading = round((p + b + v t + σ n)/q) q
 
     p is the position of the slider, y the position of the moving part, and w the backlash between them: after a
-    reversal
-    the slider stays until the play is used up (Krasnosel'skii and Pokrovskii 1989). It starts in the middle of the
-    play. b
-    is the offset of the zero, which drifts at the constant rate v.
+    reversal the slider stays until the play is used up (Krasnosel'skii and Pokrovskii 1989). It starts in the middle of
+    the play. b is the offset of the zero, which drifts at the constant rate v.
 
     The defaults belong to a magnetic encoder of 12 bits over poles of 2 mm, q = 2 mm/4096, without play, offset and
-    drift;
-    the noise is assumed.
+    drift; the noise is assumed.
     """
 
     cites = ("copaci2019", "krasnoselskii1989")
@@ -52,9 +49,8 @@ class EncoderSensor(AbstractSensor):
 
     N lines over the span s give 4 N counts: each line has a rising and a falling edge on each of two tracks. A rotary
     encoder has N lines per turn, s = 2π, and reads an angle that continues beyond one turn. A linear encoder has one
-    line
-    per pitch, N = 1 and s the pitch, and reads a length. It is incremental: y_0 is a reference mark, y_0 = 0, or the
-    position at switch-on. It has no noise and loses no count at any speed.
+    line per pitch, N = 1 and s the pitch, and reads a length. It is incremental: y_0 is a reference mark, y_0 = 0, or
+    the position at switch-on. It has no noise and loses no count at any speed.
 
     The defaults are assumed.
     """

@@ -18,8 +18,7 @@ class ThermocoupleSensor(AbstractSensor):
 
     The bead loses heat through its leads, so that its steady state T_f is below the wire temperature by the stem error
     (1 - a) (T - T_a). The attachment a is 1 for a bead at the wire temperature. τ is the time constant of the bead, b
-    the
-    error of the cold junction. The instrument linearises the voltage. The heat that the bead takes from the wire is
+    the error of the cold junction. The instrument linearises the voltage. The heat that the bead takes from the wire is
     neglected, which is wrong for a wire as thin as the leads.
 
     All defaults are assumed.
@@ -56,12 +55,10 @@ class InfraredSensor(AbstractSensor):
         T_f⁴ = T_a⁴ + κ (T⁴ - T_a⁴)                mixing of radiation
         τ dT_s/dt = T_f - T_s,    reading = round((T_s + σ n)/q) q,  within its range
 
-    The field of view holds the wire at T and a background at T_a. κ = (f + f' t) ε/ε_s is the weight of the wire: f
-    is its
-    fraction of the field of view, which drifts if the wire moves; ε is the emissivity of the wire, a grey body that
+    The field of view holds the wire at T and a background at T_a. κ = (f + f' t) ε/ε_s is the weight of the wire: f is
+    its fraction of the field of view, which drifts if the wire moves; ε is the emissivity of the wire, a grey body that
     reflects the ambient radiation at T_a; ε_s is the emissivity setting. Radiation is the total radiation of a grey
-    body:
-    the band of wavelengths, the temperature of the thermometer and its window are neglected.
+    body: the band of wavelengths, the temperature of the thermometer and its window are neglected.
 
     The paper states that the reading "is an average between SMA wire temperature and the temperature of the ambient
     around the SMA wire", without the fraction; f, τ and the noise are assumed. By default the wire is black and the

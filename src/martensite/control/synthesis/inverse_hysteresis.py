@@ -60,8 +60,7 @@ def identify_hysteresis(
     """Identify plays and a curve from a slow record.
 
     The record begins in the steady state and covers the range of signals up and down, so slowly that half the rate
-    would
-    give the same loop.
+    would give the same loop.
 
     Args:
         record: one input, the signal, and one output, in SI.

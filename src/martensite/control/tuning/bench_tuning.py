@@ -152,8 +152,7 @@ def compare_gains(
     """Return a loop on the nominal plant before and after a change of parameters by path.
 
     Costs use the default goal with the scales of `course`, by default of the loop before. The errors are compared on
-    the
-    plants `judged` by a `measure` of `judgement`.
+    the plants `judged` by a `measure` of `judgement`.
 
     Raises:
         ParameterError: the reference stays where the output begins.

@@ -176,8 +176,7 @@ class ControlledModel:
         """Return output and signal, shape (samples, 2), and their derivatives with respect to log gains.
 
         The derivatives hold between switchings of the controller: where another gain changes the sample at which the
-        integral
-        stops, the run itself jumps a little.
+        integral stops, the run itself jumps a little.
         """
         return self.engine.jacobian(compute_logarithms(gains), _build_column(reference))
 

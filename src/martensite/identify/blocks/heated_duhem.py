@@ -88,9 +88,8 @@ class _Heat(NamedTuple):
 class HeatedDuhem(AbstractBlock):
     """From heating to measured temperature and position, with 20 free numbers.
 
-    The declared parameters are expected values: start of a fit, and centres of priors. All but the gain are typical
-    of a
-    wire of half a millimetre in air.
+    The declared parameters are expected values: start of a fit, and centres of priors. All but the gain are typical of
+    a wire of half a millimetre in air.
     """
 
     short = "heated"

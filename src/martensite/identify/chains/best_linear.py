@@ -158,8 +158,7 @@ def best_linear(
     """Return the linear model of an order that reproduces records best in free run from the steady state.
 
     One input and output give `oe(order, order, nk) | poly1`, with one more coefficient for nk = 0; several give one
-    `ss`
-    block with offsets.
+    `ss` block with offsets.
 
     Args:
         records: one or several, of one sample time.

@@ -30,8 +30,7 @@ class Chain:
     """Blocks in series with values of their free numbers, at one sample time.
 
     static | linear is a Hammerstein model, linear | static a Wiener model; any order is possible. Linear blocks are
-    stable
-    by their parameters.
+    stable by their parameters.
     """
 
     blocks: tuple[AbstractBlock, ...]
@@ -97,9 +96,8 @@ class Chain:
     def simulate(self, inputs: Numbers | Sampled, state: Numbers | None = None) -> Numbers:
         """Return the outputs, shape (samples, outputs), of a free run.
 
-        The run begins in the given state, or as in the fit for a record of the fit, else in the steady state under
-        the first
-        input. `record_starts.find_start` finds the start of other records.
+        The run begins in the given state, or as in the fit for a record of the fit, else in the steady state under the
+        first input. `record_starts.find_start` finds the start of other records.
 
         Raises:
             InputError: the number of inputs or the sample time does not fit.

@@ -122,9 +122,8 @@ class CompiledChain:
     def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
         """Simulate with derivatives dy of shape (samples, outputs, extra + columns).
 
-        The first columns belong to the initial state: as many as ds has in addition to the free numbers. Samples of
-        dy must be
-        contiguous, followed by space up to a whole tile.
+        The first columns belong to the initial state: as many as ds has in addition to the free numbers. Samples of dy
+        must be contiguous, followed by space up to a whole tile.
         """
         columns = ds.shape[1]
         if columns not in self._with_slopes:

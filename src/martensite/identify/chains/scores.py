@@ -70,8 +70,7 @@ def score_chain(
     """Return the scores of all outputs over records, at their full sample rate.
 
     A record of another sample time is resampled first. For `estimate`, the state of a new record is inferred from its
-    first
-    samples, not from all scored samples.
+    first samples, not from all scored samples.
     """
     start = AUTO if start == "estimate" else start
     scores: list[OutputScore] = []

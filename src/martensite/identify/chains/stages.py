@@ -79,8 +79,7 @@ def identify_stages(
     Args:
         records: records of the fit, with all intermediate and final measurements as outputs.
         stages: structures, such as `poly2 | oe(3,3,1) | pwl10 -> temperature`; the default output of the last stage
-            is the
-            last output of the records.
+            is the last output of the records.
         validation: records for validation, with another excitation.
         other: further records that are scored.
         options: options of the estimation of each stage.

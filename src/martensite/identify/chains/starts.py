@@ -42,8 +42,7 @@ def align_chain(chain: Chain, records: Sequence[Sampled]) -> Chain:
     """Return the chain with the line of its last static block fitted to the outputs.
 
     Linear blocks after it have unit gain, so the same line serves. A number of the last block that is proportional to
-    an
-    output is fitted by least squares.
+    an output is fitted by least squares.
     """
     with np.errstate(all="ignore"):  # a random chain may be unbounded
         return _align_last(_fit_gains(chain, records), records)

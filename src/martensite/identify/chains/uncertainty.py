@@ -165,8 +165,7 @@ def estimate_chain_uncertainty(
         chain: the chain.
         squares: minimised sum of squares.
         blocks: block length in samples, for all records or for each; default: three correlation times. 1 means
-            independent
-            residuals.
+            independent residuals.
 
     Raises:
         DataError: no sample counts, or a residual is not finite.

@@ -213,8 +213,7 @@ def climb_ladder(
 
     Args:
         records: records of the fit; records of another regime than the first are set apart. The last fifth of each is
-            held
-            out, and a third of the rest is for the choice of a structure.
+            held out, and a third of the rest is for the choice of a structure.
         validation: records for the choice instead.
         other: held-out records instead.
         options: options of the estimation of the best structure of a rung; other structures have fewer starts.

@@ -151,8 +151,7 @@ def compute_weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
     """Return the weights of the signals after the first, from the last section back, for zeros at s = -1/lead.
 
     There is one more signal than zeros. In the limit of dense samples the signals have numerators in s of ascending
-    degree;
-    their weighted sum has the given zeros.
+    degree; their weighted sum has the given zeros.
     """
     count = len(leads) + 1
     matrix = np.zeros((count, count))
