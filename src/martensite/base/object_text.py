@@ -44,8 +44,9 @@ def encode(value: Any) -> Any:
     if is_dataclass(value):
         return {"class": _name_class(value), "named": {f.name: encode(getattr(value, f.name)) for f in fields(value)}}
     if isinstance(value, list | tuple):
-        items = [encode(one) for one in cast("Any", value)]
-        if hasattr(value, "_fields"):
+        rows = cast("list[Any]", value)
+        items = [encode(one) for one in rows]
+        if hasattr(rows, "_fields"):
             return {"class": _name_class(value), "items": items}
         return items if isinstance(value, list) else {"tuple": items}
     raise DataError(f"An object of the class `{type(value).__name__}` cannot be written to a file.")
@@ -93,12 +94,16 @@ def _find_class(name: str) -> Any:
         cls = getattr(cls, one, None)
     if cls is None:
         raise DataError(f"Class `{path}` of module `{home}` is unknown here; import that module first.")
-    allowed = isinstance(cls, type) and (issubclass(cls, Parametrised | Enum) or is_dataclass(cls))
-    if allowed or (isinstance(cls, type) and hasattr(cls, "_fields")):
-        return cls
+    made: Any = cls
+    if isinstance(cls, type) and (
+        issubclass(cls, Parametrised | Enum) or is_dataclass(made) or hasattr(made, "_fields")
+    ):
+        return made
     raise DataError(f"`{name}` is no class of a part or of a record.")
 
 
 def _list_packages() -> set[str]:
     """Return this package and its plug-ins."""
-    return {OWN, *(one.module.partition(".")[0] for one in entry_points() if one.group.startswith(f"{OWN}."))}
+    points: Any = entry_points()
+    groups = [name for name in points.groups if name.startswith(f"{OWN}.")]
+    return {OWN, *(str(one.module).partition(".")[0] for name in groups for one in points.select(group=name))}

@@ -1,4 +1,4 @@
-"""Questions to a model: size and tune; design and sweep, sweep and optimise."""
+"""Sizing, sweeps, sensitivity and optimisation of designs."""
 
 from martensite.base.lazy import attach_names
 

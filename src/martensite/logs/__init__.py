@@ -1,1 +1,1 @@
-"""Measured files: one reader for all of them, the meaning of their columns, and published data sets."""
+"""Measured files: one reader, the meaning of columns, and published data sets."""

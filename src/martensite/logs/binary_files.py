@@ -1,7 +1,7 @@
-"""Columns of numbers in Parquet, MAT and netCDF files.
+"""Numeric columns of Parquet, MAT and netCDF files.
 
-MAT and netCDF files are read in a separate process with limits of time and memory. A damaged file can crash or block
-the process that reads it.
+MAT and netCDF files are read in a separate process with limits of time and memory, because a damaged file can crash or
+block its reader.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from martensite.base.lazy import import_extra
 from martensite.logs.open_files import TEXT, describe_unreadable
 
 BINARY = (".parquet", ".mat", ".nc", ".h5", ".hdf5")
-"""Endings of files of arrays."""
+"""Suffixes of files of arrays."""
 LONGEST = 60.0
-"""Time limit for reading a file in a separate process [s], without the allowance for its size."""
+"""Time limit of a separate process [s], plus the allowance for the file size."""
 SLOWEST = 1e7
-"""Bytes that are read in a second at least."""
+"""Lowest assumed reading speed [bytes/s]."""
 MOST_MEMORY = 2**33
-"""Bytes that such a process may have."""
+"""Memory limit of a separate process [bytes]."""
 _UDUNITS = {"degree_Celsius": "degC", "degrees_Celsius": "degC", "celsius": "degC", "": "1"}
-"""Spellings of other files -> those of headings."""
+"""Unit in other files -> unit in headings."""
 Columns = dict[str, Any]
 """Heading, with or without unit -> numbers."""
 
 
 def head_column(heading: str, unit: str) -> str:
-    """Return a heading with its unit, where it has none."""
+    """Return a heading with its unit."""
     return heading if "[" in heading or not unit else f"{heading} [{unit}]"
 
 
@@ -46,7 +46,7 @@ def read_arrays(path: Path) -> dict[str, Any]:
     """Return the columns of a binary file by heading, with the unit if the file contains it.
 
     Raises:
-        DataError: the file is missing, of no known kind, or malformed.
+        DataError: the file is missing, of unknown kind, or malformed.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
     ending = path.suffix.lower()
@@ -58,10 +58,10 @@ def read_arrays(path: Path) -> dict[str, Any]:
 
 
 def read_apart(path: Path, reader: str, size: int) -> Columns:
-    """Read a file of `size` bytes in a separate process with `reader`, a `MODULE:FUNCTION` of a path.
+    """Return the columns of a file of `size` bytes, read in a separate process by `reader` (`MODULE:FUNCTION`).
 
     Raises:
-        DataError: the file is damaged, or the reader says so.
+        DataError: the file is damaged, or the reader refuses it.
     """
     environment = python_environment(OPENBLAS_NUM_THREADS="1")
     command, most = python_command("-m", __spec__.name, reader, str(path)), LONGEST + size / SLOWEST
@@ -73,36 +73,36 @@ def read_apart(path: Path, reader: str, size: int) -> Columns:
         raise DataError(done.stderr.decode("utf-8", "replace"))
     if done.returncode:
         raise DataError(f"`{path.name}` is damaged: the process that read it ended at once.")
-    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as found:
-        return {str(name): found[f"column_{k}"] for k, name in enumerate(found["names"])}
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
+        return {str(name): arrays[f"column_{k}"] for k, name in enumerate(arrays["names"])}
 
 
 def _answer_apart(reader: str, path: Path) -> None:
-    """Write the columns of a file to the standard output, or why there are none as an error."""
+    """Write the columns of a file to standard output, or the error to standard error."""
     with suppress(ImportError, ValueError):  # other systems lack this limit
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     try:
-        found = _read_columns(reader, path)
+        columns = _read_columns(reader, path)
     except DataError as error:
         os.write(sys.stderr.fileno(), str(error).encode())
-        os._exit(DataError.exit_code)  # nothing that a reader left half open may speak
-    columns = {f"column_{k}": column for k, column in enumerate(found.values())}
-    np.savez(sys.stdout.buffer, names=np.array(list(found), dtype=str), **columns)
+        os._exit(DataError.exit_code)  # half-open readers must not print
+    numbered = {f"column_{k}": column for k, column in enumerate(columns.values())}
+    np.savez(sys.stdout.buffer, names=np.array(list(columns), dtype=str), **numbered)
 
 
 def _read_columns(reader: str, path: Path) -> Columns:
     module, _, function = reader.partition(":")
     try:
-        found = getattr(import_module(module), function)(path)
+        columns = getattr(import_module(module), function)(path)
     except DataError:
         raise
-    except Exception as error:  # readers of binary files let errors of any kind pass
+    except Exception as error:  # binary readers raise errors of any kind
         raise DataError(f"`{path.name}` cannot be read as {path.suffix}: {error!r}.") from None
-    if not found:
+    if not columns:
         raise DataError(f"`{path.name}` has no numeric columns over time.")
-    return found
+    return columns
 
 
 # ---------------------------------------------------------------- kinds of files
@@ -130,11 +130,11 @@ def read_mat(path: Path) -> Columns:
     from scipy.io import loadmat
 
     try:
-        found: dict[str, Any] = loadmat(str(path), simplify_cells=True)
+        variables: dict[str, Any] = loadmat(str(path), simplify_cells=True)
     except NotImplementedError:  # version 7.3 is HDF5
-        found = _read_hdf(path)
+        variables = _read_hdf(path)
     columns: Columns = {}
-    for name, value in found.items():
+    for name, value in variables.items():
         if not name.startswith(("__", "#")):
             columns |= _flatten_value(name, value)
     if not columns:
@@ -161,7 +161,7 @@ def _read_hdf(path: Path) -> dict[str, Any]:
 
 
 def read_hdf(path: Path) -> Columns:
-    """Return the vectors and columns of matrices of an HDF5 file, by name, with their attribute `units`."""
+    """Return the vectors and columns of matrices of an HDF5 file, by name, with the unit in attribute `units`."""
     import h5py
 
     columns: Columns = {}
@@ -169,9 +169,9 @@ def read_hdf(path: Path) -> Columns:
     def visit(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset):
             unit = str(item.attrs.get("units", ""))
-            found = _flatten_value(name.replace("/", "."), np.asarray(item))
             unit = _UDUNITS.get(unit, unit) if unit else ""
-            columns.update({head_column(part, unit): column for part, column in found.items()})
+            parts = _flatten_value(name.replace("/", "."), np.asarray(item))
+            columns.update({head_column(part, unit): column for part, column in parts.items()})
 
     with h5py.File(path, "r") as file:
         file.visititems(visit)
@@ -179,7 +179,7 @@ def read_hdf(path: Path) -> Columns:
 
 
 def _flatten_value(name: str, value: Any) -> Columns:
-    """Return the columns of a variable: of a struct those of its fields, of Simulink's struct with time its signals."""
+    """Return the columns of a variable, including fields of structs and signals of Simulink's struct with time."""
     if isinstance(value, dict):
         fields = cast("dict[str, Any]", value)
         signals, time = fields.get("signals"), fields.get("time", fields.get("Time"))
@@ -209,7 +209,7 @@ def _flatten_value(name: str, value: Any) -> Columns:
 
 
 def read_netcdf(path: Path) -> Columns:
-    """Variables over one dimension, that of time if there is one; over a second of texts, one column for each."""
+    """Return the variables over one dimension, preferably time; a second dimension of texts gives one column each."""
     import h5netcdf
 
     columns: Columns = {}

@@ -1,7 +1,7 @@
-"""Cells of tables from laboratories as numbers: decimal commas, thousands, clocks, dates, overflows, units behind.
+"""Cells of laboratory tables as numbers: decimal commas, thousands, clocks, dates, overflows, units.
 
-A clock is read as seconds of its day, a date as seconds since the first day of the calendar, a stamp of both as their
-sum. Where the order of day and month cannot be told, the day comes first.
+A clock is seconds of its day, a date seconds since the first day of the calendar, a stamp their sum. If the order of
+day and month is ambiguous, the day comes first.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from martensite.logs.heading_guess import find_listed
 
 GAPS = ("", "nan", "na", "n/a", "null")
-"""Cells that a logger writes for a missing sample, in lower case."""
+"""Cells of a missing sample, in lower case."""
 Numbers = NDArray[np.float64]
 OVERFLOW = 9.9e36
-"""Instruments write 9.9e37 where a reading is out of range."""
+"""Instruments write 9.9e37 for readings out of range."""
 TINIEST = 1e-300
-"""Smaller numbers count as zero: their squares and quotients leave the range of floats."""
+"""Smaller numbers count as zero, because their squares and quotients leave the range of floats."""
 DAY = 86_400.0
 MISSING = {*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#n/a", "#num!", "#div/0!", "∞", "-∞"}
 MISSING |= {"+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"}
-"""Cells of a sample that is missing or out of range, in lower case."""
+"""Cells of a missing or out-of-range sample, in lower case."""
 
 _NUMBER = r"[+\-−]?(?:\d+(?:[.,'’]\d{3})*(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+\-]?\d+)?"
 _CLOCK = r"(\d{1,3}):([0-5]?\d)(?::([0-5]?\d)(?:[.,:](\d+))?|[.](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?"
@@ -50,21 +50,21 @@ class NumberStyle:
     comma: bool = False
     """Decimal comma."""
     thousands: str = ""
-    """Sign between thousands."""
+    """Thousands separator."""
     unsure: bool = False
     """True if `1,234` is ambiguous."""
 
 
 @dataclass(frozen=True)
 class ReadCells:
-    """A column of cells as numbers."""
+    """Column of cells as numbers."""
 
     kind: str
-    """`number`, `clock`, `date`, `stamp`, or `text` where less than half of the cells are any of these."""
+    """`number`, `clock`, `date`, `stamp`, or `text` if less than half of the cells are any of these."""
     numbers: Numbers
-    """NaN for what is missing or cannot be read."""
+    """NaN for missing or unreadable cells."""
     wrong: list[int]
-    """Indices of cells that hold something else."""
+    """Indices of cells with other content."""
     unit: str = ""
     """Unit that stands behind the numbers."""
     unsure: bool = False
@@ -89,8 +89,8 @@ def find_kind(cell: str) -> str:
     kind = next((kind for kind, pattern in _PATTERNS.items() if pattern.fullmatch(text)), "")
     if kind != "quantity":
         return kind
-    found = _PATTERNS["quantity"].fullmatch(text)
-    return kind if found is not None and find_listed(found[2]) else ""
+    match = _PATTERNS["quantity"].fullmatch(text)
+    return kind if match is not None and find_listed(match[2]) else ""
 
 
 def find_style(cells: Iterable[str]) -> NumberStyle:
@@ -113,7 +113,7 @@ def find_style(cells: Iterable[str]) -> NumberStyle:
 
 
 def read_cells(cells: Sequence[str], style: NumberStyle) -> ReadCells:
-    """Return a column of cells as numbers; its kind is that of most of them."""
+    """Return a column of cells as numbers; its kind is that of most cells."""
     plain = _read_plain(cells, style)
     if plain is not None:
         return ReadCells("number", plain, [])
@@ -132,7 +132,7 @@ def read_cells(cells: Sequence[str], style: NumberStyle) -> ReadCells:
 
 
 def parse_cells(cells: Sequence[str], style: NumberStyle, kind: str) -> tuple[Numbers, list[int]]:
-    """Return cells of a kind as numbers, and the places of the cells that are neither that nor missing."""
+    """Return cells of a kind as numbers, and the indices of cells that are neither of this kind nor missing."""
     parse = {"number": _to_number, "clock": _to_clock, "quantity": _to_quantity}[kind]
     plain = _read_plain(cells, style) if kind == "number" else None
     if plain is not None:
@@ -148,19 +148,18 @@ def parse_cells(cells: Sequence[str], style: NumberStyle, kind: str) -> tuple[Nu
 
 
 def _read_plain(cells: Sequence[str], style: NumberStyle) -> Numbers | None:
-    """Return cells as Python reads numbers, at a fraction of the time; None if one of them is something else."""
+    """Return cells read by Python's fast float parser; None if one of them has another form."""
     text = "".join(cells)
     if style.thousands or "_" in text or not text.isascii():  # Python would read 1_000, and digits of any script
         return None
     try:
-        found = np.array([float(cell.replace(",", ".") if style.comma else cell) for cell in cells])
+        return clear_extremes(np.array([float(cell.replace(",", ".") if style.comma else cell) for cell in cells]))
     except ValueError:
         return None
-    return clear_extremes(found)
 
 
 def clear_extremes(numbers: Numbers) -> Numbers:
-    """Return numbers with NaN for overflows, and zero for what is next to nothing."""
+    """Return numbers with NaN for overflows and zero for tiny values."""
     return np.where(np.abs(numbers) < TINIEST, 0.0, np.where(np.abs(numbers) < OVERFLOW, numbers, math.nan))
 
 
@@ -174,27 +173,27 @@ def _to_number(cell: str, style: NumberStyle) -> float:
 
 
 def _to_quantity(cell: str, style: NumberStyle) -> float:
-    found = _PATTERNS["quantity"].fullmatch(cell.strip().strip('"'))
-    return _to_number(cell if found is None else found[1], style)
+    match = _PATTERNS["quantity"].fullmatch(cell.strip().strip('"'))
+    return _to_number(cell if match is None else match[1], style)
 
 
 def _find_common_unit(cells: Sequence[str]) -> str:
-    found = [_PATTERNS["quantity"].fullmatch(cell.strip().strip('"')) for cell in cells[:200]]
-    units = [one[2].strip() for one in found if one is not None]
+    matches = [_PATTERNS["quantity"].fullmatch(cell.strip().strip('"')) for cell in cells[:200]]
+    units = [one[2].strip() for one in matches if one is not None]
     return max(set(units), key=units.count) if units else ""
 
 
 def _to_clock(cell: str, style: NumberStyle) -> float:
-    found = _PATTERNS["clock"].fullmatch(cell.strip().strip('"'))
-    if found is None:
+    match = _PATTERNS["clock"].fullmatch(cell.strip().strip('"'))
+    if match is None:
         raise ValueError
-    return _count_seconds(*found.groups())
+    return _count_seconds(*match.groups())
 
 
 def _count_seconds(
     first: str, second: str, third: str | None, part: str | None, short: str | None, half: str | None
 ) -> float:
-    """Return the seconds of the day of 17:27:33.5, of 5:27 PM, or seconds that have passed, of 27:33.5."""
+    """Return the seconds of the day of 17:27:33.5 or 5:27 PM, or elapsed seconds of 27:33.5."""
     if third is None and short is not None:
         return 60.0 * int(first) + int(second) + float(f"0.{short}")
     hours = int(first)
@@ -218,15 +217,15 @@ def _read_dates(cells: Sequence[str], kind: str) -> ReadCells:
 
 def _count_days(texts: Sequence[str]) -> tuple[list[float], bool]:
     """Return days of the calendar, NaN for other texts, and whether the order of day and month is ambiguous."""
-    known = {text: tuple(re.split(r"[-/. ]", text)) for text in dict.fromkeys(texts)}
-    written = [part for part in known.values() if len(part[0]) < 3 and part[1].isdigit()]
+    parts = {text: tuple(re.split(r"[-/. ]", text)) for text in dict.fromkeys(texts)}
+    written = [part for part in parts.values() if len(part[0]) < 3 and part[1].isdigit()]
     over = [any(int(part[k]) > 12 for part in written) for k in (0, 1)]
     month_first = over[1] and not over[0]
     unsure = bool(written) and not any(over) and any(part[0] != part[1] for part in written)
-    if unsure and len(known) > 1:  # days that follow one another are not months apart
+    if unsure and len(parts) > 1:  # successive days are not months apart
         spans = [np.ptp([_find_day(part, first) for part in written]) for first in (False, True)]
         month_first, unsure = bool(spans[1] < spans[0]), bool(spans[0] == spans[1])
-    days = {text: _find_day(part, month_first) for text, part in known.items()}
+    days = {text: _find_day(part, month_first) for text, part in parts.items()}
     return [days[text] for text in texts], unsure
 
 

@@ -19,16 +19,16 @@ from martensite.logs.value_guess import ValueGuess, guess_columns, guess_unit, i
 GIVEN, INFERRED, AMBIGUOUS = "given", "inferred", "ambiguous"
 """Certainty of a meaning."""
 IMPLIED = {"x_value": "s", "millis": "ms", "micros": "us", "milliseconds": "ms", "microseconds": "us", "seconds": "s"}
-"""Heading -> unit of time that it is."""
+"""Heading -> its unit of time."""
 SECOND = re.compile(
     r"set|target|command|demand|soll|program|ambient|room|chamber|reference|cold|\b(?:max|min|average|mean)\b",
     re.IGNORECASE,
 )
-"""Words of a heading beside which another column is the one that is meant."""
+"""Words in headings of secondary columns."""
 FASTEST_RAMP = 3.0
-"""Fastest ramp of a calorimeter [K/s]; they go by 1 to 100 K/min."""
+"""Fastest ramp of a calorimeter [K/s]; usual ramps are 1 to 100 K/min."""
 COUNTER = re.compile(r"(?:#|no\.?|nr\.?|index|scan|sample|reading|point|row|record|sequence|x)", re.IGNORECASE)
-"""Headings of columns that count the rows."""
+"""Headings of row counters."""
 
 
 _FLOAT = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -45,9 +45,9 @@ class Meaning:
     """Source of the meaning: `given` by the user, `heading`, `unit` alone, `values`, or `ambiguous`."""
     sure: bool = True
     factor: float = 1.0
-    """Of the numbers in the file."""
+    """Factor of the numbers in the file."""
     offset: float = 0.0
-    """[unit], added after the factor."""
+    """Offset [unit], added after the factor."""
 
     @property
     def certainty(self) -> str:
@@ -64,25 +64,26 @@ def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
         DataError: `named` refers to an unknown column, or assigns an unknown meaning.
     """
     given = _read_named(raw, named)
-    found = [given.get(place) or _guess_column(raw, place) for place in range(len(raw.columns))]
+    meanings = [given.get(place) or _guess_column(raw, place) for place in range(len(raw.columns))]
     unknown = {
         place: raw.columns[place].numbers
-        for place, one in enumerate(found)
+        for place, one in enumerate(meanings)
         if not one.name and raw.columns[place].kind == "number" and not raw.columns[place].heading
     }
     timed = any(
-        one.name == "time" or column.kind in ("clock", "stamp") for one, column in zip(found, raw.columns, strict=True)
+        one.name == "time" or column.kind in ("clock", "stamp")
+        for one, column in zip(meanings, raw.columns, strict=True)
     )
     for place, guess in guess_columns(unknown).items():
         if guess.name != "time" or not timed:
-            found[place] = Meaning(guess.name, guess.unit, "values", guess.sure)
-    if not any(one.name == "time" for one in found):
-        found = _find_headed_time(raw, found)
-    return _name_apart(raw, _judge_ramp(raw, found), given)
+            meanings[place] = Meaning(guess.name, guess.unit, "values", guess.sure)
+    if not any(one.name == "time" for one in meanings):
+        meanings = _find_headed_time(raw, meanings)
+    return _name_apart(raw, _judge_ramp(raw, meanings), given)
 
 
 def _guess_column(raw: RawTable, place: int) -> Meaning:
-    """Return the meaning of one column by heading and unit; if neither gives the unit, guess it from the values."""
+    """Return the meaning of one column by heading and unit; a missing unit is guessed from the values."""
     column = raw.columns[place]
     if column.kind in ("clock", "stamp"):
         return Meaning("time", CLOCK, "values" if not column.heading else "heading")
@@ -122,34 +123,35 @@ def _guess_column(raw: RawTable, place: int) -> Meaning:
 
 
 def _is_row_count(numbers: Numbers) -> bool:
-    """Return whether a column counts the rows from 0 or 1 on."""
+    """Return whether a column counts the rows from 0 or 1."""
     return bool(numbers.size > 2 and numbers[0] in (0.0, 1.0) and np.all(np.diff(numbers) == 1.0))
 
 
-def _judge_ramp(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
+def _judge_ramp(raw: RawTable, meanings: list[Meaning]) -> list[Meaning]:
     """Return a calorimeter's time without unit in minutes, if its ramp would be impossibly fast in seconds."""
-    at = {one.name: k for k, one in enumerate(found) if one.name in ("time", "temperature")}
-    if len(at) < 2 or found[at["time"]].known != "values" or not any(HEAT.search(c.heading) for c in raw.columns):
-        return found
+    at = {one.name: k for k, one in enumerate(meanings) if one.name in ("time", "temperature")}
+    if len(at) < 2 or meanings[at["time"]].known != "values" or not any(HEAT.search(c.heading) for c in raw.columns):
+        return meanings
     times, heat = (raw.columns[at[name]].numbers for name in ("time", "temperature"))
     steps = np.abs(np.diff(heat)) / np.maximum(np.diff(times), 1e-12)
     unit = "min" if float(np.nanmedian(steps)) > FASTEST_RAMP else "s"
-    return [replace(one, unit=unit, sure=True) if k == at["time"] else one for k, one in enumerate(found)]
+    return [replace(one, unit=unit, sure=True) if k == at["time"] else one for k, one in enumerate(meanings)]
 
 
-def _find_headed_time(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
-    """Take a nameless first column with equal rising steps as the time, if no other column is the time."""
-    first = next((k for k, column in enumerate(raw.columns) if column.kind == "number"), None)
-    if first is None or found[first].name or raw.columns[first].heading or not is_even_time(raw.columns[first].numbers):
-        return found
-    if sum(column.kind == "number" for column in raw.columns) < 2:
-        return found
-    guess = guess_unit("time", raw.columns[first].numbers)
-    return [Meaning("time", guess.unit, "values", guess.sure) if k == first else one for k, one in enumerate(found)]
+def _find_headed_time(raw: RawTable, meanings: list[Meaning]) -> list[Meaning]:
+    """Use a nameless first column with equal rising steps as time if there is no other time."""
+    numeric = [k for k, column in enumerate(raw.columns) if column.kind == "number"]
+    if len(numeric) < 2:
+        return meanings
+    first, column = numeric[0], raw.columns[numeric[0]]
+    if meanings[first].name or column.heading or not is_even_time(column.numbers):
+        return meanings
+    guess = guess_unit("time", column.numbers)
+    return [Meaning("time", guess.unit, "values", guess.sure) if k == first else one for k, one in enumerate(meanings)]
 
 
 def _name_apart(raw: RawTable, found: list[Meaning], given: Mapping[int, Meaning]) -> list[Meaning]:
-    """Return the columns with names that differ; what is unknown but headed is kept under its heading."""
+    """Return the columns with unique names; unknown columns with headings keep these."""
     order = sorted(range(len(found)), key=lambda k: (k not in given, bool(SECOND.search(raw.columns[k].heading)), k))
     taken: set[str] = set()
     named = list(found)
@@ -186,12 +188,12 @@ def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) 
 
 
 def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -> dict[int, str]:
-    """Return the assigned meaning by place of the column; columns are given by heading or number.
+    """Return column index -> assigned meaning; columns are given by heading or number.
 
     Raises:
         DataError: the column does not exist, or is ambiguous.
     """
-    found: dict[int, str] = {}
+    places: dict[int, str] = {}
     for key, text in named.items():
         same = [k for k, heading in enumerate(headings) if heading and heading.lower() == key.strip().lower()]
         if not same and key.strip().isdigit() and 0 < int(key) <= len(headings):
@@ -202,35 +204,35 @@ def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -
             raise DataError(
                 f"{where} {reason} `{key}`; its columns are 1 to {len(headings)}. {suggest_name(key, valid)}"
             )
-        found[same[0]] = text
-    return found
+        places[same[0]] = text
+    return places
 
 
 def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
-    found: dict[int, Meaning] = {}
+    meanings: dict[int, Meaning] = {}
     for place, text in find_places([one.heading for one in raw.columns], named, f"`{raw.name}`").items():
         column = raw.columns[place]
         if text.strip() == IGNORED:
-            found[place] = Meaning(IGNORED, "", "given")
+            meanings[place] = Meaning(IGNORED, "", "given")
             continue
         text, factor, offset = _part_scale(text)
         written = find_listed(write_unit(column)) or guess_heading(column.heading).unit
         bare = "[" not in text and "(" not in text and written
         (head,) = read_headings([f"{text} [{written}]" if bare else text], f"`{raw.name}`")
         unit = CLOCK if column.kind in ("clock", "stamp") and head.name == "time" else head.spelling
-        found[place] = Meaning(head.name, unit, "given", True, factor, offset)
-    return found
+        meanings[place] = Meaning(head.name, unit, "given", True, factor, offset)
+    return meanings
 
 
 def _part_scale(text: str) -> tuple[str, float, float]:
-    """Return a meaning, and the factor and offset behind it: `force[N]*2.5-0.3`."""
-    found = _SCALE.fullmatch(text.strip())
-    return (text, 1.0, 0.0) if found is None else (found[1], float(found[2] or 1.0), float(found[3] or 0.0))
+    """Return a meaning with its factor and offset: `force[N]*2.5-0.3`."""
+    match = _SCALE.fullmatch(text.strip())
+    return (text, 1.0, 0.0) if match is None else (match[1], float(match[2] or 1.0), float(match[3] or 0.0))
 
 
 def write_unit(column: RawColumn) -> str:
-    """Return the unit of a column as the file writes it."""
+    """Return the unit of a column as written in the file."""
     if column.unit:
         return column.unit
-    found = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$", column.heading)
-    return found[1] if found else ""
+    match = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$", column.heading)
+    return match[1] if match else ""

@@ -1,6 +1,6 @@
 """Tables in binary files: spreadsheets, MAT, Parquet, netCDF, TDMS (LabVIEW) and MCAP (robots).
 
-All but Parquet are read in a separate process (`logs.binary_files.read_apart`), since a damaged file can crash its
+All but Parquet are read in a separate process (`logs.binary_files.read_apart`), because a damaged file can crash its
 reader.
 """
 
@@ -28,13 +28,13 @@ EXTRAS = {
     ".tdms": ("nptdms", "tdms", "npTDMS", "read_tdms"),
     ".mcap": ("mcap.reader", "mcap", "mcap", "read_mcap"),
 }
-"""Ending -> module, extra that brings it, its title, and function here that reads such files."""
+"""Suffix -> module, extra that installs it, its title, and reader in this module."""
 KINDS = (*BINARY, *EXTRAS)
 MOST_ROWS = 1_048_576
 """Rows of a sheet."""
 MOST_COLUMNS = 200
 LEAST_SHARE = 0.1
-"""Numbers of a sheet with a table, as a share of those of the fullest sheet."""
+"""Fewest numbers of a sheet with a table, relative to the fullest sheet."""
 MOST_MESSAGES = 2_000_000
 _TITLES = {
     ".mat": "MATLAB file",
@@ -47,18 +47,18 @@ _TITLES = {
 
 
 def find_ending(path: str | Path) -> str:
-    """Return the ending of a file in small letters, without the sheet of `book.xlsx:SHEET`."""
+    """Return the suffix of a file in lower case, without the sheet of `book.xlsx:SHEET`."""
     return part_sheet(Path(path))[0].suffix.lower()
 
 
 def part_sheet(path: Path) -> tuple[Path, str]:
-    """Return a file, and the sheet that is named behind a spreadsheet; empty for none."""
-    found = re.fullmatch(r"(.+\.xls[xm]):(.+)", str(path), re.IGNORECASE)
-    return (path, "") if found is None else (Path(found[1]), found[2])
+    """Return a file, and the sheet named after a spreadsheet; may be empty."""
+    match = re.fullmatch(r"(.+\.xls[xm]):(.+)", str(path), re.IGNORECASE)
+    return (path, "") if match is None else (Path(match[1]), match[2])
 
 
 def list_sheets(source: str | Path) -> list[str | Path]:
-    """Return a source for each sheet of a spreadsheet that holds a table; any other source as it is."""
+    """Return a source for each sheet of a spreadsheet with a table; any other source unchanged."""
     path = Path(source)
     if path.suffix.lower() not in (".xlsx", ".xlsm") or not path.is_file():
         return [source]
@@ -70,17 +70,17 @@ def read_container(path: Path) -> RawTable:
     """Return the table of a binary file.
 
     Raises:
-        DataError: it is missing, damaged, or holds no table of numbers.
-        InputError: the extra that brings its reader is not installed.
+        DataError: the file is missing, damaged, or has no table of numbers.
+        InputError: the extra of its reader is not installed.
     """
     ending = find_ending(path)
     if ending in BINARY:
         return describe_arrays(path, read_arrays(path), _TITLES[ending])
-    found = _read_extra(path)
-    if "sheet" not in found:
-        return describe_arrays(path, found, f"{_TITLES.get(ending, 'MCAP file')}, {len(found)} channels")
-    sheet, *every = map(str, found.pop("sheet"))
-    rows = [(k, [str(cell) for cell in row]) for k, row in enumerate(zip(*found.values(), strict=True), start=1)]
+    columns = _read_extra(path)
+    if "sheet" not in columns:
+        return describe_arrays(path, columns, f"{_TITLES.get(ending, 'MCAP file')}, {len(columns)} channels")
+    sheet, *every = map(str, columns.pop("sheet"))
+    rows = [(k, [str(cell) for cell in row]) for k, row in enumerate(zip(*columns.values(), strict=True), start=1)]
     filled = [(k, row) for k, row in rows if any(cell.strip() for cell in row)]
     table = find_table(path, filled, (f"spreadsheet, sheet `{sheet}`",))
     others = [one for one in every if one != sheet]
@@ -92,7 +92,7 @@ def read_container(path: Path) -> RawTable:
 
 
 def _read_extra(path: Path) -> Columns:
-    """Return the columns of a file whose reader an extra brings."""
+    """Return the columns of a file with an optional reader."""
     file = part_sheet(path)[0]
     module, extra, title, reader = EXTRAS[find_ending(path)]
     import_extra(module, extra, title)
@@ -102,9 +102,9 @@ def _read_extra(path: Path) -> Columns:
 
 
 def read_workbook(path: Path) -> Columns:
-    """Return the cells of a sheet as text, column by column: of the named sheet, or of the sheet with most numbers.
+    """Return the cells of a sheet as text, by column: the named sheet, or the sheet with most numbers.
 
-    Column `sheet` holds its title, and the titles of all sheets with a table.
+    Column `sheet` has its title, and the titles of all sheets with a table.
     """
     from openpyxl import load_workbook
 
@@ -125,9 +125,9 @@ def read_workbook(path: Path) -> Columns:
 
 
 def _list_filled(sheet: Any) -> list[list[Any]]:
-    """Return the rows of a sheet up to the last that is not empty."""
+    """Return the rows of a sheet up to the last nonempty row."""
     every = sheet.iter_rows(values_only=True, max_row=MOST_ROWS, max_col=MOST_COLUMNS)
-    rows = [[] if row.count(None) == len(row) else list(row) for row in every]  # a far cell has a million before it
+    rows = [[] if row.count(None) == len(row) else list(row) for row in every]
     while rows and not rows[-1]:
         rows.pop()
     return rows
@@ -140,7 +140,7 @@ def _write_cell(cell: Any) -> str:
 
 
 def read_tdms(path: Path) -> Columns:
-    """Return the channels of numbers of a TDMS file, by name with unit, and their times."""
+    """Return the numeric channels of a TDMS file, by name with unit, and their times."""
     from nptdms import TdmsFile
 
     columns: Columns = {}
@@ -164,9 +164,9 @@ def read_tdms(path: Path) -> Columns:
 
 
 def read_mcap(path: Path) -> Columns:
-    """Numbers of the messages of an MCAP file in JSON, those of every field by its dotted name over the log's time [s].
+    """Return the numeric fields of the JSON messages of an MCAP file, by dotted name over the log time [s].
 
-    Messages of several topics are brought to the times of the topic that has most; a field holds its last value.
+    Messages of several topics are resampled to the topic with most messages; a field keeps its last value.
     """
     from mcap.reader import make_reader
 
@@ -183,8 +183,8 @@ def read_mcap(path: Path) -> Columns:
             if fields:
                 topics.setdefault(channel.topic.strip("/"), []).append((message.log_time * 1e-9, fields))
     if not topics:
-        said = f"; its messages are encoded as {', '.join(sorted(others))}" if others else ""
-        raise DataError(f"`{path.name}` has no numeric messages in JSON{said}. Export it as CSV.")
+        encodings = f"; its messages are encoded as {', '.join(sorted(others))}" if others else ""
+        raise DataError(f"`{path.name}` has no numeric messages in JSON{encodings}. Export it as CSV.")
     main = max(topics, key=lambda topic: len(topics[topic]))
     times = np.array([time for time, _ in topics[main]])
     columns: Columns = {"time [s]": times - times[0]}
@@ -198,9 +198,9 @@ def read_mcap(path: Path) -> Columns:
     return columns
 
 
-def _list_fields(found: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    if isinstance(found, Mapping):
-        for key, value in cast(Mapping[str, Any], found).items():
-            yield from _list_fields(value, f"{name}.{key}" if name else str(key))
-    elif isinstance(found, int | float):
-        yield name, float(found)
+def _list_fields(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    if isinstance(value, Mapping):
+        for key, inner in cast(Mapping[str, Any], value).items():
+            yield from _list_fields(inner, f"{name}.{key}" if name else str(key))
+    elif isinstance(value, int | float):
+        yield name, float(value)

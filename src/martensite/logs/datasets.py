@@ -1,8 +1,8 @@
-"""Published measurements: listed here with licence and SHA-256, in the package or fetched from their authors.
+"""Published measurements, listed with licence and SHA-256, in the package or downloaded from their authors.
 
-Small sets whose licence allows it are in the package, packed, in a folder beside their list. `fetch` brings a data set
-into the user's cache (or into $MARTENSITE_DATA, where that is set), and nothing is kept or read whose SHA-256 is not
-the one listed. A copy made otherwise serves as well: $MARTENSITE_DATA/<data set>/<file>.
+Small sets with a suitable licence are in the package. `fetch_dataset` downloads a data set into the user's cache (or
+into $MARTENSITE_DATA if set). No file with another SHA-256 is stored or read. Manual copies are $MARTENSITE_DATA/<data
+set>/<file>.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from martensite.logs.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
 TIMEOUT = 30.0
-"""Longest silence of a server [s]."""
+"""Timeout of a server [s]."""
 _LISTED = Path(__file__).parent / "data"
 
 
@@ -36,14 +36,14 @@ class DataFile:
 
     name: str
     upstream: str
-    """Name of the file at the authors', relative to the address of the set; empty if not on record."""
+    """Name of the file in the original source, relative to the address of the set; empty if unknown."""
     sha256: str
     layout: Layout
 
 
 @dataclass(frozen=True)
 class DataSet:
-    """A series of measurements, where it comes from, and under which licence."""
+    """Series of measurements with source and licence."""
 
     name: str
     title: str
@@ -52,18 +52,18 @@ class DataSet:
     """Limits of the data: claims that they do not support."""
     licence: str
     notice: str
-    """Copyright notice, to be kept with copies."""
+    """Copyright notice, required with copies."""
     cite: str
     """Key in the bibliography."""
     page: str
-    """Web page of the folder that the files come from."""
+    """Web page of the files."""
     base: str
-    """Address that the names of the files are appended to."""
+    """Base address of the files."""
     files: dict[str, DataFile]
 
     @property
     def packaged(self) -> Path | None:
-        """Return the folder of the package that holds its files, each packed as `.gz`, with their licence."""
+        """Return the package folder with its `.gz` files and licence; None if it must be downloaded."""
         folder = _LISTED / self.name
         return folder if folder.is_dir() else None
 
@@ -123,16 +123,16 @@ def is_here(key: str) -> bool:
 
 
 def fetch_dataset(name: str, force: bool = False, progress: Callable[[str, int, int], None] | None = None) -> Path:
-    """Download the files of a data set that are missing, and return their folder.
+    """Download the missing files of a data set, and return their folder.
 
     Args:
-        name: the data set; one that is in the package is not downloaded, unless `force` is set.
-        force: download and replace the files that are there, too.
+        name: data set; packaged sets are downloaded only with `force`.
+        force: replace existing files.
         progress: called after each file with its name, its number, and the number of files.
 
     Raises:
         UnknownNameError: the data set does not exist.
-        DataError: a file cannot be had, or is not the one listed; what is there stays as it is.
+        DataError: a file is not available or differs from the listed file; existing files stay unchanged.
     """
     dataset = describe_dataset(name)
     if dataset.packaged is not None and not force:
@@ -182,10 +182,10 @@ def _describe_remedy(dataset: DataSet, file: DataFile) -> str:
 
 
 def _verify_file(path: Path, dataset: DataSet, file: DataFile) -> None:
-    found = hashlib.sha256(read_unpacked(path, MOST_LOG)).hexdigest()
-    if found != file.sha256:
+    digest = hashlib.sha256(read_unpacked(path, MOST_LOG)).hexdigest()
+    if digest != file.sha256:
         raise DataError(
-            f"`{path}` is not the file that data set `{dataset.name}` lists: its SHA-256 is {found[:12]}…, not "
+            f"`{path}` is not the file that data set `{dataset.name}` lists: its SHA-256 is {digest[:12]}…, not "
             f"{file.sha256[:12]}…; remove it, or replace it with `martensite data fetch {dataset.name} --force`."
         )
 
@@ -203,11 +203,11 @@ def _download_file(dataset: DataSet, file: DataFile) -> bytes:
             f"Cannot download {url} ({reason}). Where there is no network, take the file from another machine: save "
             f"it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
         ) from None
-    found = hashlib.sha256(content).hexdigest()
-    if found != file.sha256:
+    digest = hashlib.sha256(content).hexdigest()
+    if digest != file.sha256:
         raise DataError(
             f"What {url} holds is not the file that data set `{dataset.name}` lists: its SHA-256 "
-            f"is {found[:12]}…, not {file.sha256[:12]}…; nothing was kept."
+            f"is {digest[:12]}…, not {file.sha256[:12]}…; nothing was kept."
         )
     return content
 

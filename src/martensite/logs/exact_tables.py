@@ -1,8 +1,8 @@
-"""Tables whose headings settle every meaning: `name [unit]` in each column, or names that are given with the file.
+"""Tables whose headings are complete: `name [unit]` in each column, or headings given with the file.
 
-Columns are separated by tab, semicolon, comma or blanks (the first of these found in the headings); numbers may have
-a decimal comma unless the comma separates. Lines that begin with `#` are comments. Nothing is repaired: a cell that
-cannot be read is an error that names row and column, or its row is left out and counted (`Layout.drop`).
+Columns are separated by tab, semicolon, comma or blanks (the first of these in the headings); numbers may have a
+decimal comma unless the comma separates. Lines that begin with `#` are comments. Nothing is repaired: an unreadable
+cell is an error with row and column, or its row is dropped and counted (`Layout.drop`).
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from martensite.logs.table_times import find_step
 from martensite.signals.records import Record, out_of_order
 
 ASSUMED_INTERVAL = 1.0
-"""Time between rows [s] of a file that has no times, if no interval is given."""
+"""Default time between rows [s] of a file without times."""
 SIGNS = {name: SEPARATORS[name] for name in ("tab", "semicolon", "comma", "whitespace")}
 
 
 class InexactError(DataError):
-    """Error for a table whose headings leave a meaning or a unit open."""
+    """Error for a table with an incomplete heading."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class CellRows:
     rows: list[list[str]]
     separator: str
     above: tuple[str, ...] = ()
-    """Row of headings that stood above them."""
+    """Row of headings above them."""
 
     def part(self, kept: Sequence[int]) -> CellRows:
         """Return the rows of the given indices."""
@@ -56,7 +56,7 @@ class CellRows:
 
 
 def read_rows(path: Path, layout: Layout) -> CellRows:
-    """Split a text file into rows of cells.
+    """Return the rows of cells of a text file.
 
     Raises:
         DataError: the file is missing, empty, or no text.
@@ -73,7 +73,7 @@ def read_rows(path: Path, layout: Layout) -> CellRows:
 
 
 def _find_separator(lines: list[str], layout: Layout) -> str:
-    """Return the separator of the first line; where rows may be dropped, that of most lines."""
+    """Return the separator of the first line; if rows may be dropped, of most lines."""
     if layout.separator != "auto":
         return layout.separator
     if layout.drop and layout.columns:
@@ -89,7 +89,7 @@ def is_number(cell: str) -> bool:
 
 
 def is_gap(cell: str) -> bool:
-    """Return whether a cell is that of a missing sample."""
+    """Return whether a cell is a missing sample."""
     return cell.strip().lower() in GAPS
 
 
@@ -97,12 +97,12 @@ def read_exact_text(path: Path, layout: Layout, gaps: bool) -> tuple[RawTable, l
     """Return the table of a text file and the meanings of its columns.
 
     Args:
-        path: the file.
-        layout: its headings, if it has none or wrong ones, separator, and rows to skip or drop.
-        gaps: whether cells may be empty or hold NaN.
+        path: text file.
+        layout: headings, separator, and rows to skip or drop.
+        gaps: whether cells may be empty or NaN.
 
     Raises:
-        InexactError: a heading leaves its meaning or unit open.
+        InexactError: a heading is incomplete.
         DataError: the file is missing or malformed.
     """
     sheet = read_rows(path, layout)
@@ -121,7 +121,7 @@ def read_exact_text(path: Path, layout: Layout, gaps: bool) -> tuple[RawTable, l
 
 
 def _part_ragged(sheet: CellRows, width: int) -> tuple[CellRows, list[int]]:
-    """Return the rows of a width, without a separator at their end, and the indices of all other rows."""
+    """Return the rows of a width, without trailing separators, and the indices of all other rows."""
     rows = [row[:-1] if _ends_empty(row, width) else row for row in sheet.rows]
     whole = [k for k, row in enumerate(rows) if len(row) == width]
     ragged = [k for k, row in enumerate(rows) if len(row) != width]
@@ -152,10 +152,10 @@ def _read_headings(sheet: CellRows, layout: Layout) -> tuple[list[FileColumn], C
 
 
 def read_exact_headings(headings: Sequence[str], where: str) -> list[FileColumn]:
-    """Return the meanings of headings that settle them.
+    """Return the meanings of complete headings.
 
     Raises:
-        InexactError: a heading leaves its meaning or unit open.
+        InexactError: a heading is incomplete.
     """
     try:
         return read_headings(headings, where)
@@ -164,7 +164,7 @@ def read_exact_headings(headings: Sequence[str], where: str) -> list[FileColumn]
 
 
 def refuse_mistaken(texts: Sequence[str], headings: Sequence[FileColumn], where: str) -> None:
-    """Refuse headings whose words give their unit another meaning: `Temp (C)` is in degrees, not in coulombs.
+    """Refuse headings whose words contradict their unit: `Temp (C)` is in degrees, not in coulombs.
 
     Raises:
         InexactError: there is such a heading.
@@ -181,11 +181,7 @@ def refuse_mistaken(texts: Sequence[str], headings: Sequence[FileColumn], where:
 
 
 def _refuse_unsettled(first: Sequence[str], sheet: CellRows) -> None:
-    """Refuse headings whose unit stands without brackets, and lines that are no headings at all.
-
-    Raises:
-        InexactError: a heading is not settled.
-    """
+    """Raise `InexactError` for units without brackets, and lines that are no headings."""
     unknown = [heading.strip() for heading in first if is_unknown(heading)]
     for heading in unknown:
         guess = guess_heading(heading)
@@ -197,7 +193,7 @@ def _refuse_unsettled(first: Sequence[str], sheet: CellRows) -> None:
 
 
 def _has_numbers_below(sheet: CellRows) -> bool:
-    """Return whether the second row is one of numbers, as wide as the first, or begins an open quote."""
+    """Return whether the second row has numbers and the width of the first, or begins an open quote."""
     first, below = (_trim_end(row) for row in (*sheet.rows[:2], [], [])[:2])
     alike = len(below) == len(first)
     return any(cell.count('"') % 2 for cell in below) or (alike and any(map(is_number, below)))
@@ -209,7 +205,7 @@ def is_unknown(heading: str) -> bool:
 
 
 def _trim_end(row: Sequence[str]) -> Sequence[str]:
-    """Return a row without the empty cells at its end."""
+    """Return a row without trailing empty cells."""
     filled = [k for k, cell in enumerate(row) if cell.strip()]
     return row[: filled[-1] + 1] if filled else []
 
@@ -220,7 +216,7 @@ def _ends_empty(row: Sequence[str], width: int) -> bool:
 
 
 def _read_column(cells: Sequence[str], head: FileColumn, body: CellRows, gaps: bool) -> RawColumn:
-    """Return a column with all its cells that are neither a finite number nor, if there may be gaps, missing."""
+    """Return a column with all cells that are not finite numbers; missing cells are allowed with `gaps`."""
     if head.name == IGNORED:
         return RawColumn(IGNORED, "", "text", np.empty(0))
     kind = "clock" if head.spelling == CLOCK else "number"
@@ -251,15 +247,15 @@ def build_exact(
     """Return a table in SI.
 
     Args:
-        raw: the table.
+        raw: table.
         headings: meanings of its columns.
-        path: of the file.
-        name: of the record.
+        path: path of the file.
+        name: name of the record.
         interval: time between rows [s] of a table without times.
-        drop: leave out rows with cells that cannot be read, or with the time of the row before.
+        drop: leave out rows with unreadable cells or a repeated time.
 
     Raises:
-        DataError: a cell is no finite number, time does not increase, or nothing can be read.
+        DataError: a cell is not a finite number, time does not increase, or no row can be read.
     """
     wanted = [(column, head) for column, head in zip(raw.columns, headings, strict=True) if head.name != IGNORED]
     kept = _choose_rows(raw, wanted, drop)
@@ -298,7 +294,7 @@ def _list_column(place: int, column: RawColumn, head: FileColumn, columns: dict[
 
 
 def _choose_rows(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]], drop: bool) -> NDArray[np.intp]:
-    """Return the indices of all rows; where rows may drop, of those that can be read and begin a new time."""
+    """Return the row indices; with `drop` only readable rows with a new time."""
     if not drop:
         _refuse_wrong(raw, wanted)
     wrong = {cell.row for column, _ in wanted for cell in column.wrong}
@@ -320,7 +316,7 @@ def _refuse_wrong(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]])
 
 
 def _is_infinite(text: str) -> bool:
-    """Return whether a text is NaN, infinite, or the sign of an instrument for a reading out of range."""
+    """Return whether a text is NaN, infinite, or an out-of-range mark of an instrument."""
     try:
         return not abs(float(text)) < OVERFLOW
     except ValueError:
@@ -337,7 +333,7 @@ def _refuse_disorder(name: str, numbers: Sequence[int], times: list[float]) -> N
 
 
 def _refuse_other_time(name: str, si_units: dict[str, str], interval: float | None) -> None:
-    """Refuse to replace a time under another name by an assumed one."""
+    """Refuse to replace a time column of another name by an assumed time."""
     meant = {name: guess_heading(name).name if unit == "1" else name for name, unit in si_units.items()}
     suspect = next((n for n, unit in si_units.items() if unit == "s" or meant[n].startswith("time")), None)
     if suspect is not None and interval is None:

@@ -1,8 +1,8 @@
 """Guess of the meaning of a column heading: a known name and its unit.
 
-`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. The strict reader
-(`martensite.logs.exact_tables`) does not guess; `martensite.logs.lab_files` reports its guesses. A unit that a
-heading does not name is not guessed here.
+`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are all read. The strict reader
+(`martensite.logs.exact_tables`) does not guess; `martensite.logs.lab_files` reports its guesses. A missing unit is not
+guessed here.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ SPELLINGS = {
     "rad/s": ("rad/s",),
     "rpm": ("rpm", "1/min"),
 }
-"""Unit as it is written here -> as others write it."""
+"""Unit of this package -> other spellings."""
 BY_UNIT = {
     "s": "time",
     "K": "temperature",
@@ -77,15 +77,15 @@ BY_UNIT = {
     "rad": "angle",
     "rad/s": "rotor_speed",
 }
-"""SI unit -> column that has it, for headings that name nothing known."""
+"""SI unit -> column, for headings without a known name."""
 
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _APART = re.compile(r"^(.*\S)\s*/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$")
 _PORT = re.compile(r"^([A-Za-z_]\w*\.)(\w+)$")
 STATISTIC = re.compile(r"[\s_](?:median|mean|avg|average|max|min|rms|std|sd)$", re.IGNORECASE)
-"""Words behind a unit, as in `dx_um_median`."""
+"""Words after a unit, as in `dx_um_median`."""
 HEAT = re.compile(r"heat[\s_]*flow|w[äa]rmestrom|^dsc\b", re.IGNORECASE)
-"""Headings of a calorimeter's signal, whose watts are no power that drives."""
+"""Headings of a calorimeter's signal, whose watts are no drive power."""
 _NUMBERED = ("channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital")
 """Words before a letter that is a channel name, not a unit: `Channel A`."""
 
@@ -95,9 +95,9 @@ class Guess:
     """Guessed meaning of a column; empty if unknown."""
 
     name: str
-    """A known column (`layout.CANONICAL`), perhaps with a port in front; empty for none."""
+    """Known column (`layout.CANONICAL`), optionally with a port; may be empty."""
     unit: str
-    """Unit as `martensite.base.units` reads it; empty if the heading names no unit."""
+    """Unit as `martensite.base.units` reads it; empty if the heading has no unit."""
     worded: bool = True
     """True if a word of the heading names the quantity; False if only the unit does."""
 
@@ -108,15 +108,15 @@ def guess_heading(heading: str) -> Guess:
     unit = _find_unit(spelling)
     if not unit and _BRACKETS.match(heading.strip()) and _is_unit(spelling):
         unit = spelling  # W/g
-    found = _PORT.match(words)
-    port, plain = (found[1], found[2]) if found else ("", words)
+    match = _PORT.match(words)
+    port, plain = (match[1], match[2]) if match else ("", words)
     named = _find_named(plain, unit)
     name = named or ("" if HEAT.search(plain) else _name_by_unit(unit))
     return Guess(f"{port.lower()}{name}" if name else "", unit, bool(named))
 
 
 def usual_units(name: str) -> list[str]:
-    """Return the units that a known column may be written in, the usual one first."""
+    """Return the allowed units of a known column, the usual unit first."""
     wanted = CANONICAL.get(name.rpartition(".")[2])
     if wanted is None:
         return []
@@ -127,27 +127,27 @@ def usual_units(name: str) -> list[str]:
 
 
 def find_worded_unit(heading: str, name: str) -> str:
-    """Return the unit behind a number within a heading, as in `V_1300V_05Hz`, if it fits a known column; else empty."""
+    """Return the unit after a number in a heading, as in `V_1300V_05Hz`, if it fits a known column; else empty."""
     for part in re.split(r"[\s_,;]+", heading):
-        found = re.fullmatch(r"\d+(?:[.p]\d+)?([A-Za-zµ°%]+)", part)
-        unit = find_listed(found[1]) if found else ""
+        match = re.fullmatch(r"\d+(?:[.p]\d+)?([A-Za-zµ°%]+)", part)
+        unit = find_listed(match[1]) if match else ""
         if unit and _is_convertible(unit, CANONICAL.get(name, "")):
             return unit
     return ""
 
 
 def part_heading(heading: str) -> tuple[str, str]:
-    """Split a heading into the name of the column and the text that may be its unit."""
+    """Return the name and the possible unit in a heading."""
     reduced = STATISTIC.sub("", heading)
     if reduced != heading and part_heading(reduced)[1]:
         words, unit = part_heading(reduced)
         return f"{words}{heading[len(reduced) :]}", unit
-    found = _BRACKETS.match(heading)
-    if found is not None:
-        return found[1], found[2]
-    found = _APART.match(heading)
-    if found is not None:
-        words, last = (part for part in found.groups() if part is not None)
+    match = _BRACKETS.match(heading)
+    if match is not None:
+        return match[1], match[2]
+    match = _APART.match(heading)
+    if match is not None:
+        words, last = (part for part in match.groups() if part is not None)
         if find_listed(last) and not last.isdigit() and words.lower() not in _NUMBERED:
             return words, last
     if heading.endswith("%"):
@@ -156,7 +156,7 @@ def part_heading(heading: str) -> tuple[str, str]:
 
 
 def _find_unit(spelling: str) -> str:
-    """Return a unit in the spelling of this package; an unlisted spelling is passed on if it can be read."""
+    """Return a unit in the spelling of this package; an unlisted but valid spelling unchanged."""
     spelling = spelling.strip()
     if not spelling or spelling == IGNORED:
         return "1" if spelling else ""
@@ -165,13 +165,12 @@ def _find_unit(spelling: str) -> str:
     listed = find_listed(spelling)
     if listed:
         return listed
-    known = (si for si in (*BY_UNIT, "1", "m/s", "Hz") if _is_convertible(spelling, si))
-    return spelling if next(known, None) else ""
+    return spelling if any(_is_convertible(spelling, si) for si in (*BY_UNIT, "1", "m/s", "Hz")) else ""
 
 
 @lru_cache(maxsize=4096)
 def find_listed(spelling: str) -> str:
-    """Return a unit as it is written here; empty for what is none of the listed ones."""
+    """Return the listed unit of a spelling; empty for other texts."""
     spelling = spelling.strip()
     for name, others in SPELLINGS.items():
         if spelling in others or (len(spelling) > 2 and spelling.lower() in others):
@@ -184,7 +183,7 @@ def _name_by_unit(unit: str) -> str:
 
 
 def _find_named(words: str, unit: str) -> str:
-    """Return the known column that some words name, if its unit agrees; empty for none."""
+    """Return the known column named by some words, if its unit agrees; else empty."""
     plain = re.sub(r"[\s-]+", "_", words.strip())
     if plain.lower() in CANONICAL:
         return plain.lower()

@@ -1,10 +1,9 @@
-"""Files of laboratory instruments, read without being told what is in them.
+"""Files of laboratory instruments, read without a description.
 
-`read_lab_file` finds the table (`logs.raw_table`), what its columns are by heading, unit and values
-(`logs.heading_guess`, `logs.value_guess`), and its times (`logs.table_times`), and says so: format,
-columns with their ranges, rows left out and why. What values do not make certain is marked in a note; what cannot be
-told is an error that says what to write. `named` corrects: a heading or the number of a column -> `stress[MPa]`, or
-`-` to pass it over.
+`read_lab_file` finds the table (`logs.raw_table`), the columns by heading, unit and values (`logs.heading_guess`,
+`logs.value_guess`), and the times (`logs.table_times`). It reports format, columns with ranges, and omitted rows with
+the reason. Notes mark uncertain assignments; an undecidable meaning is an error with the option to set it. `named`
+corrects: a heading or the number of a column -> `stress[MPa]`, or `-` to skip it.
 """
 
 from __future__ import annotations
@@ -37,30 +36,30 @@ class ReadColumn:
     """Assigned meaning of a column of a file."""
 
     number: int
-    """Place of the column in the file, from 1."""
+    """Number of the column in the file, from 1."""
     heading: str
     """Heading in the file."""
     name: str
-    """Column of the record; `-` where it is passed over."""
+    """Column of the record; `-` if skipped."""
     written: str
-    """Unit as it is written; empty where the file names none."""
+    """Unit in the file; may be empty."""
     unit: str
-    """Unit that it was read in."""
+    """Assigned unit."""
     si: str
     """SI unit of the record."""
     low: float
-    """Smallest number, in SI."""
+    """Minimum in SI."""
     high: float
-    """Largest number, in SI."""
+    """Maximum in SI."""
     known: str
-    """By what it is known: `heading`, `unit`, `values`, or `given`."""
+    """Source: `heading`, `unit`, `values`, or `given`."""
     certainty: str = ""
     """`given` by the file or the user, `inferred` with evidence, or `ambiguous`."""
 
 
 @dataclass(frozen=True)
 class LabFile:
-    """A file of an instrument, and how it was understood."""
+    """File of an instrument, and its interpretation."""
 
     path: Path
     format: str
@@ -69,29 +68,29 @@ class LabFile:
     """In SI; without times its rows are one second apart (`has_time`)."""
     columns: tuple[ReadColumn, ...]
     dropped: tuple[LeftOut, ...]
-    """Rows left out, by reason."""
+    """Omitted rows, by reason."""
     notes: tuple[str, ...]
     """Uncertain assignments and corrections."""
     has_time: bool
     start: float | None = None
-    """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
+    """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 the time of day."""
     titled: bool = False
-    """True if lines stand above the table."""
+    """True if lines precede the table."""
     renamed: bool = False
-    """True if headings that settle their units were read by their meaning, such as `Load [N]` as `force`."""
+    """True if complete headings were read by their meaning, such as `Load [N]` as `force`."""
     labels: tuple[str, ...] = ()
-    """Cells above the headings, one for each column."""
+    """Cells above the headings, one per column."""
     exact: bool = False
-    """True if the headings settle every name and unit, and the file was read to the letter."""
+    """True if all headings are complete and the file was read exactly."""
 
     @property
     def is_given(self) -> bool:
-        """Return whether nothing in it was guessed, left out or put right."""
+        """Return whether nothing was guessed, omitted or corrected."""
         guessed = any(one.si and one.known != "given" for one in self.columns)
         return not (self.notes or self.dropped or self.titled or guessed)
 
     def with_interval(self, interval: float) -> LabFile:
-        """With rows so far apart [s], where the file has no times."""
+        """Return the file with a time between rows [s]."""
         times = [k * interval for k in range(len(self.record))]
         record = replace(self.record, columns=self.record.columns | {"time": times}, interval=interval)
         return replace(self, record=record, has_time=True)
@@ -104,7 +103,7 @@ class LabFile:
         """Write `to_csv` to a file.
 
         Raises:
-            DataError: it cannot be written.
+            DataError: the file cannot be written.
         """
         write_file(Path(path), self.to_csv())
 
@@ -114,28 +113,28 @@ class UntoldError(DataError):
 
 
 def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> LabFile:
-    """Read a file of a laboratory instrument: text of any layout, .xlsx, .mat, .parquet, .nc, .tdms or .mcap.
+    """Return a file of a laboratory instrument: text of any layout, .xlsx, .mat, .parquet, .nc, .tdms or .mcap.
 
     Args:
-        path: the file.
-        named: what columns are, by heading or number: `{"2": "stress[MPa]", "Comment": "-"}`.
+        path: file to read.
+        named: meanings of columns, by heading or number: `{"2": "stress[MPa]", "Comment": "-"}`.
 
     Raises:
-        DataError: it holds no table of numbers, its time runs back, or what its columns are cannot be told.
-        InputError: an extra that its kind needs is not installed.
+        DataError: there is no table of numbers, time runs back, or the meaning of columns is undecidable.
+        InputError: a required extra is not installed.
     """
     raw = read_raw(Path(path))
     return interpret_table(raw, Path(path), named or {})
 
 
 def split_side_by_side(file: LabFile) -> list[LabFile]:
-    """Return one file for each of several equal tables that stand side by side; a file with one table as it is."""
+    """Return one file for each of several equal tables side by side; a file with one table unchanged."""
     used = [one for one in file.columns if one.si]
     names = [one.name.removesuffix(f"_{one.number}") for one in used]
     width = next((k for k in range(2, len(names)) if names[:k] * (len(names) // k) == names), 0)
     if not width or "time" in names:
         return [file]
-    found: list[LabFile] = []
+    files: list[LabFile] = []
     for first in range(0, len(used), width):
         part = used[first : first + width]
         label = file.labels[part[0].number - 1] if file.labels else str(first // width + 1)
@@ -147,19 +146,19 @@ def split_side_by_side(file: LabFile) -> list[LabFile]:
         name = f"{file.record.name} {label}"
         record = replace(file.record, name=name, columns=columns, units={"time": "s"} | si_units)
         own = tuple(replace(one, name=name) for name, one in zip(names, part, strict=False))
-        found.append(replace(file, record=record, columns=own))
-    return found
+        files.append(replace(file, record=record, columns=own))
+    return files
 
 
 def read_raw(path: Path, separator: str = "auto") -> RawTable:
-    """Return the table of a file of any kind, without a meaning; errors as of `read_lab_file`."""
+    """Return the table of a file of any kind, without meanings; errors as `read_lab_file`."""
     if separator not in ("auto", *SEPARATORS):
         raise ParameterError(f"There is no separator `{separator}`. {suggest_name(separator, SEPARATORS)}")
     return read_container(path) if find_ending(path) in KINDS else read_text_table(path, separator)
 
 
 def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabFile:
-    """Return a table with the meaning of its columns; arguments and errors as of `read_lab_file`."""
+    """Return a table with the meaning of its columns; arguments and errors as `read_lab_file`."""
     meant = guess_meanings(raw, named)
     blocks = _leave_blocks(raw, meant)
     times, clock = _find_times(raw, meant)
@@ -201,27 +200,14 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     assumed = None if times is not None or interval else 1.0
     file, sheet = part_sheet(path)
     record = Record(f"{file.stem} {sheet}".strip(), columns, si_units, file, count, assumed)
-    known = times is not None or interval is not None
-    return LabFile(
-        path,
-        raw.form,
-        record,
-        tuple(listed),
-        left,
-        tuple(notes),
-        known,
-        times.start if times else None,
-        _is_titled(raw),
-        labels=raw.labels,
-    )
-
-
-def _is_titled(raw: RawTable) -> bool:
-    return len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
+    titled = len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
+    timed, start = times is not None or interval is not None, times.start if times else None
+    parts = tuple(listed), left, tuple(notes)
+    return LabFile(path, raw.form, record, *parts, timed, start, titled, labels=raw.labels)
 
 
 def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:
-    """Return the rows that hold a number besides their time."""
+    """Return the rows with a number besides their time."""
     others = np.array([column for name, column in columns.items() if name != "time"])
     rows = np.flatnonzero(np.any(np.isfinite(others), axis=0))
     if not rows.size:
@@ -230,16 +216,16 @@ def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:
 
 
 def describe_column(place: int, column: RawColumn, meaning: Meaning, si: str, numbers: Numbers) -> ReadColumn:
-    """Return what a column is, with the range of its numbers in SI; `si` is empty for a column that is not used."""
-    known = numbers[np.isfinite(numbers)]
-    low, high = (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
+    """Return the meaning of a column with its range in SI; `si` is empty for an unused column."""
+    finite = numbers[np.isfinite(numbers)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (math.nan, math.nan)
     name, written, by = meaning.name if si else IGNORED, write_unit(column), meaning.known if si else ""
     certainty = meaning.certainty if si else ""
     return ReadColumn(place + 1, column.heading, name, written, meaning.unit, si, low, high, by, certainty)
 
 
 def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
-    """Return the place of the column of time: a number that rises, else a clock; -1 where there is none."""
+    """Return the place of the time column: a rising number, else a clock; -1 without one."""
     places = [k for k, one in enumerate(meant) if one.name == "time"]
     numeric = [k for k in places if raw.columns[k].kind == "number"]
     clocks = [k for k in places if raw.columns[k].kind in ("stamp", "clock")]
@@ -250,7 +236,7 @@ def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
 
 
 def _leave_blocks(raw: RawTable, meant: list[Meaning]) -> list[str]:
-    """Leave out a time that begins again and again, as a logger in append mode writes it; return the note about it."""
+    """Ignore a time that restarts repeatedly, as loggers in append mode write it; return the note about it."""
     place = choose_time(raw, meant)
     blocks = count_blocks(raw.columns[place].numbers) if place >= 0 and raw.columns[place].kind == "number" else 1
     if blocks < 3:
@@ -274,27 +260,28 @@ def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None,
     if seconds is not None and meant[place].known == "values":
         meant[place] = _judge_by_clock(meant[place], times, seconds)
     factor, _ = units.find_conversion(meant[place].unit or "s", "s")
-    known = times[np.isfinite(times)]
-    absolute = bool(known.size) and known[0] * factor > 1e8  # a stamp of a computer or a spreadsheet
-    times = (times - known[0] if absolute else times) * factor
-    begin = None if start is None or not known.size else start - (0.0 if absolute else float(known[0]) * factor)
+    finite = times[np.isfinite(times)]
+    absolute = bool(finite.size) and finite[0] * factor > 1e8  # a stamp of a computer or a spreadsheet
+    times = (times - finite[0] if absolute else times) * factor
+    begin = None if start is None or not finite.size else start - (0.0 if absolute else float(finite[0]) * factor)
     return build_times(raw, times, begin, True), place
 
 
 def _judge_by_clock(one: Meaning, times: Numbers, seconds: Numbers) -> Meaning:
-    """Return a time without unit in the unit with which it lasts as long as the clock beside it."""
-    known = np.flatnonzero(np.isfinite(times) & np.isfinite(seconds))
-    if known.size < 2 or seconds[known[-1]] <= seconds[known[0]]:
+    """Return a time without unit in the unit that matches the duration of the clock."""
+    rows = np.flatnonzero(np.isfinite(times) & np.isfinite(seconds))
+    span = seconds[rows[-1]] - seconds[rows[0]] if rows.size > 1 else 0.0
+    if not span > 0.0:
         return one
-    ratio = (times[known[-1]] - times[known[0]]) / (seconds[known[-1]] - seconds[known[0]])
+    ratio = (times[rows[-1]] - times[rows[0]]) / span
     for unit, size in (("s", 1.0), ("ms", 1e3), ("us", 1e6), ("min", 1 / 60.0)):
-        if abs(ratio / size - 1.0) < 0.1 + 2.0 / (seconds[known[-1]] - seconds[known[0]]):
+        if abs(ratio / size - 1.0) < 0.1 + 2.0 / span:
             return replace(one, unit=unit, sure=True)
     return one
 
 
 def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
-    """Return the sentences about columns that are not certain, or passed over."""
+    """Return sentences about uncertain or skipped columns."""
     doubts: list[str] = []
     for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
         title = f"Column {place + 1}" + (f" `{column.heading}`" if column.heading else "")
@@ -328,7 +315,7 @@ def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
 
 
 def _mend_columns(columns: dict[str, list[float]], meant: list[Meaning]) -> list[str]:
-    """Put right a stepped supply whose counter fell back, where values tell it; sentences about it."""
+    """Correct a stepped supply whose counter fell back, if its values show it; return the note."""
     by_values = {one.name for one in meant if one.known == "values"}
     if not {"voltage", "current"} <= by_values:
         return []

@@ -1,8 +1,8 @@
 """Meaning of the columns of a measured table: names, units and layout of the file.
 
-A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The known names have a fixed SI
-unit; a heading that leaves it out is an error, since a guessed unit can be wrong. `-` marks a column to skip, and the
-unit `clock` reads times of day (17:27:33) as seconds since the first row.
+A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. Known names have a fixed SI unit; a
+missing unit is an error, because a guess can be wrong. `-` skips a column, and the unit `clock` reads times of day
+(17:27:33) as seconds since the first row.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ class Quantity(NamedTuple):
     """Quantity in a column."""
 
     unit: str
-    """In SI; that of the drive depends on the source."""
+    """SI unit; for the drive it depends on the source."""
     words: tuple[str, ...] = ()
-    """For it in headings; single letters count as they are written, words in any case."""
+    """Words for it in headings; single letters are case-sensitive."""
     role: str = ""
-    """`drive`, `shape` (what moves), or `load` in an experiment; of each role the most telling come first."""
+    """`drive`, `shape` (motion), or `load` in an experiment; the most informative of each role come first."""
 
 
 QUANTITIES = {
@@ -66,7 +66,7 @@ QUANTITIES = {
     "rotor_angle": Quantity("rad"),
     "motor_current": Quantity("A"),
 }
-"""Known column -> what it is. With a port in front, as in `protagonist.temperature`, a column means the same."""
+"""Known column -> quantity; also with a port, as in `protagonist.temperature`."""
 CANONICAL = {name: one.unit for name, one in QUANTITIES.items()}
 """Known column -> its SI unit."""
 DRIVEN_BY = ("V", "A", "W", "K")
@@ -79,7 +79,7 @@ _UNIT = re.compile(r"^[\w%°(]([\w%°·^*/(). -]*[\w%)])?$")
 
 @dataclass(frozen=True)
 class FileColumn:
-    """One column of a file: its name, the unit it is written in, the SI unit it is read as."""
+    """Column of a file: name, unit in the file, SI unit."""
 
     name: str
     spelling: str
@@ -95,13 +95,13 @@ class Layout:
     separator: str = "auto"
     """`auto`, `comma`, `semicolon`, `tab` or `whitespace`."""
     skip: int = 0
-    """Lines to pass over at the beginning."""
+    """Lines to skip at the beginning."""
     drop: bool = False
-    """Leave out rows that cannot be read, or that repeat the time before; count them."""
+    """Drop and count rows that are unreadable or repeat the time before."""
 
 
 def find_quantity(words: str, fits: Callable[[str], bool] = lambda _: True) -> str:
-    """Return the known column that a word stands for, of those that fit; empty for none."""
+    """Return the known, fitting column for a word; else empty."""
     for name, one in QUANTITIES.items():
         named = words in one.words or (len(words) > 1 and words.lower() in (name, *one.words))
         if named and name != "drive" and fits(name):  # `temp drive [V]` is a voltage
@@ -115,10 +115,10 @@ def list_quantities(role: str) -> tuple[str, ...]:
 
 
 def read_headings(headings: Iterable[str], where: str) -> list[FileColumn]:
-    """Read the headings of a table.
+    """Return the meanings of the headings of a table.
 
     Raises:
-        DataError: a heading is empty or double, or its unit is missing or does not fit.
+        DataError: a heading is empty or repeated, or its unit is missing or does not fit.
     """
     columns: list[FileColumn] = []
     for number, heading in enumerate(headings, start=1):
@@ -135,15 +135,15 @@ def name_column(heading: str) -> str:
 
 
 def _read_heading(heading: str, number: int, where: str) -> FileColumn:
-    found = _HEADING.match(heading)
-    if found is None or not found[1]:
+    match = _HEADING.match(heading)
+    if match is None or not match[1]:
         raise DataError(
             f"{where}: heading `{heading.strip()}` of column {number} is not a name with a unit; "
             "write for example `temperature [degC]`."
         )
-    if found[1] == IGNORED:
+    if match[1] == IGNORED:
         return FileColumn(IGNORED, "1", "1")
-    name, spelling = re.sub(r"[\s-]+", "_", found[1].lower()), found[2] or ""
+    name, spelling = re.sub(r"[\s-]+", "_", match[1].lower()), match[2] or ""
     spelling = "1" if spelling == "-" else spelling
     unit = _find_known_unit(name)
     if not spelling and unit not in (None, "1"):
@@ -158,7 +158,7 @@ def _find_known_unit(name: str) -> str | None:
 
 
 def _si_unit(name: str, spelling: str, where: str) -> str:
-    """Return the SI unit that a column is read in, if its unit can be converted to that."""
+    """Return the SI unit of a column, if its unit can be converted."""
     wanted = _find_known_unit(name)
     if wanted is None:
         declared = {unit for unit, _, _ in units.EVERYDAY.values()}
@@ -178,7 +178,7 @@ def _si_unit(name: str, spelling: str, where: str) -> str:
 
 
 def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
-    """Return the first SI unit that a unit converts to; the unit itself where there is none."""
+    """Return the first SI unit that a unit converts to; else the unit itself."""
     return next((unit for unit in candidates if not _describe_misfit(spelling, unit)), spelling)
 
 

@@ -1,8 +1,8 @@
-"""Files of several instruments in one experiment, joined on the clock of the first.
+"""Files of several instruments in one experiment, merged on the clock of the first.
 
-Clocks with dates, or times of day, are compared. Where one has none, the offset is the one at which some quantity of
-both files goes together best: the lag of largest |correlation|, which must reach 0.8 and stand above all lags that are
-farther away. Values between samples are on straight lines; outside its own times a file has none.
+Clocks with dates, or times of day, are compared. Without a clock, the offset maximises |correlation| of some quantity
+of both files, which must reach 0.8 and exceed all distant lags. Values between samples are interpolated; outside its
+own times a file has no values.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from martensite.logs.lab_files import LabFile
 from martensite.signals.records import Record
 
 LEAST_CORRELATION = 0.8
-"""Least |correlation| of two quantities that are to set two clocks."""
+"""Smallest |correlation| of two quantities that aligns two clocks."""
 LAGS = 600
-"""Lags that are tried first, and around the best of them again."""
+"""Number of coarse lags."""
 OVERLAP = 0.4
-"""Least share of the shorter file that must lie within the other."""
+"""Smallest overlap, relative to the shorter file."""
 
 
 def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = None) -> LabFile:
-    """Join files of one experiment on the times of the first.
+    """Return files of one experiment merged on the times of the first.
 
     Args:
-        files: as `read_lab_file` gives them.
-        offsets: time of the first's clock at which each other file begins to count [s], where it is known better.
+        files: results of `read_lab_file`.
+        offsets: start of each further file on the first clock [s], if known.
 
     Raises:
-        DataError: a file has no times, they do not overlap, or how the clocks stand to one another cannot be told.
+        DataError: a file has no times, they do not overlap, or the offset is unknown.
     """
     if not files:
         raise InputError("No file is given; a merge needs at least one.")
@@ -71,10 +71,10 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
 
 
 def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
-    """Return the time of the first file's clock at the other's zero [s], and by what it is known.
+    """Return the zero of the other file on the first clock [s], and the evidence.
 
     Raises:
-        DataError: neither clocks nor quantities tell it.
+        DataError: neither clocks nor quantities give the offset.
     """
     if first.start is not None and other.start is not None:
         if first.start >= DAY and other.start >= DAY:
@@ -91,24 +91,18 @@ def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
 
 
 def _list_matches(one: Record, other: Record) -> list[tuple[float, float, str, str]]:
-    """|correlation|, offset [s] and names of pairs of columns; where a name is in both, only such pairs."""
+    """Return |correlation|, offset [s] and names of pairs of columns; shared names only, if there are any."""
     names = [n for n in one.columns if n != "time"], [n for n in other.columns if n != "time"]
     shared = [(n, n) for n in names[0] if n in names[1]]
     pairs = shared or [(a, b) for a in names[0] for b in names[1]]
-    found: list[tuple[float, float, str, str]] = []
-    for a, b in pairs:
-        strength, offset = estimate_lag(
-            (np.array(one.times), np.array(one[a])), (np.array(other.times), np.array(other[b])), a == b
-        )
-        found.append((strength, offset, a, b))
-    return found
+    own, its = np.array(one.times), np.array(other.times)
+    return [(*estimate_lag((own, np.array(one[a])), (its, np.array(other[b])), a == b), a, b) for a, b in pairs]
 
 
 def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers], alike: bool) -> tuple[float, float]:
-    """Return the largest correlation of two curves over time, and the lag at which the second must be put [s].
+    """Return the largest correlation of two curves over time, and the lag of the second [s].
 
-    Of curves that are not `alike`, of other quantities, it may be negative.
-    Zero where another lag, farther away than the curve takes to lose its likeness, does as well.
+    It may be negative for curves of different quantities (not `alike`). It is zero if a distant lag fits equally well.
     """
     (times, values), (own, answer) = one, other
     short = min(np.ptp(times), np.ptp(own)) * OVERLAP
@@ -138,14 +132,14 @@ def _correlate_at(times: Numbers, values: Numbers, own: Numbers, answer: Numbers
     begin, end = max(times[0], own[0] + lag), min(times[-1], own[-1] + lag)
     grid = np.linspace(begin, end, 400)
     a, b = _interpolate(grid, times, values), _interpolate(grid, own + lag, answer)
-    known = np.isfinite(a) & np.isfinite(b)
-    if known.sum() < 50 or np.ptp(a[known]) == 0.0 or np.ptp(b[known]) == 0.0:
+    both = np.isfinite(a) & np.isfinite(b)
+    if both.sum() < 50 or np.ptp(a[both]) == 0.0 or np.ptp(b[both]) == 0.0:
         return 0.0
-    return float(np.corrcoef(a[known], b[known])[0, 1])
+    return float(np.corrcoef(a[both], b[both])[0, 1])
 
 
 def _interpolate(grid: Numbers, times: Numbers, values: Numbers) -> Numbers:
-    known = np.isfinite(values)
-    if not known.any():
+    finite = np.isfinite(values)
+    if not finite.any():
         return np.full(grid.size, math.nan)
-    return np.interp(grid, times[known], values[known], left=math.nan, right=math.nan)
+    return np.interp(grid, times[finite], values[finite], left=math.nan, right=math.nan)

@@ -1,6 +1,6 @@
 """Text of measured files: opening, encoding and lines.
 
-Rows are counted as an editor or a spreadsheet counts them, comments and empty lines included.
+Rows are counted as in an editor, including comments and empty lines.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, read_unpacked
 
 TEXT = (".csv", ".txt", ".tsv", ".dat")
-"""Usual endings of text files."""
+"""Usual suffixes of text files."""
 _QUOTED = re.compile(r'\s*"([^"]*[,;\t][^"]*)"\s*')
 Line = tuple[int, str]
-"""Number of a line in its file, and its text."""
+"""Line number in the file, and text."""
 
 
 def read_lines(path: Path, *, spoilt: bool = False) -> tuple[list[Line], str]:
-    """Return the lines of a text file that are not empty, and its encoding; the encoding is empty for UTF-8.
+    """Return the nonempty lines of a text file, and its encoding; the encoding is empty for UTF-8.
 
     Args:
-        path: the file.
-        spoilt: read single lines of binary garbage as well.
+        path: text file.
+        spoilt: accept single lines of binary garbage.
 
     Raises:
         DataError: the file is missing, empty, or no text.
@@ -45,7 +45,7 @@ def read_lines(path: Path, *, spoilt: bool = False) -> tuple[list[Line], str]:
 
 
 def _find_wide(raw: bytes) -> str:
-    """Return the encoding of a text of two bytes a letter; empty for other files."""
+    """Return the encoding of a UTF-16 text; empty for other files."""
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return "utf-16"
     if len(raw) < 4 or raw[:200].count(0) * 3 < len(raw[:200]):
@@ -87,7 +87,7 @@ def split_cells(line: str, sign: str) -> list[str]:
 
 @contextmanager
 def describe_unreadable(path: Path) -> Iterator[None]:
-    """Say in a sentence why a file could not be opened."""
+    """Convert errors of opening a file to `DataError` with a sentence."""
     try:
         yield
     except FileNotFoundError:

@@ -1,8 +1,8 @@
-"""A table as an instrument wrote it: its headings, units and numbers, without a meaning yet.
+"""Table as an instrument wrote it: headings, units and numbers, without meanings.
 
-Nothing is assumed: the chosen encoding, separator and decimal sign give the most numeric cells; the table is the rows
-of the most frequent width; above it stand a row of units, one of headings, and lines that may say how far apart the
-samples are. Rows outside the table are left out and counted.
+The chosen encoding, separator and decimal sign give the most numeric cells. The table consists of the rows of the most
+frequent width; above it are a row of units, a row of headings, and lines that may give the sample time. Rows outside
+the table are omitted and counted.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,21 +23,20 @@ from martensite.logs.layout import name_column
 from martensite.logs.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
 
 LOOKED_AT = 400
-"""Rows by which the layout is judged."""
+"""Rows that determine the layout."""
 MOST_COLUMNS = 200
 ABOVE = 6
-"""Lines above the numbers among which headings and units are looked for."""
+"""Lines above the numbers that are searched for headings and units."""
 
 
 class WrongCell(NamedTuple):
-    """A cell that is no number."""
+    """Cell that is no number."""
 
     row: int
-    """Number of its row in the file."""
+    """Row number in the file."""
     text: str
 
     def __str__(self) -> str:
-        """Return its place and text."""
         return f"row {self.row}: {self.text}"
 
 
@@ -47,32 +46,32 @@ class RawColumn:
 
     heading: str
     unit: str
-    """Unit in a row of units or behind the numbers; a unit within the heading stays there."""
+    """Unit in a row of units or after the numbers; a unit in the heading stays there."""
     kind: str
     """`number`, `clock`, `date`, `stamp` (both, in seconds), or `text`."""
     numbers: Numbers
     """Numbers of the file, NaN for other cells."""
     sample: str = ""
-    """First cell of the column that is not empty."""
+    """First nonempty cell."""
     wrong: tuple[WrongCell, ...] = ()
     """Cells that are neither numbers nor empty."""
     unsure: bool = False
-    """True if day and month of a date may have changed places."""
+    """True if the order of day and month is ambiguous."""
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Rows that were left out."""
+    """Omitted rows."""
 
     reason: str
     count: int
     rows: tuple[int, ...]
-    """Numbers of the first of them."""
+    """Numbers of the first rows."""
 
 
 @dataclass(frozen=True)
 class RawTable:
-    """A table."""
+    """Raw table."""
 
     name: str
     form: str
@@ -82,23 +81,23 @@ class RawTable:
     headed: bool
     columns: tuple[RawColumn, ...]
     numbers: list[int]
-    """Number of each row in the file."""
+    """Row numbers in the file."""
     preview: list[list[str]]
     left_out: tuple[LeftOut, ...] = ()
     said: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Entries in the lines above the table: lower-case word -> text next to it."""
+    """Entries above the table: lower-case label -> text."""
     notes: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
-    """Cells above the headings, one for each column; empty without such a row."""
+    """Cells above the headings, one per column; may be empty."""
 
     @property
     def rows(self) -> int:
-        """Return the rows of numbers."""
+        """Return the number of rows."""
         return len(self.numbers)
 
 
 def count_rows(reason: str, rows: Sequence[int]) -> tuple[LeftOut, ...]:
-    """Return the count of rows left out with its reason; empty if all rows are kept."""
+    """Return the count of omitted rows with its reason; empty if all rows are kept."""
     return (LeftOut(reason, len(rows), tuple(rows[:3])),) if rows else ()
 
 
@@ -108,14 +107,14 @@ def find_table(
     """Return the table of numbers among rows of cells.
 
     Args:
-        path: of the file, whose name is told.
-        rows: that are not empty.
+        path: path of the file.
+        rows: nonempty rows.
         form: kind, separator and encoding, in words.
-        separator: a key of `SEPARATORS`, if rows are text.
-        texts: lines of the rows by number, in which headings may be separated otherwise.
+        separator: key of `SEPARATORS`, if rows are text.
+        texts: row number -> line, because headings may have another separator.
 
     Raises:
-        DataError: there is none.
+        DataError: there is no table.
     """
     where = f"`{path.name}`"
     numeric = {k for k, (_, row) in enumerate(rows) if any(map(find_kind, row))}
@@ -159,7 +158,7 @@ def _find_labels(rows: Sequence[Row], used: set[int], width: int) -> tuple[str, 
 
 
 def _refuse_larger_table(rows: Sequence[Row], numeric: set[int], body: Sequence[int], where: str) -> None:
-    """Refuse a table that most rows of several numbers do not belong to; lines of settings hold one number each."""
+    """Raise `DataError` if most rows of several numbers are outside the table."""
     if 3 * len(body) >= len(numeric):
         return
     full = sum(sum(map(bool, map(find_kind, rows[k][1]))) > 1 for k in numeric)
@@ -172,13 +171,13 @@ def _refuse_larger_table(rows: Sequence[Row], numeric: set[int], body: Sequence[
 
 
 def _find_channel_units(above: Sequence[Row]) -> Above:
-    """Return the units of the channels of a LabVIEW file by the place of their column."""
+    """Return column index -> unit of the channels of a LabVIEW file."""
     labelled = [row for _, row in above if row[0].strip() == "Y_Unit_Label"]
     return {} if not labelled else {k: cell.strip() for k, cell in enumerate(labelled[-1]) if k and cell.strip()}
 
 
 def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
-    """Return the cells of the rows of the table: the width of most rows with numbers, wider ones preferred."""
+    """Return the most frequent width of rows with numbers, with a preference for wide rows."""
     widths = Counter(len(rows[k][1]) for k in numeric)
     if not widths:
         begin = " ".join(rows[0][1]).strip()[:40]
@@ -190,7 +189,7 @@ def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
 
 
 def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int], where: str) -> list[int]:
-    """Return the indices of the rows of the table, of rows of its width."""
+    """Return the indices of the rows of the table."""
     body = [k for k in alike if _is_data(rows[k][1], places)]
     while len(body) > 2 and _stands_above(rows, body, places):
         body = body[1:]
@@ -206,7 +205,7 @@ def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int],
 def _list_left(
     rows: Sequence[Row], body: Sequence[int], known: tuple[set[int], set[int]], used: set[int], again: bool
 ) -> tuple[tuple[LeftOut, ...], int]:
-    """Rows left out, and how many stand right above the table; `known` are rows with numbers, and of its width."""
+    """Return omitted rows, and their number right above the table; `known` are numeric rows and those of its width."""
     (numeric, same), inside = known, set(body)
     spoilt = [k for k in range(body[0], body[-1] + 1) if k not in inside]
     behind = [] if again else range(body[-1] + 1, len(rows))
@@ -219,12 +218,12 @@ def _list_left(
         "more or fewer cells than the table has columns": ragged,
         "below the table": ends,
     }
-    found = [one for reason, listed in reasons.items() for one in count_rows(reason, [rows[k][0] for k in listed])]
-    return tuple(found), len(above)
+    left = [one for reason, listed in reasons.items() for one in count_rows(reason, [rows[k][0] for k in listed])]
+    return tuple(left), len(above)
 
 
 def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int]) -> bool:
-    """Return whether the first row is a number with a word among the lines above, far from the table or labelled."""
+    """Return whether the first row is a labelled number above the table."""
     apart = body[1] - body[0]
     (_, first), (_, second) = rows[body[0]], rows[body[1]]
     words = [cell for place, cell in enumerate(first) if place not in places and cell.strip()]
@@ -234,12 +233,8 @@ def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int
 
 def _list_spoilt(rows: Sequence[Row], first: int, same: set[int], used: set[int]) -> list[int]:
     """Return the rows directly above the table that were excluded only because of non-numeric cells."""
-    found: list[int] = []
-    for k in range(first - 1, -1, -1):
-        if k not in same or rows[k][0] in used:
-            break
-        found.insert(0, k)
-    return found
+    above = takewhile(lambda k: k in same and rows[k][0] not in used, range(first - 1, -1, -1))
+    return [*above][::-1]
 
 
 def _say_lines(lines: int) -> str:
@@ -247,19 +242,19 @@ def _say_lines(lines: int) -> str:
 
 
 def _find_places(rows: Sequence[Sequence[str]]) -> list[int]:
-    """Return the columns of which most cells in the rows looked at are values."""
+    """Return the columns with mostly numeric cells."""
     looked = rows[:: max(1, len(rows) // LOOKED_AT)]
-    found: list[int] = []
+    places: list[int] = []
     for place in range(len(looked[0])):
         cells = [row[place] for row in looked if not is_missing(row[place])]
-        share = 0.5 if len(cells) * 2 > len(looked) else 0.95  # words of a heading may stand beside the first rows
+        share = 0.5 if len(cells) * 2 > len(looked) else 0.95  # heading words may be next to the first rows
         if cells and sum(map(bool, map(find_kind, cells))) > share * len(cells):
-            found.append(place)
-    return found
+            places.append(place)
+    return places
 
 
 def _is_data(row: Sequence[str], places: Sequence[int]) -> bool:
-    """Return whether all cells that should be are values or missing, and at least one is a value."""
+    """Return whether all numeric columns have values or gaps, and at least one value."""
     kinds = [(find_kind(row[p]), row[p]) for p in places]
     return all(kind or is_missing(cell) for kind, cell in kinds) and any(kind for kind, _ in kinds)
 
@@ -267,7 +262,7 @@ def _is_data(row: Sequence[str], places: Sequence[int]) -> bool:
 def _choose_block(
     rows: Sequence[Row], body: list[int], headings: Sequence[str], where: str
 ) -> tuple[list[int], tuple[str, ...]]:
-    """Choose the longest of several tables with the same headings; return its rows and a sentence about the others."""
+    """Return the rows of the longest of several tables with the same headings, and a note about the others."""
     plain = [cell.strip() for cell in headings]
     if not any(plain):
         return body, ()
@@ -284,7 +279,7 @@ def _choose_block(
 def _read_columns(
     body: Sequence[Row], headings: Sequence[str], units: Above, style: NumberStyle, places: Sequence[int]
 ) -> tuple[RawColumn, ...]:
-    found: list[RawColumn] = []
+    columns: list[RawColumn] = []
     for place, heading in enumerate(headings):
         cells = [row[place] for _, row in body]
         read = read_cells(cells, style)
@@ -292,26 +287,24 @@ def _read_columns(
         sample = next((cell.strip()[:60] for cell in cells if cell.strip()), "")
         kind = read.kind if sample and place in places else "text"
         unit = units.get(place) or read.unit
-        found.append(RawColumn(heading.strip().strip('"')[:60], unit, kind, read.numbers, sample, wrong, read.unsure))
-    return _use_unit_columns(found)
+        columns.append(RawColumn(heading.strip().strip('"')[:60], unit, kind, read.numbers, sample, wrong, read.unsure))
+    return _use_unit_columns(columns)
 
 
 def _use_unit_columns(columns: list[RawColumn]) -> tuple[RawColumn, ...]:
-    """Return the columns whose unit stands in the column behind them (`Reading`, `Unit`)."""
+    """Return the columns with the unit from an adjacent column (`Reading`, `Unit`)."""
     for k, one in enumerate(columns[1:], start=1):
         before = columns[k - 1]
         if one.kind == "text" and re.fullmatch(r"units?", one.heading.lower()) and not before.unit and one.sample:
-            columns[k - 1] = RawColumn(
-                before.heading, one.sample, before.kind, before.numbers, before.sample, before.wrong
-            )
+            columns[k - 1] = replace(before, unit=one.sample, unsure=False)
     return tuple(columns)
 
 
 def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> RawTable:
-    """Return a file of named arrays as a table: those of the length that holds most of its numbers.
+    """Return named arrays as a table, all of the length with most numbers.
 
     Raises:
-        DataError: there is none.
+        DataError: there is no such array.
     """
     lengths = Counter(len(array) for array in arrays.values() if len(array) > 1)
     if not lengths:

@@ -1,7 +1,7 @@
-"""The one reader of measured files, for all commands, fits, boards and the web page.
+"""Reader of measured files, for all commands, fits, boards and the web page.
 
-`read_log` takes a file to the letter where its headings settle all meanings (`logs.exact_tables`), and finds meanings
-and units where they do not (`logs.lab_files`). `read_table` is the strict form: nothing is found, all is given.
+`read_log` reads a file exactly if its headings are complete (`logs.exact_tables`), and otherwise finds meanings and
+units (`logs.lab_files`). `read_table` is the strict form without guesses.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ PREFIX = "data:"
 
 
 def parse_named(texts: Iterable[str]) -> dict[str, str]:
-    """Return the meanings of columns, by column, from texts such as `2=stress[MPa]`.
+    """Return column -> meaning from texts such as `2=stress[MPa]`.
 
     Raises:
         InputError: a text names no column.
@@ -52,51 +52,48 @@ def is_published(source: object) -> bool:
 
 
 def is_columnar(source: str | Path) -> bool:
-    """Return whether a log is a file of named arrays, and not of a published data set."""
+    """Return whether a log is an unpublished file of named arrays."""
     return not is_published(source) and Path(source).suffix.lower() in BINARY
 
 
 def read_log(
     source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None, *, known: bool = False
 ) -> LabFile:
-    """Read a log of any kind; a fault below headings that settle all meanings is an error.
+    """Return a log of any kind; a fault below complete headings is an error.
 
     Args:
-        source: a file, or `data:<data set>/<file>`.
-        named: meaning of columns, by heading or number, as `read_lab_file` takes it.
+        source: file, or `data:<data set>/<file>`.
+        named: meaning of columns, by heading or number, as for `read_lab_file`.
         interval: time between rows [s] of a file without times.
-        known: find the meaning of headings that settle their unit but are no known name, such as `Load [N]`.
+        known: find the meaning of complete headings with unknown names, such as `Load [N]`.
 
     Returns:
-        The record in SI, with NaN for missing samples, and how certain each of its columns is.
+        The record in SI, with NaN for missing samples, and the certainty of each column.
 
     Raises:
-        DataError: it cannot be read, or `named` corrects a published data set.
+        DataError: the log cannot be read, or `named` corrects a published data set.
     """
     if named and is_published(source):
         raise DataError(f"The columns of `{source}` are known; `--as` has no effect on it.")
-    found = None if named else _try_exact(source, interval)
-    exact = found is not None and found.exact
-    if found is not None and exact and (is_published(source) or not known or is_all_known(found.record)):
-        return found
-    if found is None or exact:
-        found = replace(read_lab_file(source, named), renamed=exact)
-    return found.with_interval(interval) if interval is not None and not found.has_time else found
+    file = None if named else _try_exact(source, interval)
+    exact = file is not None and file.exact
+    if file is not None and exact and (is_published(source) or not known or is_all_known(file.record)):
+        return file
+    if file is None or exact:
+        file = replace(read_lab_file(source, named), renamed=exact)
+    return file.with_interval(interval) if interval is not None and not file.has_time else file
 
 
 def read_parts(
     source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None, *, known: bool = False
 ) -> list[LabFile]:
-    """Read all tables of a file: each sheet of a spreadsheet, and each of several equal tables side by side.
-
-    Arguments and errors are those of `read_log`.
-    """
+    """Return all tables of a file: each sheet, and equal tables side by side; arguments and errors as `read_log`."""
     files = [read_log(part, named, interval, known=known) for part in list_sheets(source)]
     return [part for file in files for part in split_side_by_side(file)]
 
 
 def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
-    """Return a file to the letter, or as understood if cells need that; None if headings leave meanings open."""
+    """Return a file read exactly, or interpreted if cells need it; None if headings are incomplete."""
     if not (is_published(source) or is_columnar(source) or _is_text(source)):
         return None
     try:
@@ -113,30 +110,30 @@ def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
 
 
 def _read_whole(source: str | Path) -> LabFile | None:
-    """Return a file that is understood without the loss of any cell: thousands, a counter that begins anew; or None."""
+    """Return an interpreted file without loss of any cell; else None."""
     try:
-        found = read_lab_file(source)
+        file = read_lab_file(source)
     except DataError:
         return None
-    columns = chain.from_iterable(found.record.columns.values())
-    lost = found.dropped or found.record.dropped or not all(map(math.isfinite, columns))
-    return None if lost else found
+    columns = chain.from_iterable(file.record.columns.values())
+    lost = file.dropped or file.record.dropped or not all(map(math.isfinite, columns))
+    return None if lost else file
 
 
 def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:
-    """Return the record of `read_log`; its guesses and omissions are printed once on standard error.
+    """Return the record of `read_log`; guesses and omissions are printed once on standard error.
 
     Raises:
-        DataError: it cannot be read.
+        DataError: the log cannot be read.
     """
     return tell_guesses(read_log(source, named, interval)).record
 
 
 def read_complete(source: str | Path, interval: float | None = None) -> Record:
-    """Return the record of `read_log_table` for a computation that takes no missing samples.
+    """Return the record of `read_log_table` without missing samples.
 
     Raises:
-        DataError: it cannot be read, or a sample is missing.
+        DataError: the log cannot be read, or a sample is missing.
     """
     record = read_log_table(source, interval)
     for name, numbers in record.columns.items():
@@ -149,7 +146,7 @@ def read_complete(source: str | Path, interval: float | None = None) -> Record:
 
 
 def tell_guesses(file: LabFile) -> LabFile:
-    """Return a file, and print once on standard error how it was understood, unless all of it was given."""
+    """Return a file, and print its interpretation once on standard error, unless all of it was given."""
     if not file.is_given:
         listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in file.columns if c.si)
         tell_once(f"{file.path.name}: {file.format}; {listed}. {' '.join(file.notes)}".strip())
@@ -165,24 +162,23 @@ def read_table(
     drop: bool = False,
     gaps: bool = False,
 ) -> Record:
-    """Read a file whose headings settle all meanings: text, or Parquet, MAT and netCDF files.
+    """Return the record of a file with complete headings: text, Parquet, MAT or netCDF.
 
     Args:
-        source: a file, of a result too, or `data:<data set>/<file>` for one of the published data sets.
-        columns: headings such as `temperature [degC]`, for files that have none; they
-            replace the headings of a file that has some. `-` passes a column over.
-        interval: time between rows [s] of a file without a time column; 1 s if left out.
+        source: file, also of a result, or `data:<data set>/<file>`.
+        columns: headings such as `temperature [degC]`, which replace those of the file; `-` skips a column.
+        interval: time between rows [s] of a file without a time column; by default 1 s.
         separator: `auto`, `comma`, `semicolon`, `tab` or `whitespace`.
-        drop: leave out rows that cannot be read or that repeat the time before, and count
-            them in `Record.dropped`. A number that was cut short cannot be told from one
-            that was not. Some of the published data sets are read so anyway.
-        gaps: read missing samples (cells that are empty or hold NaN) as NaN; a time is never missing.
+        drop: leave out rows that are unreadable or repeat the time before, and count them in `Record.dropped`. A
+            truncated
+        number is not detected. Some published data sets are read this way by default.
+        gaps: read missing samples (empty or NaN cells) as NaN; a time must not be missing.
 
     Returns:
         The record in SI.
 
     Raises:
-        DataError: the file is missing, empty or malformed; the sentence says where.
+        DataError: the file is missing, empty or malformed; the sentence names the place.
         UnknownNameError: the data set or the file in it does not exist.
     """
     if interval is not None and not 0.0 < interval < math.inf:
@@ -204,18 +200,18 @@ def read_exact(
     names: Sequence[str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> LabFile:
-    """Read a file to the letter.
+    """Return a file with complete headings.
 
     Args:
-        source: a file, or `data:<data set>/<file>`.
-        layout: layout of a text file; that of a published file by default.
+        source: file, or `data:<data set>/<file>`.
+        layout: layout of a text file; by default that of a published file.
         interval: time between rows [s] of a file without times.
         gaps: whether samples may be missing.
-        names: columns of arrays that are read beside the time; all by default.
-        units: units of arrays that have none in the file, by name.
+        names: arrays to read besides the time; by default all.
+        units: units of arrays without a unit in the file, by name.
 
     Raises:
-        InexactError: a heading leaves its meaning or unit open.
+        InexactError: a heading is incomplete.
         DataError: the file is missing or malformed.
     """
     path, own, name = _find_origin(source)
@@ -229,7 +225,7 @@ def read_exact(
 
 
 def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
-    """Return the path of a source, the layout that is on record, and a name."""
+    """Return the path of a source, its recorded layout, and a name."""
     if not is_published(source):
         return Path(source), Layout(()), Path(source).stem
     from martensite.logs import datasets
@@ -241,7 +237,7 @@ def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
 def _read_exact_arrays(
     raw: RawTable, layout: Layout, gaps: bool, names: Sequence[str] | None, units: Mapping[str, str]
 ) -> tuple[RawTable, list[FileColumn]]:
-    """Return arrays with the meanings of their headings, each completed by its unit if that is given."""
+    """Return arrays with the meanings of their headings, completed by given units."""
     plain = [name_column(column.heading) for column in raw.columns]
     if layout.columns and len(layout.columns) != len(plain):
         count = len(layout.columns)
@@ -256,21 +252,21 @@ def _read_exact_arrays(
 def _head_arrays(
     raw: RawTable, plain: Sequence[str], names: Sequence[str] | None, units: Mapping[str, str]
 ) -> list[str]:
-    """Return the headings of arrays; `-` for one that is not asked for."""
+    """Return the headings of arrays; `-` for skipped arrays."""
     missing = next((name for name in names or () if name not in plain), None)
     if missing is not None:
         raise DataError(f"`{raw.name}` has no column `{missing}`. {suggest_name(missing, plain)}")
     own = {"time": "s", **units}
-    found = [head_column(c.heading, c.unit or own.get(n, "")) for c, n in zip(raw.columns, plain, strict=True)]
+    heads = [head_column(c.heading, c.unit or own.get(n, "")) for c, n in zip(raw.columns, plain, strict=True)]
     if names is not None:
-        return [head if n in (*names, "time") else IGNORED for head, n in zip(found, plain, strict=True)]
-    unknown = [head for head in found if "[" not in head and CANONICAL.get(head.rpartition(".")[2], "1") != "1"]
+        return [head if n in (*names, "time") else IGNORED for head, n in zip(heads, plain, strict=True)]
+    unknown = [head for head in heads if "[" not in head and CANONICAL.get(head.rpartition(".")[2], "1") != "1"]
     if unknown:
         raise InexactError(
             f"`{raw.name}` does not say in which unit {_list(unknown)} is; name all its columns with units, such "
             f'as "temperature [degC]", in this order: {_list(plain)}.'
         )
-    return found
+    return heads
 
 
 def _refuse_left_out(raw: RawTable) -> None:
@@ -280,7 +276,7 @@ def _refuse_left_out(raw: RawTable) -> None:
 
 
 def _mark_gaps(column: RawColumn, refused: bool) -> RawColumn:
-    """Return a column of an array whose missing samples are wrong cells, if they are refused."""
+    """Return a column of an array; refused missing samples become wrong cells."""
     rows = () if not refused else tuple(WrongCell(k + 1, "nan") for k, x in enumerate(column.numbers) if math.isnan(x))
     return replace(column, wrong=column.wrong or rows)
 

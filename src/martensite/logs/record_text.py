@@ -1,7 +1,7 @@
-"""Records as text that `read_table` reads again.
+"""Records as text for `read_table`.
 
-Spreadsheets take a cell that begins with = + - @ for a formula. Names come from documents that
-others may have written, so such a heading gets an apostrophe in front.
+Spreadsheets interpret a cell that begins with = + - @ as a formula. Names may come from documents of other authors, so
+such a heading gets a leading apostrophe.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def format_heading(name: str, unit: str) -> str:
 
 
 def format_record(record: Record, names: Sequence[str]) -> str:
-    """Return the columns of a record as text with headings that `read_table` reads; missing samples are empty."""
+    """Return columns of a record as text with headings that `read_table` reads; missing samples are empty."""
     rows = zip(*(record[name] for name in names), strict=True)
     lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
     return "\n".join([",".join(format_heading(name, record.units[name]) for name in names), *lines, ""])

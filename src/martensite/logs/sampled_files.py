@@ -1,7 +1,7 @@
-"""Logs as records of samples at equal intervals (`Sampled`), of all files that `logs.reader` reads.
+"""Logs as records at equal intervals (`Sampled`), from all files that `logs.reader` reads.
 
-A column that has no unit in its file is in the one given in `units`; those in `units` are also the units of the result.
-A column `t` is one of time in MAT files, in seconds if it says nothing.
+`units` gives the unit of columns without one in the file, and of the result. A column `t` of a MAT file is a time, by
+default in seconds.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ def read_sampled(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Sampled:
-    """Read a log as a record at equal intervals; `signals.sampling.regular_grid` says how.
+    """Return a log as a record at equal intervals (`signals.sampling.regular_grid`).
 
     Args:
-        path: the file, or `data:<data set>/<file>`.
-        inputs: columns that go in.
-        outputs: columns that come out.
-        interval: sample time [s]; by default that of the rows. Where the file has no times, the time between rows.
-        units: units of columns, such as `{"position": "mm"}`; by default those that people read.
+        path: file, or `data:<data set>/<file>`.
+        inputs: input columns.
+        outputs: output columns.
+        interval: sample time [s]; by default that of the rows. For a file without times, the time between rows.
+        units: units of columns, such as `{"position": "mm"}`; by default readable units.
 
     Raises:
-        DataError: the file is missing, of no known kind, malformed, or lacks a column.
+        DataError: the file is missing, of unknown kind, malformed, or lacks a column.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
     record = read_columns(path, (*inputs, *outputs), interval, units or {})
@@ -52,7 +52,7 @@ def read_pieces(
     units: Mapping[str, str] | None = None,
     named: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
-    """Read a log as `read_sampled` does, split where its inputs have gaps (`regular_grid.split_at_gaps`)."""
+    """Return a log as `read_sampled` does, split at gaps of its inputs (`regular_grid.split_at_gaps`)."""
     record = read_columns(path, (*inputs, *outputs), interval, units or {}, named)
     return split_at_gaps(record, inputs, outputs, interval, units)
 
@@ -64,10 +64,10 @@ def read_columns(
     units: Mapping[str, str],
     named: Mapping[str, str] | None = None,
 ) -> Record:
-    """Return a log as a table in SI; of files of arrays only the chosen columns, in `units` if they name none.
+    """Return a log as a table in SI; of files of arrays only the chosen columns, in `units` by default.
 
     Raises:
-        DataError: the file is missing, of no known kind, malformed, or lacks a column.
+        DataError: the file is missing, of unknown kind, malformed, or lacks a column.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
     if is_columnar(path) and not named:

@@ -1,4 +1,4 @@
-"""Headings, units and other words that stand above a table of numbers."""
+"""Headings, units and labels above a table of numbers."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from martensite.logs.heading_guess import find_listed
 
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "pipe": "|", "whitespace": ""}
 COMMENT = "#%!;/"
-"""Signs that begin a comment, which may be the line of headings."""
+"""Comment signs, which may precede headings."""
 LONGEST = 20_000
-"""Letters of a line that may be separated otherwise than the table."""
+"""Largest length of a line that may have another separator than the table."""
 Row = tuple[int, list[str]]
-"""Number of a row in the file, and its cells."""
+"""Row number in the file, and cells."""
 Above = dict[int | str, str]
-"""Place of a column -> its unit; word -> number, for what stands among units (a Rigol's `Increment`)."""
+"""Column index -> unit; label -> number among units (a Rigol's `Increment`)."""
 
 _HEADING = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _SIGNAL = re.compile(r"^Sig(\d+)\s+(.+)$")
 
 
 def split_heading(line: str) -> list[str]:
-    """Return the headings that blanks separate, each with its unit in brackets."""
+    """Return headings separated by blanks, each with its unit in brackets."""
     return _HEADING.findall(line)
 
 
 def find_headings(
     above: Sequence[Row], texts: Mapping[int, str], width: int, sign: str | None
 ) -> tuple[list[str], Above, set[int]]:
-    """Return the headings, units, and the rows they were found in, from the lines above the numbers."""
+    """Return the headings, units, and their row numbers, from the lines above the numbers."""
     signals = {int(m[1]): m[2] for _, row in above if (m := _SIGNAL.match(" ".join(row)))}
     if len(signals) == width:
         return [signals[k] for k in sorted(signals)], {}, {n for n, _ in above}
@@ -48,39 +48,39 @@ def find_headings(
             used.add(number)
         elif len(plain) * 3 >= 2 * len(filled) and plain:
             used.add(number)
-            told: Above = {
+            labelled: Above = {
                 row[int(str(key)[3:])].strip().lower(): text for key, text in units.items() if isinstance(key, str)
             }
-            return row, {key: text for key, text in units.items() if isinstance(key, int)} | told, used
+            return row, {key: text for key, text in units.items() if isinstance(key, int)} | labelled, used
     return [""] * width, {k: u for k, u in units.items() if isinstance(k, int)}, used
 
 
 def _names_more(cells: Sequence[tuple[int, str]]) -> bool:
-    """Return whether a row of symbols, `t;T;F`, is rather one of names than of units."""
+    """Return whether a row of symbols, `t;T;F`, has names rather than units."""
     return all(len(cell) == 1 for _, cell in cells) and "t" in [cell for _, cell in cells]
 
 
 def _fit_width(cells: Sequence[str], line: str, width: int, sign: str | None) -> list[str] | None:
-    """Return a line above the table as that many cells, however it is separated; None if it cannot be."""
+    """Return a line above the table as `width` cells, with any separator; None if impossible."""
     text = line.strip().lstrip(COMMENT + '"').strip()
     splits = [list(cells)]
     if 0 < len(line) < LONGEST:
         splits += [text.split(sign) if sign else [], split_heading(text), re.split(r"\s{2,}|\t", text)]
         splits += [text.split(other) for other in ",;\t|"] + [text.split()]
-    for found in splits:
-        while len(found) > width and found[-1].strip().lower() in ("", "comment"):
-            found = found[:-1]
-        if len(found) == width:
-            return [found[0].strip().lstrip(COMMENT + " "), *found[1:]]
-    short = next((found for found in splits if len(found) == width - 1 > 1), None)
-    return None if short is None else ["", *short]  # names of rows, or a date before its time, have no heading
+    for row in splits:
+        while len(row) > width and row[-1].strip().lower() in ("", "comment"):
+            row = row[:-1]
+        if len(row) == width:
+            return [row[0].strip().lstrip(COMMENT + " "), *row[1:]]
+    short = next((row for row in splits if len(row) == width - 1 > 1), None)
+    return None if short is None else ["", *short]  # row names, or a date before its time, have no heading
 
 
 def collect_said(rows: Sequence[Row]) -> dict[str, str]:
-    """Return the labels above the table with the values beside them."""
-    found: dict[str, str] = {}
+    """Return label -> value of the lines above the table."""
+    labels: dict[str, str] = {}
     for _, row in rows:
         cells = [part.strip() for cell in row for part in re.split(r":\s", cell, maxsplit=1) if part.strip()]
         if len(cells) > 1 and not find_kind(cells[0]):
-            found.setdefault(cells[0].strip("#% :=").lower(), cells[1])
-    return found
+            labels.setdefault(cells[0].strip("#% :=").lower(), cells[1])
+    return labels

@@ -1,7 +1,7 @@
-"""Times of a table: from numbers, clocks, dates and stamps, past midnight and past the wrap of a counter.
+"""Times of a table: from numbers, clocks, dates and stamps, past midnight and counter overflows.
 
-A clock that stands still for several rows is too coarse for them: they are spread evenly until it goes on. Rows that
-repeat the time before are left out otherwise. A time that runs back without such a reason is an error.
+Rows of a coarse clock, which stands still for several rows, are spread evenly until the next tick. Other rows that
+repeat the time before are omitted. A time that runs back for no such reason is an error.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
 WRAPS = {"a counter of 16 bits": 2.0**16, "a counter of 32 bits": 2.0**32}
 PARTS = {"": 1.0, " of milliseconds": 1e3, " of microseconds": 1e6}
 COARSE = 0.2
-"""Share of rows that repeat the time before, from which on the clock is coarse."""
+"""Fraction of repeated times above which the clock is coarse."""
 
 
 @dataclass(frozen=True)
 class TableTimes:
-    """Times of the rows that are kept."""
+    """Times of the kept rows."""
 
     times: Numbers
     """[s]"""
     kept: NDArray[Any]
     """Indices of the rows."""
     start: float | None
-    """Absolute time of zero, in seconds since the first day of the calendar; of the day alone where below 86 400."""
+    """Absolute time of zero [s] since the first day of the calendar; below 86 400 the time of day."""
     left_out: tuple[LeftOut, ...]
     notes: tuple[str, ...]
 
 
 def find_start(raw: RawTable) -> tuple[Numbers | None, float | None]:
-    """Clock of the rows, in seconds, from dates, times of day and milliseconds beside them; and its first."""
+    """Return the clock of the rows [s], from dates, times of day and milliseconds; and its first value."""
     kinds = {kind: next((c for c in raw.columns if c.kind == kind), None) for kind in ("stamp", "date", "clock")}
     stamp, day, clock = kinds["stamp"], kinds["date"], kinds["clock"]
     if stamp is None and clock is None:
@@ -53,12 +53,12 @@ def find_start(raw: RawTable) -> tuple[Numbers | None, float | None]:
     thousandths = next((c for c in raw.columns if is_part_of_clock(raw, c)), None)
     if thousandths is not None:
         seconds = seconds + thousandths.numbers / 1000.0
-    known = seconds[np.isfinite(seconds)]
-    return seconds, float(known[0]) if known.size else None
+    finite = seconds[np.isfinite(seconds)]
+    return seconds, float(finite[0]) if finite.size else None
 
 
 def is_part_of_clock(raw: RawTable, column: RawColumn) -> bool:
-    """Return whether a column holds the milliseconds of the clock beside it."""
+    """Return whether a column has the milliseconds of an adjacent clock."""
     if column.kind != "number" or column.heading.lower() not in ("milliseconds", "ms", "millisecond"):
         return False
     clocked = any(one.kind in ("clock", "stamp") for one in raw.columns)
@@ -66,7 +66,7 @@ def is_part_of_clock(raw: RawTable, column: RawColumn) -> bool:
 
 
 def pass_midnight(seconds: Numbers, dated: bool) -> Numbers:
-    """Return the times of day that go on behind midnight, and, of a clock of twelve hours, behind noon."""
+    """Return times of day continued past midnight, or past noon for a 12-hour clock."""
     if dated:
         return seconds
     filled = np.where(np.isfinite(seconds), seconds, 0.0)
@@ -75,48 +75,49 @@ def pass_midnight(seconds: Numbers, dated: bool) -> Numbers:
 
 
 def build_times(raw: RawTable, times: Numbers, start: float | None, counted: bool) -> TableTimes:
-    """Return the times that increase from row to row.
+    """Return increasing times.
 
     Args:
-        raw: the table.
-        times: of its rows [s].
-        start: absolute time of the first row, if it is known.
-        counted: whether they come from a number, whose counter may wrap.
+        raw: table.
+        times: times of its rows [s].
+        start: absolute time of the first row, if known.
+        counted: whether they come from a number, whose counter may overflow.
 
     Raises:
-        DataError: there are too few, or they run back.
+        DataError: there are too few times, or they run back.
     """
     notes: list[str] = []
-    known = np.flatnonzero(np.isfinite(times))
+    rows = np.flatnonzero(np.isfinite(times))
     left = count_rows("no time", [raw.numbers[k] for k in np.flatnonzero(~np.isfinite(times))])
-    if known.size < 2:
-        raise DataError(f"`{raw.name}`: its column of time holds {known.size} times; at least 2 are needed.")
-    found = times[known]
+    if rows.size < 2:
+        raise DataError(f"`{raw.name}`: its column of time holds {rows.size} times; at least 2 are needed.")
+    seconds = times[rows]
     if counted:
-        found, word = mend_wrap(found)
+        seconds, word = mend_wrap(seconds)
         notes += [f"Time falls back once or more: taken for {word} that began anew, and put right."] if word else []
-    steps = np.diff(found)
+    steps = np.diff(seconds)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
-        row = raw.numbers[int(known[back[0] + 1])]
+        row = raw.numbers[int(rows[back[0] + 1])]
         raise DataError(
-            f"`{raw.name}`: time runs backwards at row {row}, from {found[back[0]]:.9g} s to {found[back[0] + 1]:.9g} "
-            "s, and no counter explains it; save the parts before and after as separate files."
+            f"`{raw.name}`: time runs backwards at row {row}, from {seconds[back[0]]:.9g} s to "
+            f"{seconds[back[0] + 1]:.9g} s, and no counter explains it; save the parts "
+            "before and after as separate files."
         )
     again = np.flatnonzero(steps == 0.0) + 1
-    if again.size > COARSE * found.size and found[-1] > found[0]:
-        found = spread_rows(found)
+    if again.size > COARSE * seconds.size and seconds[-1] > seconds[0]:
+        seconds = spread_rows(seconds)
         notes.append("The clock stands still over several rows: they are spread evenly until it goes on.")
-        again = np.flatnonzero(np.diff(found) <= 0.0) + 1
-    left += count_rows("the time of the row before again", [raw.numbers[int(known[k])] for k in again])
-    keep = np.setdiff1d(np.arange(found.size), again)
+        again = np.flatnonzero(np.diff(seconds) <= 0.0) + 1
+    left += count_rows("the time of the row before again", [raw.numbers[int(rows[k])] for k in again])
+    keep = np.setdiff1d(np.arange(seconds.size), again)
     if keep.size < 2:
-        raise DataError(f"`{raw.name}`: all rows have the same time, {found[0]:.9g} s.")
-    return TableTimes(found[keep], known[keep], start, left, tuple(notes))
+        raise DataError(f"`{raw.name}`: all rows have the same time, {seconds[0]:.9g} s.")
+    return TableTimes(seconds[keep], rows[keep], start, left, tuple(notes))
 
 
 def mend_wrap(times: Numbers) -> tuple[Numbers, str]:
-    """Return the times of a counter that began anew at its highest number, and in words which it is."""
+    """Return the times of a counter after overflows, and its description; empty if there are none."""
     back = np.flatnonzero(np.diff(times) < 0.0)
     if not back.size:
         return times, ""
@@ -133,7 +134,7 @@ def mend_wrap(times: Numbers) -> tuple[Numbers, str]:
 
 
 def spread_rows(times: Numbers) -> Numbers:
-    """Return the times of a coarse clock, with rows of one time spread evenly until the next."""
+    """Return the times of a coarse clock, with rows of equal time spread evenly."""
     first = np.flatnonzero(np.concatenate([[True], np.diff(times) > 0.0]))
     rows = np.arange(times.size)
     last = times[first[-1]] + (times.size - first[-1]) * (times[first[-1]] - times[first[0]]) / max(
@@ -143,18 +144,18 @@ def spread_rows(times: Numbers) -> Numbers:
 
 
 STEP = re.compile(r"ts|dt|(?:sample|sampling)[ _]?(?:time|interval|period)|step[ _]?time", re.IGNORECASE)
-"""Headings of a column that repeats the time between rows."""
+"""Headings of a column that repeats the sample time."""
 
 
 def count_blocks(times: Numbers) -> int:
-    """Return in how many blocks a time begins again at its first value; 1 if it does not."""
-    known = times[np.isfinite(times)]
-    begun = known[1:][np.diff(known) < 0.0]
-    return 1 + int(begun.size) if begun.size and bool(np.all(begun == known[0])) else 1
+    """Return the number of blocks in which a time restarts at its first value; 1 if it does not."""
+    finite = times[np.isfinite(times)]
+    restarts = finite[1:][np.diff(finite) < 0.0]
+    return 1 + int(restarts.size) if restarts.size and bool(np.all(restarts == finite[0])) else 1
 
 
 def find_step(columns: Iterable[tuple[str, str, Numbers]]) -> float | None:
-    """Return the time between rows [s] that a column repeats; columns are (heading, unit, numbers)."""
+    """Return the sample time [s] that a column repeats; columns are (heading, unit, numbers)."""
     for heading, unit, numbers in columns:
         words, spelling = part_heading(heading)
         if STEP.fullmatch(words.strip()) and numbers.size and np.all(numbers == numbers[0]) and numbers[0] > 0.0:
@@ -174,7 +175,7 @@ _AMOUNT = re.compile(r"([\d.,]+(?:[eE][+-]?\d+)?)\s*(.*)")
 
 
 def find_interval(said: Mapping[str, str]) -> float | None:
-    """Return the time between samples [s] that the lines above a table name; None if they do not."""
+    """Return the sample time [s] named above a table; None if there is none."""
     for word, text in said.items():
         plain = re.sub(r"\s*[\[(].*", "", word)
         for pattern, wanted in ((_INTERVAL, "s"), (_RATE, "Hz")):

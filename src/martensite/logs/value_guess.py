@@ -1,9 +1,9 @@
 """Guess of the meaning of columns without headings or units, from their values.
 
-The physics of shape-memory records decides: a strain is a few percent at most, written as a fraction up to 0.12; in an
-isobaric loop the stress stays and the strain falls while the temperature rises (the wire shortens on heating), in an
-isothermal test the temperature stays and the strain rises with the stress; a supply is stepped, and the current follows
-with noise. Ambiguous columns are reported.
+The physics of shape-memory records decides. A strain is a few percent at most, as a fraction up to 0.12. In an isobaric
+loop the stress is constant and the strain falls as the temperature rises (the wire shortens on heating). In an
+isothermal test the temperature is constant and the strain rises with the stress. A supply is stepped, and the current
+follows with noise. Ambiguous columns are reported.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from martensite.logs.layout import CANONICAL
 LARGEST_STRAIN = 0.12
 """Largest strain of a record in fractions; larger values are percent."""
 STEADY = 0.15
-"""Largest standard deviation of a held quantity, as a share of its mean."""
+"""Largest relative standard deviation of a constant quantity."""
 STIFFEST = 1.2e11
 """Largest modulus of these alloys [Pa], with a margin; a stiffer column is not a stress."""
 EVEN = 0.02
-"""Largest deviation of the steps of a counter of time from their median."""
+"""Largest relative deviation of equal time steps from their median."""
 
 
 @dataclass(frozen=True)
@@ -34,28 +34,24 @@ class ValueGuess:
     name: str
     unit: str
     sure: bool
-    """True if nothing else comes into question."""
+    """True if there is no alternative."""
 
 
 def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
     """Return the unit of a known quantity without a unit in its heading; empty if the size does not decide."""
-    known = numbers[np.isfinite(numbers)]
-    if not known.size:
+    finite = numbers[np.isfinite(numbers)]
+    if not finite.size:
         return ValueGuess(name, "", False)
-    low, high, size = float(known.min()), float(known.max()), float(np.abs(known).max())
+    low, high, size = float(finite.min()), float(finite.max()), float(np.abs(finite).max())
     if name == "temperature":
-        return (
-            ValueGuess(name, "K", low > 200.0 and high < 700.0)
-            if low > 200.0
-            else ValueGuess(name, "degC", size < 400.0)
-        )
+        return ValueGuess(name, "K", high < 700.0) if low > 200.0 else ValueGuess(name, "degC", size < 400.0)
     if name == "strain":
         unit = "1" if size <= LARGEST_STRAIN else "%" if size <= 15.0 else "ppm"
         return ValueGuess(name, unit, size < 0.09 or 0.15 < size <= 15.0)
     if name == "stress":
         return ValueGuess(name, "Pa" if size > 1e5 else "MPa", size > 1e5 or size > 20.0)
     if name == "time":
-        return ValueGuess(name, *_guess_time_unit(known))
+        return ValueGuess(name, *_guess_time_unit(finite))
     if name in ("martensite_fraction", "duty"):
         return ValueGuess(name, "1" if size <= 1.0 else "%", True)
     if name == "voltage":
@@ -63,13 +59,13 @@ def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
     if name == "current":
         return ValueGuess(name, "A" if size <= 15.0 else "mA", size <= 15.0)
     if name in ("angle", "rotor_angle"):
-        return ValueGuess(name, "", False)  # degrees and radians both come into question
-    usual = CANONICAL.get(name, "") if name not in ("rotor_speed", "drive") else ""  # rpm and rad/s are as usual
+        return ValueGuess(name, "", False)  # degrees or radians
+    usual = CANONICAL.get(name, "") if name not in ("rotor_speed", "drive") else ""  # rpm or rad/s
     return ValueGuess(name, usual and choose_readable_unit(usual), False)
 
 
 def _guess_time_unit(times: Numbers) -> tuple[str, bool]:
-    """Return the seconds, unless they are stamps of a computer, or whole numbers that are far apart."""
+    """Return seconds, except for computer stamps and widely spaced whole numbers; and certainty."""
     first = float(times[0])
     stamp = next((unit for unit, size in (("s", 1e9), ("ms", 1e12), ("us", 1e15)) if size < first < 2.2 * size), "")
     if stamp:
@@ -84,19 +80,19 @@ def _guess_time_unit(times: Numbers) -> tuple[str, bool]:
     return ("ms", False) if whole and step >= 5.0 else ("s", not whole or step <= 2.0)
 
 
-def guess_columns(found: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """Guess the meaning of columns from their values alone, by place; ambiguous columns are left out."""
-    left = {place: one for place, one in found.items() if np.isfinite(one).sum() > 2}
+def guess_columns(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
+    """Return place -> meaning of columns from their values alone, without ambiguous columns."""
+    left = {place: one for place, one in columns.items() if np.isfinite(one).sum() > 2}
     times = next((place for place, one in left.items() if is_even_time(one)), None)
     guesses: dict[int, ValueGuess] = {}
-    if times is not None and len(found) > 1:
+    if times is not None and len(columns) > 1:
         unit, sure = _guess_time_unit(left.pop(times))
         guesses[times] = ValueGuess("time", unit, sure)
     return guesses | (_guess_loop(left) or _guess_pair(left) or _guess_supply(left))
 
 
 def is_even_time(numbers: Numbers) -> bool:
-    """Return whether numbers rise from row to row by equal steps."""
+    """Return whether numbers rise by equal steps."""
     if not np.all(np.isfinite(numbers)) or len(numbers) < 3:
         return False
     steps = np.diff(numbers)
@@ -107,9 +103,9 @@ def is_even_time(numbers: Numbers) -> bool:
 
 
 def is_rising(numbers: Numbers) -> bool:
-    """Return whether numbers never fall, and rise in all."""
-    known = numbers[np.isfinite(numbers)]
-    return known.size > 1 and bool(np.all(np.diff(known) >= 0.0)) and bool(known[-1] > known[0])
+    """Return whether numbers never fall, and rise in total."""
+    finite = numbers[np.isfinite(numbers)]
+    return finite.size > 1 and bool(np.all(np.diff(finite) >= 0.0)) and bool(finite[-1] > finite[0])
 
 
 def _is_strain(numbers: Numbers) -> bool:
@@ -127,31 +123,31 @@ def _is_steady(numbers: Numbers) -> bool:
 
 
 def _correlate(one: Numbers, other: Numbers) -> float:
-    known = np.isfinite(one) & np.isfinite(other)
-    if known.sum() < 3 or np.ptp(one[known]) == 0.0 or np.ptp(other[known]) == 0.0:
+    both = np.isfinite(one) & np.isfinite(other)
+    if both.sum() < 3 or np.ptp(one[both]) == 0.0 or np.ptp(other[both]) == 0.0:
         return 0.0
-    return float(np.corrcoef(one[known], other[known])[0, 1])
+    return float(np.corrcoef(one[both], other[both])[0, 1])
 
 
 def _guess_loop(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """Return the temperature, strain and stress of a loop in which one of temperature and stress is held."""
+    """Return temperature, strain and stress of a loop with constant temperature or stress."""
     if len(columns) != 3:
         return {}
     by_size = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
     strain, others = by_size[0], by_size[1:]
-    held = [place for place in others if _is_steady(columns[place])]
-    if not _is_strain(columns[strain]) or not held:
-        held = [place for place in columns if _is_steady(columns[place])]  # 7 MPa is less than strains in percent
-        moved = [place for place in columns if place not in held[:1]]
-        if len(held) != 1 or len(moved) != 2:
+    steady = [place for place in others if _is_steady(columns[place])]
+    if not _is_strain(columns[strain]) or not steady:
+        steady = [place for place in columns if _is_steady(columns[place])]  # 7 MPa is less than strains in percent
+        moved = [place for place in columns if place not in steady[:1]]
+        if len(steady) != 1 or len(moved) != 2:
             return {}
         strain = min(moved, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
-    held = sorted(held, key=lambda place: float(np.nanstd(columns[place]) / np.nanmean(columns[place])))
-    level = next(place for place in held if place != strain)
+    steady = sorted(steady, key=lambda place: float(np.nanstd(columns[place]) / np.nanmean(columns[place])))
+    level = next(place for place in steady if place != strain)
     swept = next(place for place in columns if place not in (strain, level))
     unit = guess_unit("strain", columns[strain])
     slope = _correlate(columns[swept], columns[strain])
-    found = {strain: unit}
+    guesses = {strain: unit}
     modulus = (
         1e6 * float(np.ptp(columns[swept])) / (float(np.ptp(columns[strain])) * (0.01 if unit.unit == "%" else 1.0))
     )
@@ -163,13 +159,13 @@ def _guess_loop(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
         return {}
     kelvin = guess_unit("temperature", columns[heat]).unit
     sure = abs(slope) > 0.5 or modulus > STIFFEST
-    found[heat] = ValueGuess("temperature", kelvin, sure)
-    found[stress] = ValueGuess("stress", guess_unit("stress", columns[stress]).unit, sure)
-    return found
+    guesses[heat] = ValueGuess("temperature", kelvin, sure)
+    guesses[stress] = ValueGuess("stress", guess_unit("stress", columns[stress]).unit, sure)
+    return guesses
 
 
 def _guess_pair(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """Return the strain beside a temperature that it falls with, or a stress that it rises with."""
+    """Return a strain and a temperature with which it falls, or a stress with which it rises."""
     if len(columns) != 2:
         return {}
     strain, other = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
@@ -189,7 +185,7 @@ def _guess_pair(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
 
 
 def _guess_supply(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """Set-point of a supply that is held on steps, and the current that follows it."""
+    """Return the set-point of a stepped supply, and the current that follows it."""
     if len(columns) != 2:
         return {}
     levels = {place: len(np.unique(one[np.isfinite(one)])) for place, one in columns.items()}
@@ -208,7 +204,7 @@ def _guess_supply(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
 def mend_fall(drive: Numbers, answer: Numbers) -> tuple[Numbers, list[int], float]:
     """Return a stepped drive repaired after resets of its counter, with rows and height of the resets.
 
-    A fall counts where it is at least five of its usual steps and the answer changes by less than a tenth of its range.
+    A fall is a reset if it is at least five usual steps and the answer changes by less than a tenth of its range.
     """
     steps = np.diff(drive)
     usual = float(np.median(np.abs(steps[steps != 0.0]))) if np.any(steps != 0.0) else 0.0

@@ -1,15 +1,10 @@
-"""From the sections of a scenario to a system and the waveforms that drive it.
+"""The systems of scenarios and the waveforms that drive them.
 
-[element], [environment] and [drive] describe the actuator of a mechanism with one port. A
-mechanism with several has the same actuator at each, and in [actuators.PORT] what is different
-there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
-port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
-the mechanism itself, such as the voltage of a motor, or of what cools, such as a fan. [driver] is another
-word for [drive], for one that a controller has.
-
-[supply] is one supply for all of them, with an internal resistance and a limit of its current.
-
-[model] names the file of a model instead; its inputs are such signals.
+[element], [environment] and [drive] describe the only actuator of a mechanism with one port, or the common actuator of
+all ports. [actuators.PORT] holds the tables `element`, `environment` and `drive` with the differences at a port. A port
+without a waveform is not driven. [driver] is another word for [drive], and [supply] a supply shared by all actuators.
+[signals.NAME] is the waveform of a signal that belongs to the mechanism, such as a motor voltage, or to the cooling,
+such as a fan. [model] names the file of a model instead; its inputs are such signals.
 """
 
 from __future__ import annotations
@@ -49,36 +44,36 @@ MODEL = "model"
 
 @dataclass
 class Assembly:
-    """A system in the making."""
+    """System under construction."""
 
     document: Table
     folder: Path
-    """Folder in which named files are looked up."""
+    """Folder of the named files."""
     log: Record | None = None
     """Log that waveforms of kind `log` follow."""
     lead: float = 0.0
     """Time before the log [s]."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
-    """Dotted path of each number -> where it came from."""
+    """Origin of each number, by its dotted path."""
     waveforms: dict[str, AbstractWaveform] = field(default_factory=dict[str, AbstractWaveform])
     end: float = math.inf
-    """When the last recorded waveform ends [s]."""
+    """End of the last recorded waveform [s]."""
     material: Material | None = None
-    """Material of the first element which names one."""
+    """Material of the first element that names one."""
     follows: dict[str, str] = field(default_factory=dict[str, str])
-    """Drive -> column of the log that it follows."""
+    """Followed column of the log, by drive."""
     cautions: list[str] = field(default_factory=list[str])
-    """Sentences on materials whose numbers are used in another law than theirs."""
+    """Sentences on materials whose numbers are used in another law."""
     controlled: bool = False
-    """True if a controller may have a drive, which then needs no waveform."""
+    """True if drives of controllers, which need no waveform, are possible."""
 
     @property
     def drive(self) -> str:
-        """Return the section of the source."""
+        """Return the name of the section of the source."""
         return drive_section(self.document)
 
     def system(self) -> AbstractSystem:
-        """Return the system; fills the other fields on the way."""
+        """Return the system, and fill the other fields."""
         if MODEL in self.document:
             return self._build_model(section_of(self.document, MODEL))
         table = section_of(self.document, "mechanism")
@@ -89,9 +84,9 @@ class Assembly:
         return made
 
     def list_waveforms(self, system: AbstractSystem) -> Waveforms:
-        """Return the waveform of a system with one drive, or those of one with several by name."""
-        known = self.waveforms
-        return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
+        """Return the waveform of a system with one drive, or the waveforms of several drives by name."""
+        single = len(system.drives()) == len(self.waveforms) == 1
+        return next(iter(self.waveforms.values())) if single else self.waveforms
 
     def _build_model(self, table: Table) -> AbstractSystem:
         from martensite.identify.chains.plant import build_plant
@@ -198,12 +193,12 @@ class Assembly:
         if not isinstance(name, str):
             raise ParameterError(f"[element] `material` must be a name or file, but is {name!r}.")
         with name_section("element"):
-            found = load_material(name, self.folder)
-        self.material = self.material or found
-        return found
+            material = load_material(name, self.folder)
+        self.material = self.material or material
+        return material
 
     def _waveform(self, drive: Table, unit: str, path: str, name: str) -> AbstractWaveform:
-        """Return the waveform of the drive of a name; one that is recorded has an end."""
+        """Return the waveform of a drive."""
         if "waveform" not in drive:
             kinds = suggest_name("", WAVEFORMS.names())
             raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
@@ -211,7 +206,7 @@ class Assembly:
         return self.waveform_of(drive["waveform"], unit, below, name)
 
     def waveform_of(self, given: Any, unit: str, below: str, name: str) -> AbstractWaveform:
-        """Return the waveform that a table at a path describes, with levels in a unit."""
+        """Return the waveform that a table describes, with levels in a unit."""
         table = as_table(given, below)
         if table.get("kind") == recorded_waveforms.KIND:
             waveform, end = recorded_waveforms.build_waveform(table, below, self.folder, unit)
@@ -226,7 +221,7 @@ class Assembly:
         return builder.choose(WAVEFORMS, table, below)
 
     def _build_followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
-        """Return the waveform that follows a column of the log, to its last row."""
+        """Return the waveform that follows a column of the log."""
         switched = unit == "1" and not path.startswith(SIGNALS)
         natural = recorded_waveforms.DUTY if switched else recorded_waveforms.NATURAL.get(unit, name)
         waveform, self.follows[name] = recorded_waveforms.build_followed(
@@ -242,7 +237,7 @@ def section_of(document: Table, name: str, default: Table | None = None) -> dict
     """Return a section of a scenario.
 
     Raises:
-        ParameterError: there is none, and no default.
+        ParameterError: the section is missing and has no default.
     """
     if name not in document and default is None:
         raise ParameterError(f"The scenario needs a section [{name}]; none given.")
@@ -250,20 +245,20 @@ def section_of(document: Table, name: str, default: Table | None = None) -> dict
 
 
 def drive_section(document: Table) -> str:
-    """Return the name of the section of the source: `drive` or `driver`.
+    """Return the name of the section of the source, `drive` or `driver`.
 
     Raises:
-        ParameterError: both are there.
+        ParameterError: a scenario has both.
     """
     ports = [p for p in section_of(document, GROUP, {}).values() if isinstance(p, dict)]
-    found = [name for name in (DRIVE, DRIVER) if any(name in t for t in (document, *ports))]
-    if len(found) == 2:
+    names = [name for name in (DRIVE, DRIVER) if any(name in t for t in (document, *ports))]
+    if len(names) == 2:
         raise ParameterError(f"A scenario has [{DRIVE}] or [{DRIVER}], not both.")
-    return found[0] if found else DRIVE
+    return names[0] if names else DRIVE
 
 
 def scenario_path(path: str, drive: str = DRIVE) -> str:
-    """Return the path by which a scenario reaches a number of its system, such as `drive.supply`."""
+    """Return the path of a number of the system in a scenario, such as `drive.supply`."""
     members = f"{GROUP}." if path.startswith("group.") else ""
     path = path.removeprefix("group.")
     head, dot, rest = path.partition("source.")
@@ -271,7 +266,7 @@ def scenario_path(path: str, drive: str = DRIVE) -> str:
 
 
 def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
-    """Return the path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
+    """Return the path of the waveform of a drive in a scenario, with its dot."""
     if name in system.signals():
         return f"{SIGNALS}.{name}."
     return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
@@ -285,14 +280,14 @@ def _build_environment(builder: Builder, tables: Table, sets_temperature: bool, 
 
 
 def _overlay_table(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any]:
-    """Return a table with the entries of another over its own; a table of another kind replaces it."""
+    """Return a table with the entries of another over its own; another kind replaces the table."""
     over = as_table(different, path)
     if "kind" in over and over["kind"] != common.get("kind"):
         return over
-    found = dict(common)
+    merged = dict(common)
     for key, value in over.items():
-        below = found.get(key)
+        below = merged.get(key)
         if isinstance(below, dict) and isinstance(value, dict):
             value = _overlay_table(cast("dict[str, Any]", below), value, f"{path}.{key}")
-        found[key] = value
-    return found
+        merged[key] = value
+    return merged

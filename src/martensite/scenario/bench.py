@@ -1,17 +1,16 @@
-"""From the sections of a scenario to a bench: what is around the system that it describes.
+"""The benches of scenarios: sensors, observers, controllers and faults around a system.
 
     [sensor]      or [sensors.NAME]       kind, its parameters, and how it is mounted
-    [observer]    or [observers.NAME]     kind and parameters; `model` is what it believes
+    [observer]    or [observers.NAME]     kind and parameters; `model` is the model it uses
     [controller]  or [controllers.DRIVE]  kind and parameters; period, limits
-    [reference]   or [references.DRIVE]   a waveform in any unit of what is measured
+    [reference]   or [references.DRIVE]   a waveform in any unit of the measured quantity
     [supervisor], [faults.NAME]           kind and parameters
     [bench]                               period, steps, switching, noise
 
-A `follower` whose leader follows no reading of it needs no reference.
+A `follower` whose leader follows no reading needs no reference.
 
-The model of an observer, or of a controller that has one, is the system of the scenario itself; `model = {
-"element.diameter" = "0.37 mm" }` makes it another one (`model_changes`), and [observer.models.NAME] says what is
-different in a further model of a bank.
+The model of an observer or controller is the system of the scenario. `model = { "element.diameter" = "0.37 mm" }`
+changes it (`model_changes`), and [observer.models.NAME] holds the changes of a further model.
 """
 
 from __future__ import annotations
@@ -72,7 +71,7 @@ if TYPE_CHECKING:
 
 CONTROLLER = "controller"
 READING = "reading"
-"""Name of the reading that a sensor gives out."""
+"""Name of the reading of a sensor."""
 
 
 class BenchSettings(Parametrised):
@@ -99,15 +98,15 @@ class BenchSettings(Parametrised):
 
 @dataclass(frozen=True)
 class BenchBuilder:
-    """Builds what is around a plant; notes origins and places of all numbers."""
+    """Builder of the bench around a plant; it notes origins and places of all numbers."""
 
     assembly: Assembly
     plant: AbstractSystem
-    """Plant at the centre of the bench."""
+    """Plant of the bench."""
     places: Places
 
     def build(self) -> tuple[Bench, bool]:
-        """Return the bench, and whether its sensors have noise.
+        """Return the bench, and true if its sensors have noise.
 
         Raises:
             InputError: a section, a name or a value does not fit.
@@ -123,16 +122,18 @@ class BenchBuilder:
         )
         observers = dict(self._observer(bench, row) for row in list_rows(document, "observer"))
         bench = bench.with_parts(observers=Observers(**observers))
-        found = dict(self._controller(bench, row) for row in list_rows(document, CONTROLLER))
-        _check_references(document, found)
+        controllers = dict(self._controller(bench, row) for row in list_rows(document, CONTROLLER))
+        _check_references(document, controllers)
         faults = dict(self._fault(bench, row) for row in list_rows(document, FAULTS))
         bench = bench.with_parts(
-            controllers=Controllers(**found), supervisor=self._supervisor(bench, found), faults=FaultTable(**faults)
+            controllers=Controllers(**controllers),
+            supervisor=self._supervisor(bench, controllers),
+            faults=FaultTable(**faults),
         )
         return bench, settings.noise == "drawn"
 
     def _settings(self) -> BenchSettings:
-        """[bench], with the period from where it stands."""
+        """Return the settings, with the period from the section that has it."""
         document, origins = self.assembly.document, self.assembly.origins
         stands = {
             path: own[PERIOD] for path in (CONTROLLER, BENCH, RUN) if PERIOD in (own := section_of(document, path, {}))
@@ -156,25 +157,25 @@ class BenchBuilder:
     def _component(
         self, cls: type[Parametrised], row: Row, scales: PlaceUnits, extra: tuple[str, ...] = (), **made: object
     ) -> Any:
-        """Return a component; its path in the bench stands in the place of the name in its row."""
+        """Return a component from a row with its path in the bench."""
         where, table, path = row
         origins = self.assembly.origins
         builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, made=made)
-        found = builder.build(cls, table, path)
+        part = builder.build(cls, table, path)
         self.places.note(where, path, scales)
-        self.places.note_scales(where, found, scales)
-        return found
+        self.places.note_scales(where, part, scales)
+        return part
 
     def _sensor(self, row: Row) -> tuple[str, MountedSensor]:
-        """Return a sensor in its place, and its name: by default that of what it measures."""
+        """Return the name and the mounted sensor of a row."""
         name, table, path = row
         mount = tuple(n for n in MountedSensor.declarations if n != "sensor")
         names = (NAME,) if path in PAIRS else ()
         cls = cast("type[AbstractSensor]", choose_class(SENSORS, table, path))
         given = {key: value for key, value in table.items() if key in mount}
         seen = _list_texts(given.get("of")) or list(cls.sees)
-        known = self.plant.outputs()
-        first = known[seen[0]].unit if seen and seen[0] in known else "1"
+        outputs = self.plant.outputs()
+        first = outputs[seen[0]].unit if seen and seen[0] in outputs else "1"
         unit = cls.unit or first
         natural = seen[0].replace(".", "_") if seen and unit == first else str(table["kind"])
         name = name or str(table.get(NAME, natural.replace("-", "_")))
@@ -193,7 +194,7 @@ class BenchBuilder:
         return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
 
     def _model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> dict[str, Any]:
-        """Return the model of a component that has one, and further ones by name, as what is made elsewhere."""
+        """Return the models of a component by declaration; empty for a component without a model."""
         declared = cls.declarations.get(MODEL)
         if declared is None or declared.kind != "part" or declared.registry is not None:
             return {}
@@ -215,7 +216,7 @@ class BenchBuilder:
         return made
 
     def _changed_plant(self, changes: tuple[Any, ...], path: str, where: str) -> AbstractSystem:
-        """Return the plant with what is different in a model: all of these, the last of them written at a path."""
+        """Return the plant with all changes of a model; the last of them are noted under a path."""
         self.places.note_system(where, path)
         if not any(changes):
             return self.plant
@@ -250,13 +251,15 @@ class BenchBuilder:
         if full.get(KIND, GUARD) in (GUARD, NONE):
             noisy = section_of(document, BENCH, {}).get("noise") != "none"
             builder = Builder(scales=scales, origins=origins, plain=True)
-            full, taken, said = complete_guard(full, bench, controllers, builder, noisy)
-            self.assembly.cautions.extend(said)
+            full, taken, cautions = complete_guard(full, bench, controllers, builder, noisy)
+            self.assembly.cautions.extend(cautions)
         if full is None:
             return None
-        found = self._component(choose_class(SUPERVISORS, full, SUPERVISOR), (SUPERVISOR, full, SUPERVISOR), scales)
+        supervisor = self._component(
+            choose_class(SUPERVISORS, full, SUPERVISOR), (SUPERVISOR, full, SUPERVISOR), scales
+        )
         origins.update(dict.fromkeys(taken & set(origins), "plant"))
-        return found
+        return supervisor
 
     # ---------------------------------------------------------------- controllers
 
@@ -277,7 +280,7 @@ class BenchBuilder:
         return name, built.with_parts(reference=waveform)
 
     def _build_idle(self, bench: Bench, row: Row, scales: PlaceUnits) -> AbstractController:
-        """Return a controller with nothing to follow yet."""
+        """Return a controller with a zero reference."""
         where, table, path = row
         cls = choose_class(CONTROLLERS, table, path)
         made = {REFERENCE: Constant(level=0.0), **self._model(cls, table, path, where)}
@@ -292,7 +295,7 @@ class BenchBuilder:
         return built
 
     def _find_drive(self, name: str, path: str) -> tuple[str, str]:
-        """Return the name and unit of the drive that a controller has; a single one has the only free one."""
+        """Return the name and unit of the drive of a controller; by default the only free drive."""
         drives = {drive.name: drive.unit for drive in self.plant.drives()}
         waved = self.assembly.waveforms
         free = [one for one in drives if one not in waved]
@@ -329,14 +332,14 @@ class BenchBuilder:
         return (given if single else given[name]), title
 
 
-def _check_references(document: Table, found: Mapping[str, AbstractController]) -> None:
+def _check_references(document: Table, controllers: Mapping[str, AbstractController]) -> None:
     single = CONTROLLER in document
     given = section_of(document, PAIRS[REFERENCE], {})
-    idle = next((name for name in given if single or name not in found), None)
+    idle = next((name for name in given if single or name not in controllers), None)
     if idle is not None:
         raise ParameterError(
             f"[references.{idle}] has no effect, since there is no [controllers.{idle}]. "
-            f"{suggest_name(idle, [] if single else found)}"
+            f"{suggest_name(idle, [] if single else controllers)}"
         )
     if REFERENCE in document and not single:
         raise ParameterError("[reference] has no effect, since there is no [controller]; write [references.DRIVE].")

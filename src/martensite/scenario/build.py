@@ -1,9 +1,8 @@
-"""From tables of text to objects: one walk over the declarations builds every component.
+"""Components from tables of text: one walk over the declarations.
 
-A table holds a `kind` and the parameters of that kind; a component below it is another table, or just its kind.
-Quantities with a dimension are text with a unit. What the table leaves out comes from the material (by canonical
-name, where the part may draw on one), then from the default; what is missing everywhere is an error that says where
-to write it. So does the law: a material whose numbers hold for one law names it.
+A table holds a `kind` and the parameters of this kind. A component is a nested table, or its bare kind. Quantities with
+a dimension are text with a unit. Missing numbers come from the material, by canonical name, then from the default; a
+number that is missing everywhere is an error. The material may also name the law.
 """
 
 from __future__ import annotations
@@ -25,36 +24,36 @@ from martensite.scenario.place_units import PlaceUnits
 
 Table = Mapping[str, Any]
 LAW = "law"
-"""Component that a material may name."""
+"""Name of the component that a material may describe."""
 
 FULLY_DESCRIBED = 3
-"""More missing numbers than these are listed without their meaning."""
+"""Largest number of missing parameters that a message explains."""
 
 
 @dataclass(frozen=True)
 class Builder:
-    """Builds components from tables; notes in `origins` where each number came from."""
+    """Builder of components from tables; `origins` gets the origin of each number."""
 
     material: Material | None = None
-    """Fills numbers that the tables leave out, in components built with `draws`."""
+    """Source of missing numbers, for components built with `draws`."""
     scales: PlaceUnits = field(default_factory=PlaceUnits)
-    """Units of levels of a waveform, and of readings."""
+    """Units of signals and readings."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
-    """Dotted path -> scenario, default, or the kind and name of the material."""
+    """Origin by dotted path: `scenario`, `default`, or the kind of number and name of the material."""
     extra: tuple[str, ...] = ()
-    """Keys of the outermost table that are read elsewhere."""
+    """Keys of the outermost table that other code reads."""
     plain: bool = False
-    """True if parts that are whole numbers, or rows of numbers, may be given as such."""
+    """True if whole numbers and rows of numbers are possible parts."""
     made: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    """Components of the outermost object that are made elsewhere."""
+    """Ready components of the outermost object."""
 
     def choose(self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False) -> Any:
-        """Build the component of `registry` that the table (or bare kind) describes."""
+        """Build the component of `registry` that a table or bare kind describes."""
         full = as_table(table, path)
         return self.build(choose_class(registry, full, path), full, path, draws=draws)
 
     def build(self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False) -> Any:
-        """Build a component of a known class from its table."""
+        """Build a component of a class from its table."""
         if is_members(cls):
             return self._build_members(cls, table, path, draws)
         scales = self.scales.within(cls, table)
@@ -89,18 +88,18 @@ class Builder:
             return cls(**values)
 
     def _build_members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
-        found: dict[str, Any] = {}
+        members: dict[str, Any] = {}
         for name, given in table.items():
             below, full = f"{path}.{name}", as_table(given, f"{path}.{name}")
             if cls.registry is None:
-                found[name] = self.build(cls.kind, full, below, draws=draws)
+                members[name] = self.build(cls.kind, full, below, draws=draws)
             else:
-                found[name] = self.choose(cls.registry, full, below, draws=draws)
+                members[name] = self.choose(cls.registry, full, below, draws=draws)
         with name_section(path):
-            return cls(**found)
+            return cls(**members)
 
     def _find_writer(self, name: str, table: Table, path: str, draws: bool) -> str:
-        """Who wrote a number of a table: the scenario, or the law of the material."""
+        """Return the origin of a number of a table: the scenario, or the law of the material."""
         law = self.material.law if self.material and draws else None
         own = law is not None and path.rpartition(".")[2] == LAW and law.get(name) == table[name]
         return f"law, {self.material.name}" if own and self.material else "scenario"
@@ -108,16 +107,16 @@ class Builder:
     def _find_child(
         self, cls: type[Parametrised], name: str, table: Table, path: str, draws: bool
     ) -> tuple[type[Parametrised], Table] | None:
-        """Return the class and table of a component, or None if its default is meant."""
+        """Return the class and table of a component, or None for its default."""
         declared = cls.declarations[name]
         given = table.get(name, ASSUMED_KINDS.get(name))
         if name == LAW and draws and self.material and self.material.law:
             given = self._merge_law(given, self.material.law, f"{path}.{name}")
         if declared.registry is None:
-            known = component_class(cls, name)
-            if known is None or (given is None and not isinstance(declared.default, Parametrised)):
+            child = component_class(cls, name)
+            if child is None or (given is None and not isinstance(declared.default, Parametrised)):
                 return None
-            return known, (as_table(given, f"{path}.{name}") if given is not None else {})
+            return child, (as_table(given, f"{path}.{name}") if given is not None else {})
         if given is None:
             return None
         full = as_table(given, f"{path}.{name}")
@@ -129,7 +128,7 @@ class Builder:
 
     @staticmethod
     def _merge_law(given: Any, law: Table, path: str) -> Any:
-        """Return the table of a law, from that of the material where the scenario names none."""
+        """Return the table of a law; without a kind, with the entries of the material."""
         if given is None:
             return law
         full = as_table(given, path)
@@ -148,12 +147,12 @@ class Builder:
             below = replace(self, extra=(), made={})
             values[name] = below.build(*child, f"{path}.{name}", draws=draws)
         elif declared.default is REQUIRED:
-            known = declared.registry
-            valid = f"Write a table [{path}.{name}]." if known is None else suggest_name("", known.names())
+            kinds = declared.registry
+            valid = f"Write a table [{path}.{name}]." if kinds is None else suggest_name("", kinds.names())
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
     def _convert_value(self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str) -> Any:
-        """Return the value as the constructor takes it; text keeps its unit for the messages."""
+        """Return the value for the constructor; text keeps its unit for messages."""
         if declared.kind in ("option", "text"):
             return value
         if declared.unit in units.OF_GAINS and not isinstance(value, str):
@@ -229,7 +228,7 @@ def _list_parts(cls: type[Parametrised]) -> Iterator[str]:
 
 
 def _list_declared(cls: type[Parametrised]) -> Collection[str]:
-    """Return the entries that a class declares; empty for a class whose instances declare their own parameters."""
+    """Return the declared entries of a class; empty if each instance has its own."""
     return () if isinstance(cls.declarations, property) else cls.declarations
 
 
@@ -241,7 +240,7 @@ def choose_class(registry: Registry[Any], table: Table, path: str) -> type[Param
     """Return the class of a table.
 
     Raises:
-        InputError: it names no kind, or none that there is.
+        InputError: `kind` is missing or unknown.
     """
     if "kind" not in table:
         raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
@@ -250,7 +249,7 @@ def choose_class(registry: Registry[Any], table: Table, path: str) -> type[Param
 
 
 def as_table(value: Any, path: str) -> dict[str, Any]:
-    """Return a table; a bare text is its kind."""
+    """Return a table; text becomes its `kind`."""
     if isinstance(value, str):
         return {"kind": value}
     if not isinstance(value, dict):
@@ -259,7 +258,7 @@ def as_table(value: Any, path: str) -> dict[str, Any]:
 
 
 def refuse_unknown(keys: Iterable[str], valid: Iterable[str], where: str) -> None:
-    """Raise a sentence with the nearest valid name if a key is not one of the valid ones."""
+    """Raise `ParameterError` for the first key that is not valid."""
     names = list(valid)
     unknown = next((key for key in keys if key not in names), None)
     if unknown is not None:
@@ -268,7 +267,7 @@ def refuse_unknown(keys: Iterable[str], valid: Iterable[str], where: str) -> Non
 
 @contextmanager
 def name_section(path: str) -> Iterator[None]:
-    """Put the section in front of the sentence of an error."""
+    """Put the section before the message of an error."""
     try:
         yield
     except InputError as error:

@@ -1,7 +1,4 @@
-"""The catalogue of registered parts: what there is, and what is declared of each.
-
-One description for all who list parts: the command line, the forms of the web bench, the reference pages.
-"""
+"""Catalogue of registered parts and their declarations, for the command line, the web bench and the reference pages."""
 
 from __future__ import annotations
 
@@ -19,15 +16,15 @@ from martensite.signals.base import DRIVE
 
 
 class EntryDescription(TypedDict):
-    """Declaration of one entry of a part."""
+    """Declaration of an entry of a part."""
 
     name: str
     declares: str
     """parameter, option, text or part."""
     title: str
-    """The name in words."""
+    """Name in words."""
     symbol: str
-    """With `_` before its index; empty where the name is a word."""
+    """Symbol with `_` before its index; empty for a word."""
     meaning: str
     unit: str | None
     """SI unit of a parameter."""
@@ -36,23 +33,23 @@ class EntryDescription(TypedDict):
     """Bounds in SI; null for none."""
     allowed: str
     choices: list[str]
-    """Allowed names, for an option and for a part from a registry."""
+    """Allowed names of an option or registered part."""
     required: bool
     default: Any
     """Default value; null for a required entry or an unlimited value."""
     typical: Any
-    """Typical value as files write it, or null. Always an assumption, never data."""
+    """Assumed typical value as files write it, or null."""
 
 
 class NamedPart(TypedDict):
-    """A registered part by its name."""
+    """Name and summary of a registered part."""
 
     name: str
     summary: str
 
 
 class PartDescription(NamedPart):
-    """All that is declared of a registered part."""
+    """Full declaration of a registered part."""
 
     kind: str
     description: str
@@ -61,14 +58,13 @@ class PartDescription(NamedPart):
 
 
 LISTS = "`martensite list` lists them by kind"
-"""Place of the names of all parts, for messages."""
+"""Hint for messages about unknown names."""
 
 
 def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
-    """Return every registry of parts, by the word for one of its entries.
+    """Return every registry by the word for one of its entries.
 
-    Those of blocks and measures if wanted: they are no parts of a scenario, and load NumPy, which
-    takes longer than all the rest.
+    `blocks` adds blocks and measures, which are no parts of a scenario and load NumPy.
     """
     from martensite.actuators.elements.base import ELEMENTS
     from martensite.actuators.mechanisms.base import MECHANISMS
@@ -85,7 +81,7 @@ def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     from martensite.physics.thermal.ends import ENDS
     from martensite.signals.base import WAVEFORMS
 
-    found: list[Registry[Any]] = [
+    registries: list[Registry[Any]] = [
         ELEMENTS,
         ENDS,
         LAWS,
@@ -106,30 +102,30 @@ def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
         from martensite.identify.blocks.base import BLOCKS
         from martensite.simulate.measures.base import MEASURES
 
-        found += [BLOCKS, MEASURES]
-    return {registry.kind: registry for registry in found}
+        registries += [BLOCKS, MEASURES]
+    return {registry.kind: registry for registry in registries}
 
 
 def find_registry(kind: str) -> Registry[Any]:
-    """Return the registry of a kind of parts, given by its name or the plural of it.
+    """Return the registry of a kind of parts; the kind may be a plural.
 
     Raises:
         UnknownNameError: the kind does not exist.
     """
-    known = list_registries(blocks=True)
+    registries = list_registries(blocks=True)
     for one in (kind, kind.removesuffix("s")):
-        if one in known:
-            return known[one]
-    raise UnknownNameError("kind of part", kind, known)
+        if one in registries:
+            return registries[one]
+    raise UnknownNameError("kind of part", kind, registries)
 
 
 def summarise_class(cls: type[Any]) -> str:
-    """Return the first line of the class's description."""
+    """Return the first line of the description of a class."""
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 
 
 def describe_words(cls: type[Any]) -> str:
-    """Return the docstring of the module of a class, then the text below the summary of the class."""
+    """Return the description of the module of a class, then the details of the class."""
     own = (inspect.getdoc(cls) or "").partition("\n\n")[2]
     return "\n\n".join(filter(None, (inspect.getdoc(sys.modules[cls.__module__]), own)))
 
@@ -140,7 +136,7 @@ def list_named(registry: Registry[Any]) -> list[NamedPart]:
 
 
 def describe_parts() -> dict[str, list[PartDescription]]:
-    """Return every registered part with all that is declared of it, by the word for its kind."""
+    """Return the declarations of all registered parts by kind."""
     return {
         kind: [describe_class(kind, registry[name]) for name in registry.names()]
         for kind, registry in list_registries(blocks=True).items()
@@ -148,20 +144,20 @@ def describe_parts() -> dict[str, list[PartDescription]]:
 
 
 def describe_named(name: str) -> list[PartDescription]:
-    """Return all registered parts of that name, of whichever kind; at least one.
+    """Return all registered parts of a name.
 
     Raises:
-        UnknownNameError: there is none.
+        UnknownNameError: the name is unknown.
     """
-    known = list_registries(blocks=True)
-    found = [describe_class(k, r[name]) for k, r in known.items() if name in r.names()]
-    if not found:
-        raise UnknownNameError("part", name, {one for r in known.values() for one in r.names()}, LISTS)
-    return found
+    registries = list_registries(blocks=True)
+    parts = [describe_class(k, r[name]) for k, r in registries.items() if name in r.names()]
+    if not parts:
+        raise UnknownNameError("part", name, {one for r in registries.values() for one in r.names()}, LISTS)
+    return parts
 
 
 def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
-    """Return everything about a registered class, ready for JSON."""
+    """Return the declaration of a registered class as plain values."""
     return {
         "name": cls.registered_name,
         "kind": kind,
@@ -173,7 +169,7 @@ def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
 
 
 def describe_entry(name: str, declared: Declared) -> EntryDescription:
-    """Return the declaration of one entry, ready for JSON."""
+    """Return the declaration of one entry as plain values."""
     required = declared.default is REQUIRED
     default = None if required else declared.default
     if isinstance(default, Parametrised):

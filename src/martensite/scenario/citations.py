@@ -1,4 +1,4 @@
-"""Citations: BibTeX for exactly the models and materials that a run used."""
+"""BibTeX entries of the models and materials that a run uses."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ _ACCENTS = {
 
 @cache
 def read_bibliography() -> dict[str, str]:
-    """Return all entries of the package's bibliography: key -> BibTeX text."""
+    """Return all BibTeX entries of the package by key."""
     text = _FILE.read_text(encoding="utf-8")
-    return {found[1]: _read_entry(text, found.start()) for found in _START.finditer(text)}
+    return {begin[1]: _read_entry(text, begin.start()) for begin in _START.finditer(text)}
 
 
 def _read_entry(text: str, start: int) -> str:
@@ -55,23 +55,23 @@ def _read_entry(text: str, start: int) -> str:
 
 
 def list_entries(keys: Iterable[str]) -> list[str]:
-    """BibTeX entries of the given keys, in that order.
+    """Return the BibTeX entries of keys, in their order.
 
     Raises:
         UnknownNameError: a key is not in the bibliography.
     """
-    known = read_bibliography()
+    entries = read_bibliography()
     wanted = list(dict.fromkeys(keys))
-    unknown = next((key for key in wanted if key not in known), None)
+    unknown = next((key for key in wanted if key not in entries), None)
     if unknown is not None:
-        raise UnknownNameError("work in the bibliography", unknown, known)
-    return [known[key] for key in wanted]
+        raise UnknownNameError("work in the bibliography", unknown, entries)
+    return [entries[key] for key in wanted]
 
 
 def read_title(key: str) -> str:
-    """Return the title of a work, without BibTeX braces."""
-    found = _TITLE.search(list_entries([key])[0])
-    return re.sub(r"\s+", " ", re.sub(r"[{}]", "", found[1])) if found else key
+    """Return the title of a work, without braces."""
+    title = _TITLE.search(list_entries([key])[0])
+    return re.sub(r"\s+", " ", re.sub(r"[{}]", "", title[1])) if title else key
 
 
 def read_fields(text: str) -> dict[str, str]:

@@ -1,7 +1,6 @@
-"""Comparison of a run with a record: how far apart they are in every quantity both hold.
+"""Deviation of a run from a record in every common quantity.
 
-The run is interpolated linearly at the times of the record; nothing is extrapolated, and samples
-that the record misses (NaN) are passed over.
+The run is interpolated linearly at the times of the record and never extrapolated. Missing samples (NaN) are ignored.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 ROUNDING = 1e-9
-"""Share of the run by which a measured time may lie outside (rounding)."""
+"""Share of the run by which a measured time may lie outside."""
 
 
 @dataclass(frozen=True)
@@ -28,22 +27,22 @@ class Agreement:
 
     quantity: str
     unit: str
-    """SI unit of all numbers below but the time."""
+    """SI unit of all numbers but the time."""
     rms: float
     """Root mean square of computed minus measured."""
     maximum: float
-    """Largest distance."""
+    """Largest deviation."""
     time: float
-    """When it occurs [s]."""
+    """Time of the largest deviation [s]."""
     range: float
-    """Largest minus smallest measured value, as a measure of the others."""
+    """Largest minus smallest measured value."""
 
 
 def compare_with_record(result: Result, record: Record) -> list[Agreement]:
-    """Agreement of a run with a record, for every column both have.
+    """Return the deviation of a run from a record for every common column.
 
     Raises:
-        DataError: no column in common, other units, or times outside the run.
+        DataError: there is no common column, a unit differs, or times are outside the run.
     """
     names = list_common(result, record)
     if not names:
@@ -64,7 +63,7 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
 
 
 def list_common(result: Result, record: Record) -> list[str]:
-    """Return the columns that a run and a record both hold, and that are not missing throughout."""
+    """Return the common columns of a run and a record that are not empty."""
     return [
         name for name, column in record.columns.items() if name in result.columns and any(map(math.isfinite, column))
     ]

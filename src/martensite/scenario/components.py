@@ -1,7 +1,7 @@
-"""Components of a table that no registry names: of a declared class, by names, whole numbers, rows.
+"""Components without a registry: of a declared class, members by name, whole numbers and rows of numbers.
 
-A declaration `law: PidLaw = part(...)` says by its default, or by its annotation, of which class the component is.
-One that holds members by name, such as the points of a schedule, is a table of tables.
+The default or the annotation of a declaration such as `law: PidLaw = part(...)` gives the class of the component. A
+component with members by name, such as the points of a schedule, is a table of tables.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ PLAIN = ("Any", "int")
 
 
 def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
-    """Return the class of a component that is not chosen from a registry, if it is known."""
+    """Return the class of a component that no registry provides, or None."""
     declared = owner.declarations[name]
     if declared.kind != "part" or declared.registry is not None:
         return None
     if isinstance(declared.default, Parametrised):
         return type(declared.default)
-    found = next((one for one in find_annotated(owner, name) if issubclass(one, Parametrised)), None)
-    return None if found is None or found.__name__.startswith("Abstract") else found
+    cls = next((one for one in find_annotated(owner, name) if issubclass(one, Parametrised)), None)
+    return None if cls is None or cls.__name__.startswith("Abstract") else cls
 
 
 def is_members(cls: type[Parametrised] | None) -> bool:
-    """Return whether a class holds components by names of the user's own."""
+    """Return true for a class with components by names of the user."""
     return cls is not None and issubclass(cls, Members)
 
 
 def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the name and path of every value in components whose class is known, at any depth."""
+    """Yield name and path of every value in components of a declared class, at any depth."""
     for part in owner.declarations:
         inner = component_class(owner, part)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
@@ -49,41 +49,41 @@ def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str
 
 
 def gather_nested(cls: type[Parametrised], table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return a table with the parameters of components moved into nested tables, and the moved paths.
+    """Return a table with parameters moved into the nested tables of their components, and the moved paths.
 
-    A component whose class is known, such as the `law` of a PID controller, may have its numbers
-    beside those of the whole where only one of them has the name.
+    A number of a component, such as the `law` of a PID controller, may stand beside those of the whole if its name is
+    unique.
 
     Raises:
-        ParameterError: a number stands in both places.
+        ParameterError: a number is given twice.
     """
     owners: dict[str, list[str]] = {}
     for name, inner in list_nested(cls):
         owners.setdefault(name, []).append(inner)
-    found, moved = deepcopy(dict(table)), dict[str, str]()
+    nested, moved = deepcopy(dict(table)), dict[str, str]()
     for name in [n for n in table if n not in cls.declarations and len(owners.get(n, ())) == 1]:
         (inner,) = owners[name]
-        below = found
+        below = nested
         for part in inner.split(".")[:-1]:
             below = below.setdefault(part, {})
         if name in below:
             raise ParameterError(f"`{name}` and `{inner}` are the same; leave one out.")
-        below[name] = found.pop(name)
+        below[name] = nested.pop(name)
         moved[inner] = name
-    return found, moved
+    return nested, moved
 
 
 def is_plain(owner: type[Parametrised], name: str) -> bool:
-    """Return whether a part is a whole number, or numbers in a row."""
+    """Return true for a part that is a whole number or a row of numbers."""
     declared = owner.declarations[name]
     return declared.kind == "part" and declared.registry is None and _read_annotation(owner, name) in PLAIN
 
 
 def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
-    """Return a whole number, or a list of numbers, for a part that is one.
+    """Return a whole number or a list of numbers as the value of a part.
 
     Raises:
-        ParameterError: it is something else.
+        ParameterError: the value is of another type.
     """
     if isinstance(declared.default, int):
         if isinstance(value, bool) or not isinstance(value, int):
@@ -97,7 +97,7 @@ def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
 
 
 def _read_annotation(owner: type[Parametrised], name: str) -> str:
-    """Return the annotation of a declaration, as it is written."""
+    """Return the annotation of a declaration as text."""
     home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
-    found: Any = get_annotations(home).get(name, "")
-    return found if isinstance(found, str) else formatannotation(found)
+    annotation: Any = get_annotations(home).get(name, "")
+    return annotation if isinstance(annotation, str) else formatannotation(annotation)

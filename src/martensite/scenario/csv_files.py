@@ -1,9 +1,7 @@
-"""Results as CSV: one row per sample, SI units in the headings, readable by `read_table`.
+"""CSV files of results, with one row per sample and SI units in the headings, which `read_table` reads.
 
-Headings are safe in a spreadsheet (`logs.record_text`); numbers are written with all their digits.
-
-Paths of material points are written in the units that people read; a table of several paths has a
-column `case`, explained by comments at the top.
+Headings are safe in a spreadsheet (`logs.record_text`), and numbers have all digits. Paths of material points have
+familiar units; a table of several paths has a column `case`, which comments at the top explain.
 """
 
 from __future__ import annotations
@@ -28,7 +26,7 @@ COLUMNS = {
     "martensite_fraction": ("1", "1"),
     "oriented_fraction": ("1", "1"),
 }
-"""Heading -> SI unit of the column, unit it is written in."""
+"""SI unit and written unit of a column, by heading."""
 _NAMES = {"martensite_fraction": "martensite", "oriented_fraction": "oriented"}
 
 
@@ -46,7 +44,7 @@ def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
 
 
 def list_columns(result: Result) -> list[tuple[str, str, Any]]:
-    """Return name, SI unit and values of all columns of a table; those of a batch run by run, with its parameters."""
+    """Return name, SI unit and values of all columns of a result; a batch run by run, with its parameters."""
     variants = result.variants
     if variants is None:
         names = ["time", *result.columns]
@@ -59,7 +57,7 @@ def list_columns(result: Result) -> list[tuple[str, str, Any]]:
 
 
 def write_points(results: Sequence[PointResult], path: Path) -> None:
-    """Write paths as comma-separated values; the file appears whole or not at all.
+    """Write paths of material points as CSV; the file is replaced as a whole or not at all.
 
     Raises:
         DataError: the file cannot be written.

@@ -1,4 +1,4 @@
-"""Values as text and as JSON: numbers with a unit, in all digits, so that they read back, or a few."""
+"""Values as text with a unit and as JSON, in all digits or a few."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from martensite.base.units import choose_familiar_unit
 
 
 def exact_text(value: float, unit: str, digits: int | None = None) -> str:
-    """Return a quantity such as `66.8 degC`; `base.units.parse_quantity` gives its value in SI again.
+    """Return a quantity such as `66.8 degC`, from which `base.units.parse_quantity` reads the same value.
 
     Args:
-        value: in the SI `unit`.
-        unit: its SI unit.
-        digits: significant digits in the unit that is written; as many as it takes if left out.
+        value: number in the SI `unit`.
+        unit: SI unit.
+        digits: significant digits of the written unit; by default as many as the value needs.
     """
     spelling = choose_familiar_unit(value, unit)
     if digits is not None:
@@ -32,19 +32,19 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int = 4) -> str:
-    """Return a quantity in a few digits: `66.8 degC`, `29.9 GPa`."""
+    """Return a quantity in a few digits, such as `66.8 degC`."""
     return shown_in(value, unit, choose_familiar_unit(value, unit), digits)
 
 
-def shown_range(ends: tuple[float, float], unit: str, digits: int = 4) -> str:
-    """Return two quantities in one unit: `62.5 to 63.9 degC`."""
+def shown_range(ends: tuple[float, float], unit: str) -> str:
+    """Return two quantities in one unit, such as `62.5 to 63.9 degC`."""
     spelling = choose_familiar_unit(max(map(abs, ends)), unit)
-    low, high = (shown_in(end, unit, spelling, digits) for end in ends)
+    low, high = (shown_in(end, unit, spelling) for end in ends)
     return high if low == high else f"{low.removesuffix(f' {spelling}')} to {high}"
 
 
 def shown_in(value: float, unit: str, spelling: str, digits: int = 4) -> str:
-    """Return a quantity in a few digits of a chosen unit."""
+    """Return a quantity in a few digits of a unit."""
     number = float(f"{units.from_si(value, spelling, unit):.{digits}g}")
     return _format_number(f"{number:.{max(digits, 6)}g}", spelling)
 
@@ -55,7 +55,7 @@ def _format_number(number: str, spelling: str) -> str:
 
 
 def convert_to_plain(value: Any) -> Any:
-    """Return a value as JSON types: tables, lists, texts, finite numbers, null."""
+    """Return a value as JSON types: tables, lists, texts, finite numbers and null."""
     if isinstance(value, Mapping):
         return {str(k): convert_to_plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
     if hasattr(value, "tolist"):  # of NumPy

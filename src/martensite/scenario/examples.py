@@ -1,4 +1,4 @@
-"""Location of the example scenarios that come with the package."""
+"""Location of the example scenarios of the package."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from pathlib import Path
 
 _PACKAGED = Path(__file__).parents[1] / "examples"
 EXAMPLES = _PACKAGED if _PACKAGED.is_dir() else Path(__file__).parents[3] / "examples"
-"""Inside of the installed package, or of the source tree."""
+"""Folder of the examples, in the installed package or the source tree."""

@@ -40,7 +40,7 @@ UNGUARDED = "Nothing guards this loop: [supervisor] turns it off."
 
 
 class FromPlant(Parametrised):
-    """Conditions for a guard that is derived from the plant."""
+    """Conditions of a guard that is derived from the plant."""
 
     temperature_limit: Number = param(
         "K", "highest temperature; by default that of [element.limits]", above=0.0, default=math.inf
@@ -57,7 +57,7 @@ class FromPlant(Parametrised):
     )
 
     def numbers(self) -> dict[str, Any]:
-        """Return the numbers of a bound, as far as they are known."""
+        """Return the numbers of a bound; None for an unknown one."""
         known = {name: _known_number(getattr(self, name)) for name in ("temperature_limit", "hottest", "full")}
         return {**known, "least_cooling": self.least_cooling}
 
@@ -65,17 +65,17 @@ class FromPlant(Parametrised):
 def complete_guard(
     table: Table, bench: Bench, controllers: Mapping[str, AbstractController], builder: Builder, noisy: bool
 ) -> tuple[Table | None, set[str], list[str]]:
-    """Return the table of a guard from plant and material, the paths of these parameters, and missing data.
+    """Return the table of a guard, the paths of derived parameters, and sentences on missing data.
 
-    None for no guard, where nothing can be bounded or nothing shall guard.
+    The table is None without a guard.
 
     Raises:
-        InputError: the plant does not say what a guard needs that is asked for.
+        InputError: the plant lacks data for a requested guard.
     """
     kind = table.get(KIND)
     if kind == NONE:
         return None, set(), [UNGUARDED] if controllers else []
-    found, said = dict[str, AbstractCheck](), list[str]()
+    checks, cautions = dict[str, AbstractCheck](), list[str]()
     rest = {key: value for key, value in table.items() if key != FROM_PLANT}
     known = _read_knowledge(table.get(FROM_PLANT, kind is None), builder)
     if kind is None:
@@ -83,18 +83,18 @@ def complete_guard(
     if known is not None:
         with name_section(SUPERVISOR):
             if kind is None:
-                bounds, said = default_guard.find_default_bounds(bench.plant, controllers, **known.numbers())
-                found = {name: one.with_parts(band=known.band) for name, one in bounds.items()}
+                bounds, cautions = default_guard.find_default_bounds(bench.plant, controllers, **known.numbers())
+                checks = {name: one.with_parts(band=known.band) for name, one in bounds.items()}
             else:
-                found = _build_checks(bench, known, noisy)
-    full, taken = _fill_rows(rest, found, bench, builder)
+                checks = _build_checks(bench, known, noisy)
+    full, taken = _fill_rows(rest, checks, bench, builder)
     if full[CHECKS] or kind is not None:
-        return full, taken, said
-    return None, set(), said or ([UNGUARDED] if known is None and controllers else [])
+        return full, taken, cautions
+    return None, set(), cautions or ([UNGUARDED] if known is None and controllers else [])
 
 
 def _read_knowledge(given: Any, builder: Builder) -> FromPlant | None:
-    """Return the conditions for a guard that is derived from the plant; None for a guard without derived checks."""
+    """Return the conditions of derived checks, or None for a guard without them."""
     if given is False:
         return None
     if given is not True and not isinstance(given, Mapping):
@@ -107,12 +107,12 @@ def _read_knowledge(given: Any, builder: Builder) -> FromPlant | None:
 
 
 def _fill_rows(
-    rest: Table, found: Mapping[str, AbstractCheck], bench: Bench, builder: Builder
+    rest: Table, checks: Mapping[str, AbstractCheck], bench: Bench, builder: Builder
 ) -> tuple[Table, set[str]]:
-    """Return the table of a guard with the checks that were found, and limits that are known; paths of such numbers."""
+    """Return the table of a guard with derived checks and limits, and the paths of these numbers."""
     below = f"{SUPERVISOR}.{CHECKS}"
     rows, taken = dict(as_table(rest.get(CHECKS, {}), below)), set[str]()
-    for name, check in found.items():
+    for name, check in checks.items():
         own = as_table(rows.get(name, {}), f"{below}.{name}")
         row = dict(_write_row(check, builder.scales.drive))
         if own.get(KIND, row[KIND]) == row[KIND]:  # one of another kind stands instead
@@ -138,7 +138,7 @@ def _known_number(number: float) -> float | None:
 
 
 def _write_row(check: AbstractCheck, drive: str) -> Iterator[tuple[str, Any]]:
-    """Yield a check as a table of a scenario; what is as by default is left out."""
+    """Yield a check as entries of a scenario, without default values."""
     yield KIND, check.registered_name
     for name, declared in check.declarations.items():
         value = check.__dict__[name]

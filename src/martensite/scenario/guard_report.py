@@ -1,4 +1,4 @@
-"""Report on the guard of a scenario: every check with limit and response, and the worst state that it allows."""
+"""Report on the guard of a scenario: all checks, and the worst state that they allow."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 LIMITS = ("limit", "timeout", "longest")
-"""Parameters that say when a check trips."""
+"""Names of the parameters at which a check trips."""
 LIMITED = (".limits.temperature_limit", ".limits.stress_limit")
-"""Ends of the paths of what limits an element."""
+"""Endings of the paths of the limits of elements."""
 KELVIN = 1.0
-"""Excess of temperature above its limit that is ignored [K]."""
+"""Ignored excess of a temperature above its limit [K]."""
 
 
 def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
-    """Checks of the guard of a scenario, and the worst case of every drive that heats; None without a bench.
+    """Return the checks of the guard and the worst case of every heated drive; None without a bench.
 
-    Temperatures in K. The worst case is left out where it is not known, as of elements of many temperatures.
+    Temperatures are in K. A worst case that is not defined, as for elements with several temperatures, is missing.
     """
     bench = scenario.bench
     if bench is None:
@@ -44,21 +44,21 @@ def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
     worst: list[dict[str, Any]] = []
     for drive, one in list_heated(bench.plant, controllers).items():
         try:
-            found = find_worst_case(bench, drive, find_full_signal(one, controllers[drive]))
+            case = find_worst_case(bench, drive, find_full_signal(one, controllers[drive]))
         except InputError:
             continue
-        trusts = getattr(checks.get(found.check), "cooling", "")
+        trusts = getattr(checks.get(case.check), "cooling", "")
         limit = one.element.limits.temperature_limit
-        worst.append({"drive": drive, **found._asdict(), "limit": limit, "trusts": trusts})
+        worst.append({"drive": drive, **case._asdict(), "limit": limit, "trusts": trusts})
     return {"checks": [_collect_check(scenario, bench, name, one) for name, one in checks.items()], "worst": worst}
 
 
-def describe_guard(found: Mapping[str, Any]) -> Iterator[Block]:
+def describe_guard(guard: Mapping[str, Any]) -> Iterator[Block]:
     """Yield the report of the guard as a table, and a sentence for every drive."""
-    if found["checks"]:
-        rows = [(one["check"], one["trips"], one["from"], one["then"]) for one in found["checks"]]
+    if guard["checks"]:
+        rows = [(one["check"], one["trips"], one["from"], one["then"]) for one in guard["checks"]]
         yield DataTable(("check", "trips at", "source of the limit", "action"), rows)
-    for one in found["worst"]:
+    for one in guard["worst"]:
         free, guarded = (_write_temperature(one[name]) for name in ("free", "guarded"))
         if not one["check"]:
             words = (
@@ -95,7 +95,7 @@ def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractC
 
 
 def _tell_answer(bench: Bench, check: AbstractCheck) -> str:
-    """Describe the response of the guard to a tripped check."""
+    """Return the response of the guard to a tripped check."""
     guard: Any = bench.supervisor
     drives = ", ".join(check.cuts() or [drive.name for drive in bench.plant.drives()])
     if isinstance(check, ThermalBound) and guard.answer == "limit":
@@ -106,7 +106,7 @@ def _tell_answer(bench: Bench, check: AbstractCheck) -> str:
 
 
 def _find_origin(scenario: Scenario, path: str, limit: float) -> str:
-    """Return the origin of a limit: the scenario, the sensors, or a limit of the element with its own origin."""
+    """Return the origin of a limit: the scenario, the sensors, or a limit of the element."""
     where = scenario.origins.get(path, "default")
     if where != "plant":
         return where

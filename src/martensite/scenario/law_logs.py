@@ -1,11 +1,11 @@
-"""Laws along a recorded path: what each says where a specimen was heated, or stretched.
+"""Comparison of laws with the recorded path of a specimen.
 
-A log in which the stress rests is followed in stress and temperature, and strains are compared; one in which it moves
-is followed in strain and temperature, and stresses are compared, since a plateau answers to strain and jumps under
-stress. Before its first row a law is cooled from austenite under the first stress, unless its phase state is given.
+A log with a resting stress is followed in stress and temperature, and strains are compared. A log with a moving stress
+is followed in strain and temperature, and stresses are compared, because stress control would jump over plateaus. By
+default a law is cooled from austenite under the first stress.
 
-Where strain is zero is a matter of the log: compared strains are shifted by the mean of their difference, and a strain
-that is followed begins at that of the law.
+The zero of strain is a matter of the log. Compared strains are shifted by the mean difference; a followed strain begins
+at the strain of the law.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from martensite.simulate.point import COLUMNS, PathLeg, PointResult, material_po
 RESTS = 0.5
 """Range of a stress over its largest value below which it rests."""
 ROWS = 400
-"""Most rows of a log that are followed."""
+"""Largest number of followed rows of a log."""
 Column = NDArray[np.float64]
 
 
@@ -42,13 +42,13 @@ class LawComparison:
     configured: ConfiguredLaw
     log: str
     compared: str
-    """`strain` or `stress`: what is not followed."""
+    """`strain` or `stress`, the quantity that is not followed."""
     recorded: dict[str, Column]
-    """Rows that the law follows: time, temperature, stress and strain, in SI."""
+    """Followed rows: time, temperature, stress and strain, in SI."""
     result: PointResult
-    """At these rows; its strains are those of the law."""
+    """State at these rows, with strains of the law."""
     shift: float
-    """Offset added to strains of the law to compare them with strains of the log [-]."""
+    """Offset from strains of the law to strains of the log [-]."""
 
     @property
     def computed(self) -> Column:
@@ -57,7 +57,7 @@ class LawComparison:
 
     @property
     def misfit(self) -> Column:
-        """Difference of law and log, as a share of the recorded range."""
+        """Return the difference of law and log, as a share of the recorded range."""
         return (self.computed - self.recorded[self.compared]) / np.ptp(self.recorded[self.compared])
 
     @property
@@ -79,24 +79,24 @@ def compare_laws_with_log(
     tolerance: float = 1e-3,
     runtime: str = "floats",
 ) -> list[LawComparison]:
-    """Return the drive laws along the recorded path of a specimen, and say how far they are from it.
+    """Return the deviation of laws from the recorded path of a specimen.
 
     Args:
-        names: laws, numbers as `martensite law` finds them.
-        log: a file, `data:SET/FILE`, or a record: `strain` [-], `temperature` [K] and `stress` [Pa].
-        material: whose numbers; by default the first that has all of them.
+        names: laws; their numbers come from the material and the settings, as for `martensite law`.
+        log: a file, `data:SET/FILE`, or a record with `strain` [-], `temperature` [K] and `stress` [Pa].
+        material: source of the numbers; by default the first material that has all of them.
         settings: values by parameter, or by law and parameter.
-        named: what columns are, as of `read_lab_file`.
-        stress: a constant one [Pa], where the log has none.
-        temperature: a constant one [K], where the log has none.
-        fractions: phase state at the first row; by default that of a specimen cooled under the first stress.
+        named: meaning of the columns, as in `read_lab_file`.
+        stress: constant stress [Pa] of a log without one.
+        temperature: constant temperature [K] of a log without one.
+        fractions: phase state at the first row; by default after cooling under the first stress.
         tolerance: accepted change on halving the steps, as a share of range.
-        runtime: `floats`, or `c`.
+        runtime: `floats` or `c`.
 
     Raises:
-        DataError: the log cannot be read, or does not hold what is needed.
-        InputError: a law, a material or a number is not known.
-        SolveError: a law cannot be driven along the path.
+        DataError: the log cannot be read or lacks a quantity.
+        InputError: a law, a material or a number is unknown.
+        SolveError: a law cannot follow the path.
     """
     record = log if isinstance(log, Record) else read_log_table(log, 1.0, named)
     rows = _pick_rows(record, {"stress": stress, "temperature": temperature})
@@ -108,7 +108,7 @@ def compare_laws_with_log(
 
 
 def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str, Column]:
-    """Complete rows of a record, at most `ROWS`, equally far apart on the way that they go."""
+    """Return complete rows of a record, at most `ROWS`, equally spaced along the path."""
     columns = {n: np.asarray(record[n], float) for n in ("time", "strain", *constant) if n in record.columns}
     given = {name: value for name, value in constant.items() if value is not None}
     for name in constant:
@@ -132,7 +132,7 @@ def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str
 def _follow_rows(
     one: ConfiguredLaw, rows: dict[str, Column], compared: str, fractions: Fractions | None, how: dict[str, Any]
 ) -> LawComparison:
-    """Return one law, cooled from 10 K above A_f (or the hottest row) where no phase state is given."""
+    """Follow a path with a law; without a phase state it is first cooled from above A_f."""
     law, cold, shift = one.law, float(rows["temperature"][0]), 0.0
     pull = float(rows["stress"][0]) if compared == "strain" else max(float(rows["stress"][0]), 0.0)
     start, before = (pull, cold), list[PathLeg]()
@@ -148,10 +148,10 @@ def _follow_rows(
     times = np.maximum(np.diff(rows["time"]), 1e-9).tolist()
     moves = zip(rows["temperature"][1:].tolist(), followed[1:].tolist(), times, strict=True)
     legs = [PathLeg(temperature=T, **{name: x}, duration=dt) for T, x, dt in moves]
-    found = material_point(law, [*before, *legs], **how)
-    columns: dict[str, Any] = {c: getattr(found, c)[found.ends[len(before)] :] for c in COLUMNS}
+    result = material_point(law, [*before, *legs], **how)
+    columns: dict[str, Any] = {c: getattr(result, c)[result.ends[len(before)] :] for c in COLUMNS}
     columns["time"] = rows["time"] - rows["time"][0]
-    found = replace(found, legs=found.legs[-1:], ends=[0, len(followed) - 1], **columns)
+    result = replace(result, legs=result.legs[-1:], ends=[0, len(followed) - 1], **columns)
     if compared == "strain":
-        shift = float(np.mean(rows["strain"] - found["strain"]))
-    return LawComparison(one, how["label"], compared, rows, found, shift)
+        shift = float(np.mean(rows["strain"] - result["strain"]))
+    return LawComparison(one, how["label"], compared, rows, result, shift)

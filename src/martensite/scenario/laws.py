@@ -1,4 +1,4 @@
-"""Laws and the materials that their numbers come from: whether they fit, and bare laws for studies."""
+"""Laws with numbers from materials, and checks that a material fits a law."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KIND = "kind"
 
 @dataclass(frozen=True)
 class ConfiguredLaw:
-    """A law with its numbers, and where they came from."""
+    """Law with its numbers and their material."""
 
     law: AbstractLaw
     material: Material | None
@@ -26,18 +26,19 @@ class ConfiguredLaw:
 
     @property
     def cautions(self) -> list[str]:
-        """Return the sentences about numbers that are probably not meant."""
+        """Return sentences about numbers that are probably wrong."""
         other = law_caution(self.material, self.law)
         return [*([other] if other else []), *self.law.cautions()]
 
 
 def configure_laws(names: Sequence[str], material: str | None, settings: Mapping[str, Any]) -> list[ConfiguredLaw]:
-    """Laws by name, with numbers from settings, then from a material, then from the defaults.
+    """Return laws with numbers from settings, then a material, then the defaults.
 
     Args:
         names: names of registered laws.
-        material: name or file of a material. If None, the first shipped material that holds
-            all numbers of all laws, else the first one for each law.
+        material: name or file of a material. By default the first shipped material with all numbers of all laws, else
+            the
+        first one for each law.
         settings: values by parameter, or by law and parameter (`brinson.sigma_s`).
 
     Raises:
@@ -48,21 +49,21 @@ def configure_laws(names: Sequence[str], material: str | None, settings: Mapping
     _refuse_idle(settings, tables)
     needs = {name: _list_needs(classes[name], tables[name]) for name in classes}
     if material is not None:
-        found = {name: load_material(material) for name in classes}
+        sources = {name: load_material(material) for name in classes}
     else:
-        everyone = _find_first(sorted(set().union(*needs.values())))
-        found = {name: everyone or _own_material(name, needs[name]) for name in classes}
+        common = _find_first(sorted(set().union(*needs.values())))
+        sources = {name: common or _own_material(name, needs[name]) for name in classes}
     return [
         ConfiguredLaw(
-            Builder(found[name]).choose(LAWS, _build_table(name, tables[name], found[name]), name, draws=True),
-            found[name] if needs[name] or material else None,
+            Builder(sources[name]).choose(LAWS, _build_table(name, tables[name], sources[name]), name, draws=True),
+            sources[name] if needs[name] or material else None,
         )
         for name in classes
     ]
 
 
 def _build_table(name: str, own: Mapping[str, Any], material: Material | None) -> dict[str, Any]:
-    """Return a law as a scenario writes it, with the options that its material says it holds for."""
+    """Return the table of a law, with the options that its material requires."""
     meant = material.law if material else None
     given = meant if meant and meant["kind"] == name else {}
     return {"kind": name, **given, **own}
@@ -74,8 +75,8 @@ def _select_settings(
     cut = {key.removeprefix(f"{name}."): v for key, v in settings.items() if key.startswith(f"{name}.")}
     shared = {key: v for key, v in settings.items() if "." not in key}
     single = len(classes) == 1
-    known = classes[name].declarations
-    return {**{key: v for key, v in shared.items() if single or key in known}, **cut}
+    declared = classes[name].declarations
+    return {**{key: v for key, v in shared.items() if single or key in declared}, **cut}
 
 
 def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]]) -> None:
@@ -96,10 +97,7 @@ def _list_needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
 
 
 def _find_first(needed: Sequence[str]) -> Material | None:
-    """Return the first shipped material that holds all these numbers.
-
-    One that was fitted with certain options of a law is taken only by its name.
-    """
+    """Return the first shipped material with all needed numbers that is not bound to a law."""
     for name in material_names():
         material = load_material(name)
         if material.law is None and all(number in material.values for number in needed):
@@ -108,9 +106,9 @@ def _find_first(needed: Sequence[str]) -> Material | None:
 
 
 def _own_material(law: str, needed: Sequence[str]) -> Material:
-    found = _find_first(needed)
-    if found is not None:
-        return found
+    first = _find_first(needed)
+    if first is not None:
+        return first
     nearest = max(map(load_material, material_names()), key=lambda m: sum(n in m.values for n in needed))
     missing = ", ".join(f"`{name}`" for name in needed if name not in nearest.values)
     raise ParameterError(
@@ -123,13 +121,13 @@ def _own_material(law: str, needed: Sequence[str]) -> Material:
 
 
 def law_words(law: AbstractLaw) -> dict[str, str]:
-    """Return the name and options of a law, as a scenario writes them."""
+    """Return the kind and options of a law as a scenario writes them."""
     words = {n: getattr(law, n) for n, d in law.declarations.items() if d.kind == "option"}
     return {KIND: law.registered_name, **words}
 
 
 def law_caution(material: Material | None, element: Parametrised) -> str | None:
-    """Return a sentence if an element uses the numbers of a material in another law than theirs."""
+    """Return a sentence if an element uses a material in another law than its own, else None."""
     if material is None or material.law is None:
         return None
     for part in element.tree():
@@ -142,7 +140,7 @@ def law_caution(material: Material | None, element: Parametrised) -> str | None:
 
 
 def override_caution(material: Material | None, element: Parametrised) -> str | None:
-    """Return a sentence if a scenario writes other numbers than those that were fitted for a material."""
+    """Return a sentence if a scenario overrides fitted numbers of a material, else None."""
     if material is None:
         return None
     fitted = {name: number.value for name, number in material.values.items() if number.kind == "fitted"}
@@ -158,7 +156,7 @@ def override_caution(material: Material | None, element: Parametrised) -> str | 
 
 
 def rphase_caution(material: Material | None, element: Parametrised) -> str | None:
-    """Return a sentence if material or law has an R-phase that the resistance or the law ignores."""
+    """Return a sentence if the law or the resistance ignores an R-phase, else None."""
     parts = list(element.tree())
     law = next((part for part in parts if isinstance(part, AbstractLaw)), None)
     model = next((part for part in parts if isinstance(part, AbstractResistance)), None)

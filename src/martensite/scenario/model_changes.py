@@ -4,7 +4,7 @@
     "element.diameter" = "0.37 mm"
     "element.law" = { kind = "r-phase", R_s = "56 degC", … }
 
-A part of another kind keeps the parameters of the plant that both kinds have. Parameters in the table take precedence.
+A part of another kind keeps the parameters of the plant that both kinds have, unless the table changes them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ KINDS: dict[str, Registry[Any]] = {
     "drive": SOURCES,
     "driver": SOURCES,
 }
-"""Last word of the path of a part -> where its kinds are."""
+"""Registries by the last word of the path of a part."""
 
 
 def change_parts(document: Table, table: Any) -> dict[str, Any]:
@@ -41,12 +41,12 @@ def change_parts(document: Table, table: Any) -> dict[str, Any]:
     Raises:
         InputError: the change is not a table, or the kind of a part is unknown.
     """
-    found = dict(document)
+    changed = dict(document)
     for path, value in list_changes(table):
         if path.rpartition(".")[2] in KINDS:
-            value = _exchange_part(_find_table(found, path), as_table(value, path), path)
-        found = change_document(found, {path: value})
-    return found
+            value = _exchange_part(_find_table(changed, path), as_table(value, path), path)
+        changed = change_document(changed, {path: value})
+    return changed
 
 
 def list_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -68,10 +68,10 @@ def list_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def _find_table(document: Mapping[str, Any], path: str) -> dict[str, Any]:
     """Return the table of a part; empty if a material or a default describes it."""
-    found: Any = document
+    table: Any = document
     for key in path.split("."):
-        found = found.get(key, {}) if isinstance(found, dict) else {}
-    return as_table(found, path)
+        table = table.get(key, {}) if isinstance(table, dict) else {}
+    return as_table(table, path)
 
 
 def _exchange_part(before: Mapping[str, Any], after: dict[str, Any], path: str) -> dict[str, Any]:

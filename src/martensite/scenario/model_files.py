@@ -1,9 +1,8 @@
-"""Models of blocks as files: JSON, with every number written so that it reads back the same.
+"""JSON files of models of blocks; numbers are read back exactly.
 
-A file holds the blocks with their structure and fixed numbers, the free numbers of each by name,
-sample time, names and units of the signals, the ranges that these had, the state in which every fitted
-record begins, and whatever is said of where the model came from.
-It holds data alone: reading it runs no code, and a block is only ever one that is registered.
+A file holds the blocks with structure and fixed numbers, their free numbers by name, sample time, names, units and
+ranges of the signals, the initial states of the fitted records, and the provenance of the model. Reading runs no code,
+and only registered blocks are accepted.
 """
 
 from __future__ import annotations
@@ -30,32 +29,31 @@ if TYPE_CHECKING:
 FORMAT = "martensite-model"
 VERSION = 1
 KEYS = ("format", "version", "name", "interval", "inputs", "outputs", "units", "taps", "blocks")
-"""Keys of every model file."""
+"""Required keys of a model file."""
 NUMBERS = {"inf": math.inf, "-inf": -math.inf}
-"""Numbers that JSON has no words for."""
+"""Numbers that JSON cannot write."""
 
 
 def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | None = None) -> None:
-    """Write a chain as a JSON file; an existing file is replaced, whole or not at all.
+    """Write a chain as a JSON file; the file is replaced as a whole or not at all.
 
     Args:
         chain: the model.
-        path: the file to write, ending in .json; its folder must exist.
-        provenance: where the model comes from, of plain values (see `model_provenance`).
+        path: file ending in .json; its folder must exist.
+        provenance: origin of the model, in plain values (see `model_provenance`).
 
     Raises:
         DataError: the path does not end in .json, or the file cannot be written.
-        InputError: a block or the provenance holds a value that JSON cannot represent, or a free number is not finite.
+        InputError: a value has no JSON form, or a free number is not finite.
     """
     path = Path(path)
     if path.suffix.lower() != ".json":
         raise DataError(f"A model file ends in .json, but this is `{path}`.")
-    text = model_text(chain, provenance)
-    write_file(path, text)
+    write_file(path, model_text(chain, provenance))
 
 
 def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str:
-    """Return the text of a model file; arguments and errors as of `write_model`."""
+    """Return the text of a model file; arguments and errors as for `write_model`."""
     if not np.all(np.isfinite(chain.theta)):
         raise InputError(f"Model `{chain.name}` has free parameters that are not finite.")
     document = {
@@ -84,10 +82,10 @@ def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str
 
 
 def read_model(path: str | Path) -> Chain:
-    """Read the chain from a file of `write_model`.
+    """Return the chain of a file of `write_model`.
 
     Raises:
-        DataError: the file does not exist, is damaged, or it names a block that is not known.
+        DataError: the file does not exist, is damaged, or has an unknown block.
     """
     document = _read_document(Path(path))
     where = f"The model file `{path}`"
@@ -99,26 +97,23 @@ def read_model(path: str | Path) -> Chain:
         raise DataError(f"{where} cannot be used: {error}") from None
 
 
-def model_provenance(found: ChainEstimate) -> dict[str, Any]:
-    """Return the provenance of an estimated model: records with hashes, fits, and options.
-
-    The result is independent of the time and place of the estimation.
-    """
+def model_provenance(estimate: ChainEstimate) -> dict[str, Any]:
+    """Return the provenance of an estimated model: records with hashes, fits and options."""
     return {
         "by": _describe_program(),
-        "options": vars(found.options) | {"begin": [c.text() for c in found.options.begin]},
-        "refined_fits": [float(fit) for fit in found.fits],
-        "agreeing": int(found.agreeing),
-        "iterations": int(found.found.iterations),
-        "converged": bool(found.found.converged),
-        "records": [_describe_record(found, record) for record in found.records],
+        "options": vars(estimate.options) | {"begin": [c.text() for c in estimate.options.begin]},
+        "refined_fits": [float(fit) for fit in estimate.fits],
+        "agreeing": int(estimate.agreeing),
+        "iterations": int(estimate.found.iterations),
+        "converged": bool(estimate.found.converged),
+        "records": [_describe_record(estimate, record) for record in estimate.records],
     }
 
 
-def _describe_record(found: ChainEstimate, record: Sampled) -> dict[str, Any]:
-    computed = found.chain.simulate(record)  # as it began at the fit
-    fits = fit_percent(record.outputs, computed, found.options.skip)
-    errors = compute_rms(record.outputs, computed, found.options.skip)
+def _describe_record(estimate: ChainEstimate, record: Sampled) -> dict[str, Any]:
+    computed = estimate.chain.simulate(record)  # from its fitted initial state
+    fits = fit_percent(record.outputs, computed, estimate.options.skip)
+    errors = compute_rms(record.outputs, computed, estimate.options.skip)
     return {
         "name": record.name,
         "samples": len(record),
@@ -153,15 +148,15 @@ def _read_document(path: Path) -> dict[str, Any]:
         raise DataError(f"The model file `{path}` is not valid JSON: {error}.") from None
     if not isinstance(document, dict) or cast("Any", document).get("format") != FORMAT:
         raise DataError(f"The file `{path}` is no model file: it lacks `format: {FORMAT}`.")
-    found = cast("dict[str, Any]", document)
-    missing = [key for key in KEYS if key not in found]
+    table = cast("dict[str, Any]", document)
+    missing = [key for key in KEYS if key not in table]
     if missing:
         raise DataError(f"The model file `{path}` is damaged: it lacks {', '.join(missing)}.")
-    if found["version"] != VERSION:
+    if table["version"] != VERSION:
         raise DataError(
-            f"The model file `{path}` is of version {found['version']}, but this program reads version {VERSION}."
+            f"The model file `{path}` is of version {table['version']}, but this program reads version {VERSION}."
         )
-    return found
+    return table
 
 
 def _refuse_word(word: str) -> float:
@@ -208,11 +203,11 @@ def _read_start(table: Mapping[str, Any]) -> RecordStart:
 
 
 def _read_taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:
-    found = tuple((int(block), int(output)) for block, output in taps)
-    for block, output in found:
+    pairs = tuple((int(block), int(output)) for block, output in taps)
+    for block, output in pairs:
         if not (0 <= block < len(blocks) and 0 <= output < blocks[block].outputs):
             raise DataError(f"there is no output {output} of block {block}.")
-    return found
+    return pairs
 
 
 def _require_finite(value: Any, what: str) -> float:
@@ -228,7 +223,7 @@ def block_table(block: AbstractBlock) -> dict[str, Any]:
     """Return a block as a table of plain values; inner blocks are nested tables.
 
     Raises:
-        InputError: the block is not registered, or has a value that no file can hold.
+        InputError: the block is not registered, or has a value without a JSON form.
     """
     if not block.registered_name:
         raise InputError(
@@ -243,10 +238,10 @@ def block_table(block: AbstractBlock) -> dict[str, Any]:
 
 
 def block_of(table: dict[str, Any]) -> AbstractBlock:
-    """Build the block of a table.
+    """Return the block of a table.
 
     Raises:
-        InputError: no block of its kind is registered, or a value is out of range.
+        InputError: the kind is not registered, or a value is out of range.
         KeyError, TypeError, ValueError: the table does not describe a block.
     """
     kind, given = str(table["kind"]), dict(table["parameters"])

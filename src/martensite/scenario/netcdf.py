@@ -1,11 +1,8 @@
-"""Results as labelled data, in memory and as netCDF-4 on disk.
+"""Labelled data of results, in memory and as netCDF-4 files.
 
-A result is described once, as variables with dimensions, unit, long name and symbol and as attributes of the whole.
-A file holds this description and nothing else, and opens as the same description again; xarray, which most of those
-who look at such a file have, makes the same dataset of the file and of the description.
-
-Units are the SI units of the library in the spelling of the CF conventions (CF-1.10), which is that of UDUNITS.
-Numbers that are not known (an accuracy that was not estimated) are NaN.
+A result is described once, as variables with dimensions, unit, long name and symbol, and as attributes. A file holds
+this description alone and opens as the same description; xarray reads the file as a dataset. Units are SI in the
+spelling of the CF conventions (CF-1.10, UDUNITS). Unknown numbers are NaN.
 """
 
 from __future__ import annotations
@@ -45,33 +42,33 @@ KEPT, WORST = ("lowest", "highest", "gap of"), ("ripple", "residual")
 """Numbers stored at a restart: per judged quantity, and of the time integration."""
 LABELS = "labels of all variables"
 KEPT_RESULT = "martensite_result"
-"""Attribute with everything else that a `Result` holds, as `martensite.base.object_text` writes it."""
+"""Attribute with the remaining fields of a `Result` (`martensite.base.object_text`)."""
 IN_VARIABLES = ("times", "columns", "profiles", "restarts")
 """Fields of a `Result` that are variables of the file."""
 NOT_KEPT = ("trace",)
-"""Fields of a `Result` that no file holds: the program that computes a track."""
+"""Fields of a `Result` that are not saved: the compiled program of a track."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One labelled column."""
+    """Labelled column."""
 
     dims: tuple[str, ...]
     values: Any
-    """Array in the unit that the attributes name, one axis per dimension."""
+    """Array with one axis per dimension."""
     attrs: dict[str, Any]
-    """Under their CF names: `units` in SI as UDUNITS spells them, `long_name`, `symbol`."""
+    """CF attributes: `units`, `long_name`, `symbol`."""
 
 
 @dataclass(frozen=True)
 class LabelledData:
-    """A result as variables by name and attributes; the time axis is the first variable."""
+    """Variables and attributes of a result; the first variable is the time axis."""
 
     variables: dict[str, Variable]
     attrs: dict[str, Any]
 
     def __getitem__(self, name: str) -> Variable:
-        """Return a variable; `UnknownNameError` if there is none of that name."""
+        """Return a variable; raise `UnknownNameError` for an unknown name."""
         if name not in self.variables:
             raise UnknownNameError("variable", name, self.variables)
         return self.variables[name]
@@ -86,11 +83,11 @@ class LabelledData:
         Raises:
             InputError: xarray is not installed.
         """
-        found = {name: (v.dims, v.values, v.attrs) for name, v in self.variables.items()}
-        axes = {name: found.pop(name) for name in (TIME, CELL, ACTUATOR) if name in found}
+        columns = {name: (v.dims, v.values, v.attrs) for name, v in self.variables.items()}
+        axes = {name: columns.pop(name) for name in (TIME, CELL, ACTUATOR) if name in columns}
         import xarray
 
-        return xarray.Dataset(found, coords=axes, attrs=self.attrs)
+        return xarray.Dataset(columns, coords=axes, attrs=self.attrs)
 
 
 def describe_result(
@@ -99,10 +96,10 @@ def describe_result(
     """Return a result as labelled data.
 
     Args:
-        result: what to describe.
-        scenario_text: the whole scenario file, kept verbatim.
-        material: the material whose numbers were used.
-        citations: BibTeX keys of the models and numbers used.
+        result: result of a run or batch.
+        scenario_text: whole scenario file, kept verbatim.
+        material: material whose numbers were used.
+        citations: BibTeX keys of the models and numbers.
     """
     time = {TIME: _label((TIME,), "s", "time", "t", _to_array(result.times), axis="T")}
     attributes = _list_attributes(result)
@@ -118,7 +115,7 @@ def describe_result(
 
 
 def _describe_restarts(result: Result) -> dict[str, Variable]:
-    """Return the stored numbers at restarts, to the last bit: for every pass, in the order of their names."""
+    """Return the exact numbers stored at restarts, for every pass."""
     if not result.restarts:
         return {}
     judged = list(result.system.convergence_scales())
@@ -134,7 +131,7 @@ def _describe_restarts(result: Result) -> dict[str, Variable]:
 
 
 def _fill(one: PassState, judged: int) -> Iterator[float]:
-    """Yield the numbers of a pass; those that are not known are NaN."""
+    """Yield the numbers of a pass; unknown ones are NaN."""
     yield from one.state
     for row in (one.low, one.high, one.gap):
         yield from row or [np.nan] * judged
@@ -142,7 +139,7 @@ def _fill(one: PassState, judged: int) -> Iterator[float]:
 
 
 def read_restarts(saved: LabelledData) -> tuple[list[Restart], list[str]]:
-    """Return what a saved result kept at restarts, and the names of the numbers of a state."""
+    """Return the restarts of a saved result and the names of the numbers of a state."""
     variables = saved.variables
     if f"{RESTART}_state" not in variables:
         return [], []
@@ -170,14 +167,14 @@ def save_result(
     citations: Iterable[str] = (),
     material: Material | None = None,
 ) -> None:
-    """Write the result as netCDF-4; the file is replaced as a whole or not at all.
+    """Write a result as netCDF-4; the file is replaced as a whole or not at all.
 
     Args:
-        result: what to save.
+        result: result to save.
         path: file to write; its folder must exist.
-        scenario_text: the whole scenario file, kept verbatim.
-        citations: BibTeX keys of the models and numbers used.
-        material: the material whose numbers were used.
+        scenario_text: whole scenario file, kept verbatim.
+        citations: BibTeX keys of the models and numbers.
+        material: material whose numbers were used.
 
     Raises:
         DataError: the file cannot be written.
@@ -201,10 +198,10 @@ def save_result(
 
 
 def read_labelled(path: str | os.PathLike[str]) -> LabelledData:
-    """Read the variables and attributes of a saved result into memory.
+    """Return the variables and attributes of a saved result.
 
     Raises:
-        DataError: the file does not exist, or is not a result.
+        DataError: the file does not exist or is not a result.
     """
     path = Path(path)
     if not path.is_file():
@@ -214,16 +211,16 @@ def read_labelled(path: str | os.PathLike[str]) -> LabelledData:
     values = {name: one.astype(object) if one.dtype.kind == "U" else one for name, one in arrays.items()}
     about = labels["variables"].items()
     variables = {name: Variable(tuple(dims), values[name], attrs) for name, (dims, attrs) in about}
-    found = LabelledData(variables, labels["attrs"])
+    saved = LabelledData(variables, labels["attrs"])
     lacking = [TIME] if TIME not in variables else []
-    lacking += ["martensite_version"] if "martensite_version" not in found.attrs else []
+    lacking += ["martensite_version"] if "martensite_version" not in saved.attrs else []
     if lacking:
         raise DataError(f"The file `{path}` is no saved result: it lacks `{lacking[0]}`.")
-    return found
+    return saved
 
 
 def read_variables(path: Path) -> dict[str, Any]:
-    """Return the arrays of a netCDF file by name, and their dimensions and attributes as JSON under `LABELS`."""
+    """Return the arrays of a netCDF file by name; `LABELS` is the JSON of dimensions and attributes."""
     import h5netcdf
 
     def plain(value: Any) -> Any:
@@ -253,25 +250,25 @@ def _describe_column(result: Result, name: str) -> Variable:
 
 
 def _by_variant(result: Result, variants: Variants) -> dict[str, Variable]:
-    """Return the columns of a batch over variants and time, with the varied parameters and the end of each run."""
+    """Return the variables of a batch, with the varied parameters and the end of each run."""
     leaves = {leaf.path: leaf.declared for leaf in result.system.leaves()}
-    found = {
+    columns = {
         path: _label((VARIANT,), leaves[path].unit, leaves[path].doc, path, _to_array(values))
         for path, values in variants.over.items()
     }
     names = np.asarray([one.name for one in variants.status], dtype=object)
-    found["ended"] = _label((VARIANT,), "s", "time at which the run ended", "", variants.ended)
-    found["status"] = _label((VARIANT,), "", "how the run ended", "", names)
+    columns["ended"] = _label((VARIANT,), "s", "time at which the run ended", "", variants.ended)
+    columns["status"] = _label((VARIANT,), "", "how the run ended", "", names)
     if variants.accuracy is not None:
-        found["accuracy"] = _label((VARIANT,), "1", "error bound", "", variants.accuracy)
-    return found | {
+        columns["accuracy"] = _label((VARIANT,), "1", "error bound", "", variants.accuracy)
+    return columns | {
         name: _label((VARIANT, TIME), unit, words, symbol, result[name])
         for name, (unit, words, symbol) in result.outputs.items()
     }
 
 
 def list_stacked(result: Result) -> list[dict[str, str]]:
-    """For each of several actuators: name of a stacked variable -> the column of this actuator in it."""
+    """Return the column of each actuator by the name of its stacked variable, for each of several actuators."""
     system = result.system
     ports = [port for port in system.actuators() if "." in system.label(port, "drive")]
     return [{name: system.label(port, name) for name in OUTPUTS} for port in ports]
@@ -282,25 +279,25 @@ def _by_actuator(result: Result) -> dict[str, Variable]:
     if not stacked:
         return {}
     names = np.asarray(list(result.system.actuators()), dtype=object)
-    found = {ACTUATOR: _label((ACTUATOR,), "", "port of the mechanism", "", names)}
+    columns = {ACTUATOR: _label((ACTUATOR,), "", "port of the mechanism", "", names)}
     for name, (_, long_name, symbol) in OUTPUTS.items():
         labels = [one[name] for one in stacked]
         units = {result.unit(label) for label in labels}
         values = np.stack([_to_array(result[label]) for label in labels], axis=1)
         unit = units.pop() if len(units) == 1 else "mixed"
-        found[name] = _label((TIME, ACTUATOR), unit, long_name, symbol, values)
-    return found
+        columns[name] = _label((TIME, ACTUATOR), unit, long_name, symbol, values)
+    return columns
 
 
 def _describe_profiles(result: Result) -> dict[str, Variable]:
     if not result.profiles:
         return {}
     (actuator,) = result.system.actuators().values()
-    found = {CELL: _label((CELL,), "m", "place of a cell", "y", _to_array(actuator.element.places()))}
+    columns = {CELL: _label((CELL,), "m", "place of a cell", "y", _to_array(actuator.element.places()))}
     for name, cells in result.profiles.items():
         values = np.stack([_to_array(cell) for cell in cells], axis=1)
-        found[name] = _label((TIME, CELL), *PROFILES[name], values)
-    return found
+        columns[name] = _label((TIME, CELL), *PROFILES[name], values)
+    return columns
 
 
 def _to_array(values: Iterable[float]) -> Any:
@@ -308,7 +305,7 @@ def _to_array(values: Iterable[float]) -> Any:
 
 
 def _list_attributes(result: Result) -> dict[str, Any]:
-    found = {
+    attributes = {
         "Conventions": CONVENTIONS,
         "title": f"Simulation of {result.system.description()}",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -334,11 +331,11 @@ def _list_attributes(result: Result) -> dict[str, Any]:
         "h5netcdf_version": _find_version("h5netcdf"),
         KEPT_RESULT: _keep_result(result),
     }
-    return {name: value for name, value in found.items() if value is not None}
+    return {name: value for name, value in attributes.items() if value is not None}
 
 
 def _keep_result(result: Result) -> str | None:
-    """Return everything but columns, as text; None where a part is of a kind that no file holds."""
+    """Return the remaining fields of a result as text, or None if a field has no text form."""
     left_out = (*IN_VARIABLES, *NOT_KEPT)
     own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in left_out}
     own["begin"] = result.start
@@ -351,7 +348,7 @@ def _keep_result(result: Result) -> str | None:
 
 
 def _name_balance(name: str, balance: Mapping[str, float | None]) -> dict[str, float | None]:
-    """Prefix the terms of a balance with its name: `heat_lost`, `work_springs` [J]; `work` stays."""
+    """Prefix the terms of a balance [J] with its name; `work` stays."""
     return {key if key == name else f"{name}_{key}": value for key, value in balance.items()}
 
 

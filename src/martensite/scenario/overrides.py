@@ -1,7 +1,6 @@
-"""Changes to a scenario from outside: `element.diameter = "0.25 mm"`, before it is built.
+"""Changes to the text of a scenario before it is built, such as `element.diameter = "0.25 mm"`.
 
-A changed scenario is written out as TOML again, so that saved results hold the scenario
-that was run and not the one it was made from.
+A changed scenario is written as TOML again, so that saved results hold the scenario of the run.
 """
 
 from __future__ import annotations
@@ -16,20 +15,20 @@ from martensite.base.errors import ParameterError
 
 
 def read_settings(settings: Sequence[str]) -> dict[str, Any]:
-    """Read `path=value` texts; a value that is not TOML is text, so quotes may be left out.
+    """Return the values of `path=value` texts; a value that is not TOML is text.
 
     Raises:
         ParameterError: a text has no equals sign.
     """
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for setting in settings:
         path, equals, value = setting.partition("=")
         if not equals or not path.strip():
             raise ParameterError(
                 f'`{setting}` is not a setting; write `path=value`, for example `element.diameter="0.25 mm"`.'
             )
-        found[path.strip()] = _parse_value(value.strip())
-    return found
+        values[path.strip()] = _parse_value(value.strip())
+    return values
 
 
 def _parse_value(text: str) -> Any:
@@ -40,7 +39,7 @@ def _parse_value(text: str) -> Any:
 
 
 def change_document(document: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of a TOML document with the values at the given dotted paths replaced."""
+    """Return a copy of a TOML document with new values at dotted paths."""
     copy = deepcopy(dict(document))
     for path, value in settings.items():
         _set_value(copy, path, units.write_pint(value) if units.is_quantity(value) else deepcopy(value))
@@ -55,7 +54,6 @@ def _set_value(document: dict[str, Any], path: str, value: Any) -> None:
         if isinstance(below, str) and depth > 1:
             below = node[key] = {"kind": below}
         if not isinstance(below, dict):
-            held = ".".join(above[:depth])
-            raise ParameterError(f"`{path}` cannot be set: `{held}` is a value, not a table.")
+            raise ParameterError(f"`{path}` cannot be set: `{'.'.join(above[:depth])}` is a value, not a table.")
         node = cast("dict[str, Any]", below)
     node[last] = value

@@ -1,7 +1,7 @@
-"""Units of numbers that have them from their place: signals of a drive, and readings.
+"""Units that depend on the place of a number in a scenario: signals of a drive, and readings.
 
-A level of a waveform is in the unit of what it drives. Levels, differences and rates of a reading
-are in the unit of the reading that their component, or one that it belongs to, names.
+A level of a waveform has the unit of its drive. Levels, differences and rates of a reading have the unit of the reading
+that the component, or an outer one, names.
 """
 
 from __future__ import annotations
@@ -25,41 +25,41 @@ class PlaceUnits:
     readings: Mapping[str, str] = field(default_factory=dict[str, str])
     """SI units of all readings, by name."""
     named: tuple[str, ...] = ()
-    """Names of the readings that are meant."""
+    """Names of the readings in use."""
     controlled: str = ""
-    """SI unit of the reading that a controller controls."""
+    """SI unit of the controlled reading."""
     sampled: bool = False
     """True if gains are per sample."""
 
     def within(self, cls: type[Parametrised], texts: Mapping[str, Any]) -> PlaceUnits:
-        """Return the units that apply inside a component with these texts."""
+        """Return the units inside a component with these texts."""
         measured, kind = texts.get("measured"), texts.get("gains_are")
         controlled = self.readings.get(measured, "") if isinstance(measured, str) else ""
-        found = replace(
+        units_here = replace(
             self,
             named=named_readings(cls, texts) or self.named,
             drive=cls.unit_of_signal or self.drive,
             controlled=cls.unit_of_reading or controlled or self.controlled,
             sampled=self.sampled if kind is None else kind == "per-sample",
         )
-        return self if found == self else found
+        return self if units_here == self else units_here
 
     def unit(self, declared: Declared) -> str:
-        """Return the SI unit of a number; 1, a number in SI, for readings of several units.
+        """Return the SI unit of a number; 1 for readings of several units.
 
         Raises:
-            ParameterError: no reading is named, or one that there is not.
+            ParameterError: no reading is named, or an unknown one.
         """
-        found = self.known(declared)
-        if found is not None:
-            return found
+        unit = self.known(declared)
+        if unit is not None:
+            return unit
         unknown = next((name for name in self.named if name not in self.readings), None)
         if unknown is None:
             raise ParameterError(f"No reading is named, in whose unit is: {declared.doc}.")
         raise ParameterError(f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}")
 
     def known(self, declared: Declared) -> str | None:
-        """Return the SI unit of a number, if there is the reading that it needs."""
+        """Return the SI unit of a number, or None if its reading is unknown."""
         if declared.unit == DRIVE:
             return self.drive
         if declared.unit in units.OF_LOOPS:
@@ -74,16 +74,16 @@ class PlaceUnits:
         return own.pop() if len(own) == 1 else "1"
 
     def label(self, declared: Declared) -> str:
-        """Return the unit in which a person would rather read it; nothing if there is or is known none."""
+        """Return the familiar unit of a number; empty without a known unit."""
         unit = units.choose_readable_unit(self.known(declared) or "1")
         return "" if unit == "1" else unit
 
 
 def named_readings(cls: type[Parametrised], texts: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the names of the readings that a component names by its texts, if it does."""
+    """Return the names of the readings that the texts of a component name."""
     for name in cls.names_reading:
-        found = texts.get(name, cls.declarations[name].default)
-        rows = [found] if isinstance(found, str) else found
+        value = texts.get(name, cls.declarations[name].default)
+        rows = [value] if isinstance(value, str) else value
         named = tuple(cast("Sequence[Any]", rows)) if isinstance(rows, (list, tuple)) else ()
         named = tuple(str(one) for one in named if one)
         if named:

@@ -1,6 +1,6 @@
-"""Place of every number in a scenario: the path for `--set`, and its unit.
+"""Places of numbers in a scenario: their paths for `--set`, and their units.
 
-A bench names parameters by component, `controllers.drive.law.high`; a scenario by section, `controller.high`.
+A bench names parameters by component (`controllers.drive.law.high`), a scenario by section (`controller.high`).
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ from martensite.scenario.place_units import PlaceUnits
 
 @dataclass
 class Places:
-    """From the numbers of a system, or of a bench, to those of its scenario."""
+    """Map from the numbers of a system or bench to the numbers of its scenario."""
 
     drive: str = DRIVE
     """Name of the section of the source."""
     written: dict[str, str] = field(default_factory=dict[str, str])
-    """Beginning of a path in the bench -> its beginning in the scenario."""
+    """Prefixes of paths in the scenario, by prefix in the bench."""
     scales: dict[str, PlaceUnits] = field(default_factory=dict[str, PlaceUnits])
-    """Beginning of a path in the bench -> units of levels below it."""
+    """Units of levels, by prefix of paths in the bench."""
     systems: set[str] = field(default_factory=set[str])
-    """Beginnings of paths in the bench below which there is a system."""
+    """Prefixes of paths in the bench of whole systems."""
 
     def note(self, path: str, written: str, scales: PlaceUnits | None = None) -> None:
-        """A part of the bench, the section it is in, and the units of levels in it."""
+        """Note a part of the bench with its section and units."""
         self.written[path] = written
         if scales is not None:
             self.scales[path] = scales
 
     def note_scales(self, path: str, part: Parametrised, scales: PlaceUnits) -> None:
-        """The units of levels in what names a reading: a part of the bench, or its components."""
+        """Note the units of all components of a part that name a reading."""
         own = scales.within(type(part), part.__dict__)
         if own is not scales:
             self.scales[path] = own
@@ -41,12 +41,12 @@ class Places:
             self.note_scales(f"{path}.{name}", child, own)
 
     def note_system(self, path: str, written: str) -> None:
-        """A system in the bench, and where the scenario describes it."""
+        """Note a system in the bench with its section."""
         self.written[path] = written
         self.systems.add(path)
 
     def path(self, path: str) -> str:
-        """Return the path in the scenario of a number at a path of the system or bench."""
+        """Return the path in the scenario of a path in the system or bench."""
         begin = _find_longest(self.written, path)
         if begin is None:
             return scenario_path(path, self.drive)
@@ -56,17 +56,16 @@ class Places:
         return ".".join(filter(None, (self.written[begin], rest)))
 
     def is_copy(self, path: str) -> bool:
-        """Return whether a number belongs to another system than that of the scenario, to a model."""
+        """Return true for a number of a model, which is a copy of the system."""
         begin = _find_longest(self.written, path)
         return begin in self.systems and bool(self.written[begin or ""])
 
     def unit(self, leaf: Leaf) -> str:
-        """Return the unit of a number of the system or bench; that of a level depends on its place."""
+        """Return the unit of a number of the system or bench."""
         begin = _find_longest(self.scales, leaf.path)
         known = None if begin is None else self.scales[begin].known(leaf.declared)
         return known or leaf.declared.unit
 
 
-def _find_longest(known: Iterable[str], path: str) -> str | None:
-    found = [begin for begin in known if path == begin or path.startswith(f"{begin}.")]
-    return max(found, key=len, default=None)
+def _find_longest(begins: Iterable[str], path: str) -> str | None:
+    return max((b for b in begins if path == b or path.startswith(f"{b}.")), key=len, default=None)

@@ -1,18 +1,16 @@
-"""Records that a scenario follows or is compared with: files it names, or a log given to it.
+"""Recorded waveforms of a scenario, and the record to compare with.
 
     waveform = { kind = "table", file = "log.csv", column = "voltage" }
     waveform = { kind = "log", column = "voltage" }
 
-`file` is relative to the scenario, or `data:…` for a published data set; `columns` names
-the columns of a file without headings, `interval` the time between rows without a clock.
-A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]`.
+`file` is relative to the scenario, or `data:…` for a published data set. `columns` names the columns of a file without
+headings, `interval` the time between rows without a clock. A waveform may also be listed: `times = ["0 s", "10 s"],
+values = ["0 V", "5 V"]`.
 
-A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or
-that a run is given. Without `column` it is the one named after what is driven (`NATURAL`). Such
-a scenario begins with the first row of its log (or `[run] lead` before it, at the `from` of the
-waveform), and rows that miss the column are bridged. Between rows a column is a straight line; one
-of volts, amperes, watts or a duty that rests at levels and jumps is held, so that what is logged at
-a row acts from then on. `between = "linear"` or `"hold"` says which.
+A waveform of kind `log` follows a column of the log of a fit or run. Without `column` it follows the column of the
+driven quantity (`NATURAL`). The scenario begins with the first row of its log, or `[run] lead` before it, at the level
+`from` of the waveform. Missing values are bridged. A column is linear between rows; a drive in volts, amperes, watts or
+a duty that rests and jumps is held from row to row. `between = "linear"` or `"hold"` overrides this choice.
 """
 
 from __future__ import annotations
@@ -42,18 +40,17 @@ NATURAL = {
     "m": "position",
     "1": "strain",
 }
-"""Unit of a signal -> column that a waveform of kind `log` follows if it names none."""
+"""Default column of a waveform of kind `log`, by unit of the signal."""
 UNKNOWN_LOG = Record("log", {"time": [0.0, 1.0]}, {"time": "s"})
-"""Placeholder for a missing log, with which the rest of a scenario can be inspected; waveforms that follow it rest at 0
-or at 20 degC."""
+"""Placeholder for a missing log; waveforms that follow it rest at 0 or at 20 degC."""
 DUTY = "duty"
-"""Name of the column of the duty cycle, the fraction of time that a switch is closed."""
+"""Name of the column of the duty cycle."""
 LINEAR, HOLD = "linear", "hold"
 """Interpolation of a column between its rows."""
 STEPPED = ("V", "A", "W", "1")
-"""Units of drives that are switched; a column of them that rests and jumps is held by itself."""
+"""Units of drives whose resting and jumping columns are held."""
 JUMP, RESTING, MOSTLY = 0.1, 0.02, 0.9
-"""Change from row to row that is a jump, and the one that is rest, over the range; share of jumps between rests."""
+"""Change between rows over the range of a jump, and of a rest; share of jumps between rests."""
 JUST_BEFORE = 1e-4
 """Time before a row at which the previous level ends, in sampling intervals."""
 _KEYS = ("file", "columns", "interval")
@@ -62,22 +59,22 @@ _LISTED = ("kind", "times", "values")
 
 @dataclass(frozen=True)
 class Recorded:
-    """A table of measurements, not read yet."""
+    """Table of measurements that is not read yet."""
 
     source: str | Path
     columns: tuple[str, ...] | None = None
     interval: float | None = None
-    """Time between rows [s] where the file has no time."""
+    """Time between rows [s] of a file without time."""
 
     def read(self) -> Record:
-        """Read the file."""
+        """Return the record of the file."""
         from martensite.logs.reader import read_table
 
         return read_table(self.source, self.columns, interval=self.interval)
 
 
 def read_recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded:
-    """Read the keys `file`, `columns` and `interval` of a section."""
+    """Return the recorded table of a section with `file`, `columns` and `interval`."""
     refuse_unknown(table, _KEYS, f"[{path}]")
     source = _read_text(table, "file", path)
     if not source.startswith("data:"):
@@ -92,15 +89,14 @@ def read_recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded
 
 
 def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
-    """Return the waveform that a table describes, in the `unit` of the source, and its end [s]."""
+    """Return the waveform of a table in the `unit` of the source, and its end [s]."""
     if "file" not in table and "times" in table:
         made = _list_numbers(table, path, unit)
         return made, made.times[-1]
     refuse_unknown(table, ("kind", *_KEYS, "column"), f"[{path}]")
     column = _read_text(table, "column", path)
-    found = {key: value for key, value in table.items() if key in _KEYS}
     with name_section(path):
-        record = read_recorded(found, path, folder).read()
+        record = read_recorded({key: value for key, value in table.items() if key in _KEYS}, path, folder).read()
         made = table_waveform(record, column)
         if record.units[column] != unit:
             raise DataError(
@@ -112,16 +108,15 @@ def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str)
 def build_followed(
     table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str, lead: float = 0.0
 ) -> tuple[Table, str]:
-    """Return the waveform of kind `log` that a table describes, and the column that it follows.
+    """Return the waveform of kind `log` of a table, and its column.
 
     Args:
-        table: the waveform, `kind`, perhaps `column`, and `from` if there is a lead.
-        path: of the table in the scenario.
-        log: what is followed; an error without.
-        unit: of the signal.
-        natural: the column that is meant if none is named.
-        lead: time before the log [s], in which the signal goes straight from `from` to its first
-            value, or is held there.
+        table: waveform with `kind`, perhaps `column` and `between`, and `from` with a lead.
+        path: path of the table in the scenario.
+        log: record to follow; required.
+        unit: unit of the signal.
+        natural: default column.
+        lead: time before the log [s]; the signal goes straight from `from` to the first value, or is held.
     """
     refuse_unknown(table, ("kind", "column", "between", *(("from",) if lead else ())), f"[{path}]")
     between = table.get("between")
@@ -139,18 +134,18 @@ def build_followed(
     with name_section(path):
         _check_followed(log, column, unit)
         rows = zip(from_zero(log, lead).times, log[column], strict=True)
-        known = [row for row in rows if math.isfinite(row[1])]
+        finite = [row for row in rows if math.isfinite(row[1])]
         if lead:
-            begin = _read_quantity(table["from"], "from", unit, path) if "from" in table else known[0][1]
-            known.insert(0, (0.0, begin))
-        if between == HOLD or (between is None and unit in STEPPED and is_stepped([x for _, x in known])):
-            known = hold_levels(known)
-        times, values = zip(*known, strict=True)
+            begin = _read_quantity(table["from"], "from", unit, path) if "from" in table else finite[0][1]
+            finite.insert(0, (0.0, begin))
+        if between == HOLD or (between is None and unit in STEPPED and is_stepped([x for _, x in finite])):
+            finite = hold_levels(finite)
+        times, values = zip(*finite, strict=True)
         return Table(times=times, values=values), column
 
 
 def is_stepped(values: Sequence[float]) -> bool:
-    """Return whether a column rests at levels and jumps between them, as a command that is switched does."""
+    """Return true for a column that rests at levels and jumps between them."""
     reach = max(values) - min(values)
     changes = [abs(b - a) for a, b in pairwise(values)]
     jumps = [k for k, change in enumerate(changes) if change > JUMP * reach]
@@ -159,30 +154,30 @@ def is_stepped(values: Sequence[float]) -> bool:
 
 
 def hold_levels(rows: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the rows (time, level) with every level held until just before the next row."""
-    found = [rows[0]]
+    """Return rows (time, level) with every level held until just before the next row."""
+    levels = [rows[0]]
     for (before, level), (time, new) in pairwise(rows):
         if new != level:
-            found.append((time - JUST_BEFORE * (time - before), level))
-        found.append((time, new))
-    return found
+            levels.append((time - JUST_BEFORE * (time - before), level))
+        levels.append((time, new))
+    return levels
 
 
 def _check_followed(log: Record, column: str, unit: str) -> None:
-    known = sum(map(math.isfinite, log[column]))
+    count = sum(map(math.isfinite, log[column]))
     if log.units[column] != unit:
         raise DataError(
             f"Column `{column}` of record `{log.name}` is in {log.units[column]}, but what follows it takes {unit}."
         )
-    if known < 2:
+    if count < 2:
         raise DataError(
-            f"Column `{column}` of record `{log.name}` holds {known} numbers; a waveform that "
+            f"Column `{column}` of record `{log.name}` holds {count} numbers; a waveform that "
             "follows it needs at least 2."
         )
 
 
 def from_zero(log: Record, lead: float = 0.0) -> Record:
-    """Return a record with its first row at 0 s, or at a lead [s] after that."""
+    """Return a record with its first row at 0 s, or at a lead [s] after 0 s."""
     first = log.times[0] - lead
     if first == 0.0:
         return log

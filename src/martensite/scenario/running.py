@@ -1,4 +1,4 @@
-"""`run`: a file, a scenario, a system or a bench, for one run or a batch of variants."""
+"""Entry point `run` for a file, a scenario, a system or a bench."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 Over = Mapping[str, "Sequence[units.Numeric] | NDArray[Any]"]
-"""By parameter path, or a unique ending of it, one value per variant: SI, text with a unit, or a quantity of pint."""
+"""One value per variant, by parameter path or its unique ending: SI, text with a unit, or a quantity of pint."""
 
 
 def run(
@@ -40,35 +40,34 @@ def run(
     at: units.Numeric | None = None,
     restart_at: Sequence[units.Numeric] = (),
 ) -> Result:
-    """Simulate.
+    """Simulate a scenario or a system, once or as a batch of variants.
 
         ms.run("finger.toml").plot()
         ms.run(scenario, over={"mass": ["0.3 kg", "0.5 kg"]})["position"]   # (2, samples)
         ms.run(ms.System(...), ms.Step(high=0.4, at=1.0), "30 s")
 
     Args:
-        what: the path of a scenario file, a scenario, or a `System`, a `Machine` or a bench, which
-            need a `drive` (a bench with built-in signals does not) and a `duration`.
-        drive: waveform in the unit of the source, or a table of them by name; it replaces the waveform of a scenario.
-        duration: end of the run, in seconds from 0 or as text with a unit; likewise.
-        over: runs a batch: by parameter path (or unique ending) one value per variant, in SI or
-            as text with a unit; all of them equally many.
-        tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
-            as a share of their ranges; 1e-4, or what the scenario says.
-        step: longest step [s]; if given, steps are equal and nothing is estimated.
-        samples: number of equidistant samples, both ends included; 1001, or as the scenario says.
-        outputs: of a batch, the columns to return; by default those whose accuracy is judged.
-        runtime: `floats`, `c`, or `auto`, which is the fastest there is; of a batch also `cuda`.
+        what: path of a scenario file, a scenario, or a `System`, a `Machine` or a bench. A system needs a `drive` and a
+        `duration`, a bench with built-in signals only a `duration`.
+        drive: waveform in the unit of the source, or several by name; replaces that of a scenario.
+        duration: end of the run, in seconds from 0 or as text with a unit; replaces that of a scenario.
+        over: variants of a batch: equally many values per parameter path (or unique ending), in SI or as text.
+        tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates, as a share of their
+        ranges; by default 1e-4 or that of the scenario.
+        step: longest step [s]; steps are then equal and no error is estimated.
+        samples: number of equidistant samples, both ends included; by default 1001 or that of the scenario.
+        outputs: returned columns of a batch; by default those whose accuracy is judged.
+        runtime: `floats`, `c` or `auto`, the fastest available; also `cuda` for a batch.
         budget: CPU time [s] after which a single run is given up.
-        tell: called now and then with what is being done and which share of it.
-        initial: where the run starts, as a table [initial] says it; else in equilibrium, or as the scenario says.
-        start: a result of the same system, or its file, that the run goes on from, at its own time.
-        at: when, in seconds or as text; by default at its end.
-        restart_at: times at which the result keeps a state beside that at its end, likewise.
+        tell: called repeatedly with the current activity and the finished share.
+        initial: initial state as in [initial]; by default equilibrium or that of the scenario.
+        start: result of the same system, or its file, from which the run continues at its own time.
+        at: time of that restart, in seconds or as text; by default the end.
+        restart_at: further times at which the result keeps a state.
 
     Raises:
-        InputError: an argument is out of range, or of the wrong kind.
-        SolveError: a single run failed; the sentence says when and what to try.
+        InputError: an argument is out of range or of the wrong kind.
+        SolveError: a single run failed; the message says when and what to try.
     """
     if isinstance(what, str | Path):
         what = load(what)
@@ -103,7 +102,7 @@ def run(
 
 
 def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric | None = None) -> Scenario:
-    """Return a scenario that continues a result, or its file, at a time [s] or a text; by default at its end.
+    """Return a scenario that continues a result, or its file, at a time [s] or text; by default at its end.
 
     Raises:
         DataError: the file holds no result.
@@ -113,15 +112,15 @@ def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric 
     from martensite.simulate.result import Result
 
     if isinstance(what, Result):
-        known, names = what.restarts, what.state_names
+        restarts, names = what.restarts, what.state_names
     else:
         from martensite.scenario.netcdf import read_labelled, read_restarts
 
-        known, names = read_restarts(read_labelled(what))
-    found = find_restart(known, None if at is None else units.convert_number(at, "s"))
+        restarts, names = read_restarts(read_labelled(what))
+    restart = find_restart(restarts, None if at is None else units.convert_number(at, "s"))
     require_names(scenario.whole, names)
-    require_sound(names, found)
-    return replace(scenario, start=found)
+    require_sound(names, restart)
+    return replace(scenario, start=restart)
 
 
 def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None) -> Scenario:
@@ -176,7 +175,7 @@ def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[floa
     leaves: dict[str, Any] = {leaf.path: leaf for leaf in system.leaves()}
     if not len(over):
         raise InputError('`over` is empty; name a parameter and its values, as in `over={"diameter": [2e-4, 3e-4]}`.')
-    found: dict[str, list[float]] = {}
+    variants: dict[str, list[float]] = {}
     for name, values in over.items():
         leaf, listed = leaves[system.resolve(str(name))], cast("Any", values)
         if isinstance(listed, str) or not hasattr(listed, "__len__"):
@@ -184,5 +183,5 @@ def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[floa
                 f"`over` needs a list of values for `{name}`, one for each variant, but has {listed!r}; "
                 f'write `over={{"{name}": [{listed!r}]}}`.'
             )
-        found[leaf.path] = [leaf.declared.convert(leaf.owner, leaf.path, one) for one in listed]
-    return found
+        variants[leaf.path] = [leaf.declared.convert(leaf.owner, leaf.path, one) for one in listed]
+    return variants

@@ -1,4 +1,4 @@
-"""Results in files: written in the format that the suffix names, and opened as a `Result` again."""
+"""Files of results: written in the format of the suffix, and opened as a `Result`."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ from martensite.simulate.result import Result
 
 
 def save_by_suffix(result: Result, path: str | os.PathLike[str]) -> None:
-    """Write a result in the format that the suffix of the file names.
+    """Write a result in the format of the suffix of the file.
 
     Raises:
         DataError: the suffix is unknown, or the file cannot be written.
-        InputError: it is a Parquet file and pyarrow is not installed.
+        InputError: a Parquet file needs pyarrow, which is not installed.
     """
     write = WRITERS.get(Path(path).suffix.lower())
     if write is None:
@@ -55,18 +55,18 @@ WRITERS = {".nc": save_result, ".csv": write_csv, ".parquet": _write_parquet}
 
 
 def open_result(path: str | os.PathLike[str]) -> Result:
-    """Read a result that `save` wrote as netCDF.
+    """Return a result that `save` wrote as netCDF.
 
         ms.open_result("a.nc")["temperature"], ms.open_result("a.nc").plot()
 
     Args:
-        path: the file, with the suffix `.nc`.
+        path: file with the suffix `.nc`.
 
     Returns:
         The result with its columns, accuracy, balances, alarms, warnings and restarts.
 
     Raises:
-        DataError: the file does not exist, is not a result, or holds a part whose module is not imported.
+        DataError: the file does not exist, is not a result, or has a part whose module is not imported.
     """
     saved = read_labelled(path)
     if KEPT_RESULT not in saved.attrs:
@@ -82,25 +82,24 @@ def open_result(path: str | os.PathLike[str]) -> Result:
         raise DataError(f"`{path}` cannot be opened as a result: {error}") from None
     except (ValueError, TypeError, LookupError, AttributeError, ImportError, RecursionError) as error:
         raise DataError(f"`{path}` cannot be opened as a result: {error!r}.") from None
-    found = _fill(empty, saved)
-    found.__dict__["extremes"] = extremes  # in accepted steps, which the file does not hold
-    return found
+    result = _fill(empty, saved)
+    result.__dict__["extremes"] = extremes  # of accepted steps, which the file does not hold
+    return result
 
 
 def _fill(empty: Result, saved: LabelledData) -> Result:
-    """Return a result with what the variables of its file hold."""
-    columns = _read_columns(empty, saved)
+    """Return a result with the variables of its file."""
     return replace(
         empty,
         times=saved[TIME].values,
-        columns=columns,
+        columns=_read_columns(empty, saved),
         profiles={name: saved[name].values.T.tolist() for name in PROFILES if name in saved.variables},
         restarts=read_restarts(saved)[0],
     )
 
 
 def _read_columns(empty: Result, saved: LabelledData) -> dict[str, Any]:
-    """Return the columns by name; in the file those of several actuators are stacked."""
+    """Return the columns by name; the file stacks the columns of several actuators."""
     if empty.variants is not None:
         return {name: one.values for name, one in saved.variables.items() if one.dims == (VARIANT, TIME)}
     stacked = {

@@ -1,9 +1,9 @@
-"""Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
+"""Scenario files: a TOML document gives a system, a waveform and the settings of a run.
 
-Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and optionally `title`, [actuators]
-and [signals] (`martensite.scenario.assemble`), [initial] (`martensite.simulate.initial`), those of a bench, such as
+The sections are [element], [environment], [mechanism], [drive] with its waveform, [run], and optionally `title`,
+[actuators] and [signals] (`martensite.scenario.assemble`), [initial] (`martensite.simulate.initial`), a bench such as
 [sensor] and [controller] (`martensite.scenario.bench`), and [measured], a record to compare with. Quantities are text
-with a unit. Unknown names are refused with the nearest valid one; nothing is guessed.
+with a unit. An unknown name is an error that suggests the nearest valid one.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Run(Parametrised):
     seed: Number = param("1", "seed of the noise of the sensors, a whole number", low=0.0, high=2**53, default=0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if a number that counts is not a whole number."""
+        """Raise `ParameterError` if `samples` or `seed` is not a whole number."""
         for name in ("samples", "seed"):
             value = getattr(self, name)
             if value != int(value):
@@ -91,51 +91,51 @@ class Run(Parametrised):
 
 @dataclass(frozen=True)
 class Scenario:
-    """Everything that a run needs, and where it came from."""
+    """Complete description of a run, with the origins of its numbers."""
 
     system: AbstractSystem
-    """A `System` of one element, a `Machine` of several, or the plant of a model."""
+    """`System` of one element, `Machine` of several, or plant of a model."""
     waveform: Waveforms
-    """The waveform of its drive, or waveforms by name; none for a drive of a controller."""
+    """Waveform of the drive, or waveforms by name; none for a drive of a controller."""
     duration: float
     """[s]"""
     tolerance: float
     samples: int
     step: float | None
-    """Longest step [s], or None if the tolerance chooses it."""
+    """Longest step [s], or None for steps by tolerance."""
     title: str
     text: str
-    """The document that was built, overrides included."""
+    """Document, with overrides."""
     path: Path | None
     material: Material | None
     measured: Recorded | None = None
-    """A record to compare with."""
+    """Record to compare with."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
-    """Dotted path of each number -> scenario, default, or kind and name of the material."""
+    """Origin by dotted path: `scenario`, `default`, or the kind of number and name of the material."""
     lead: float = 0.0
-    """Time before the log that is followed [s]."""
+    """Time before the followed log [s]."""
     follows: dict[str, str] = field(default_factory=dict[str, str])
-    """Drive -> column of the log that it follows; empty for a scenario that follows none."""
+    """Followed column of the log, by drive."""
     remarks: list[str] = field(default_factory=list[str])
-    """Sentences on how the parts were put together."""
+    """Sentences on the assembly of the parts."""
     bench: Bench | None = None
-    """The system with sensors, observers, controllers and faults around it, if there are any."""
+    """System with sensors, observers, controllers and faults, if there are any."""
     seed: int | None = None
-    """Seed of the noise on the bench; None for a run without noise."""
+    """Seed of the noise on the bench; None without noise."""
     places: Places = field(default_factory=Places)
-    """Places of the numbers of the system, or bench, in the document."""
+    """Places of the numbers of the system or bench in the document."""
     initial: dict[str, Any] = field(default_factory=dict[str, Any])
-    """Given quantities of the initial state in SI, or requests to find them; empty for the home position at rest."""
+    """Initial quantities in SI, or requests to find them; empty for the home position at rest."""
     restart_at: tuple[float, ...] = ()
     """Times [s] at which the result keeps a state."""
     start: Restart | None = None
     """Restart from which the run continues; None for a start at time 0."""
 
     def summary(self) -> Summary:
-        """Return what is simulated, for how long, and every number with its origin."""
+        """Return the simulated system, the duration, and every number with its origin."""
         drive = "no drive" if not self.waveform else f"drive {self.waveform!r}"
         steps = f"tolerance {self.tolerance:g}" if self.step is None else f"steps of at most {self.step:g} s"
-        told = [
+        sentences = [
             Sentence(f"{self.whole.description()}; {shorten(drive, 120)}"),
             Sentence(f"duration {self.duration:g} s, {self.samples} samples, {steps}"),
             *(Sentence(one, "caution") for one in self.cautions),
@@ -147,10 +147,10 @@ class Scenario:
         ]
         data = {one.path: one.value for one in leaves}
         table = DataTable(("number", "value", "origin"), rows, right=(1,))
-        return Summary("", [*told, table], data, f"Scenario `{self.title}`")
+        return Summary("", [*sentences, table], data, f"Scenario `{self.title}`")
 
     def __repr__(self) -> str:
-        """A few lines; every number is in `summary()`."""
+        """Return a few lines; `summary()` has every number."""
         return self.summary().brief()
 
     def _repr_html_(self) -> str:
@@ -163,10 +163,10 @@ class Scenario:
 
     @property
     def single_system(self) -> System:
-        """The system, of one element.
+        """Return the system, of one element.
 
         Raises:
-            InputError: it has several, or none.
+            InputError: it has several elements, or none.
         """
         if not isinstance(self.system, System):
             raise InputError(f"Scenario `{self.title}` has no system of one element.")
@@ -174,7 +174,7 @@ class Scenario:
 
     @property
     def single_waveform(self) -> AbstractWaveform:
-        """The waveform of the only drive.
+        """Return the waveform of the only drive.
 
         Raises:
             InputError: there are several drives, or none has a waveform.
@@ -184,18 +184,17 @@ class Scenario:
         return self.waveform
 
     def parts(self) -> Iterator[Parametrised]:
-        """All components."""
+        """Yield all components."""
         yield from self.whole.tree()
 
     def leaves(self) -> Iterator[Leaf]:
-        """All numbers of the system or bench."""
+        """Yield all numbers of the system or bench."""
         yield from self.whole.leaves()
 
     @property
     def cautions(self) -> list[str]:
-        """Sentences about what is allowed but probably not meant."""
-        found = [*self.remarks, *(c for part in self.parts() for c in part.cautions())]
-        return list(dict.fromkeys(found))
+        """Return sentences about allowed but unusual values."""
+        return list(dict.fromkeys([*self.remarks, *(c for part in self.parts() for c in part.cautions())]))
 
     def run(
         self,
@@ -205,13 +204,13 @@ class Scenario:
         budget: float | None = None,
         tell: Callable[[str, float], None] | None = None,
     ) -> Result:
-        """Simulate.
+        """Simulate the scenario.
 
         Args:
-            tolerance: replaces that of the scenario; without a meaning on a bench.
-            runtime: auto, floats or c; by default auto, or on a bench c if there is a compiler.
+            tolerance: replaces that of the scenario; ignored on a bench.
+            runtime: `auto`, `floats` or `c`; by default `auto`, or on a bench `c` with a compiler.
             budget: CPU time [s] after which the run is given up.
-            tell: called now and then with what is done and which share of the run; not on a bench.
+            tell: called with the current activity and the finished share; not on a bench.
         """
         if self.bench is not None:
             return self._run_bench(self.bench, runtime, budget)
@@ -238,7 +237,7 @@ class Scenario:
         return result
 
     def require_home(self, what: str) -> Scenario:
-        """Return it, or raise `InputError` if it starts elsewhere than at home and at rest, which `what` does not."""
+        """Return the scenario, or raise `InputError` if it does not start at home and at rest."""
         if self.initial or self.start is not None:
             raise InputError(
                 f"{what} needs a start at home and in the steady state. Remove [initial] from the scenario."
@@ -246,7 +245,7 @@ class Scenario:
         return self
 
     def find_start(self, tolerance: float) -> Restart:
-        """Return the initial state; raise `InputError` if the system cannot take it, or if the search fails."""
+        """Return the initial state; raise `InputError` if the system cannot take it or the search fails."""
         if self.start is None and self.initial:
             from martensite.simulate.initial import find_start
 
@@ -254,7 +253,7 @@ class Scenario:
         return self.start or HOME
 
     def equal_step(self) -> float:
-        """The longest of equal steps with which a run is within the tolerance [s]."""
+        """Return the longest equal step within the tolerance [s]."""
         from martensite.simulate.trial_runs import find_step
 
         case = self.system, self.waveform, self.duration
@@ -264,17 +263,17 @@ class Scenario:
         """Return the scenario with other numbers as TOML, after a comment.
 
         Args:
-            numbers: path in the system or bench -> value [SI].
+            numbers: values [SI] by path in the system or bench.
             lead: text of the comment.
         """
         values = {self.places.path(path): float(value) for path, value in numbers.items()}
         return f"# {lead}\n\n{as_toml(change_document(tomllib.loads(self.text), values))}"
 
     def find_target(self, name: str) -> Target:
-        """Return the number that can be varied under a path, or its unique ending.
+        """Return the variable number of a path, or of its unique ending.
 
         Raises:
-            ParameterError: there is none of that name, or several.
+            ParameterError: the name is unknown or ambiguous.
         """
         from martensite.scenario.targets import list_targets
         from martensite.search.free_numbers import find_alike
@@ -282,7 +281,7 @@ class Scenario:
         return find_alike(name, [*list_targets(self).values()], several=False)[0]
 
     def show_bench(self) -> Any:
-        """The web bench as a widget of a notebook; `InputError` if the extra `notebook` is not installed."""
+        """Return the web bench as a notebook widget; `InputError` without the extra `notebook`."""
         import_extra("anywidget", "notebook", "the bench in a notebook")
         return import_service("make_bench_widget")(self)
 
@@ -303,15 +302,15 @@ class Scenario:
 
 
 def load(path: str | Path, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None) -> Scenario:
-    """Read a scenario file and build what it describes.
+    """Read a scenario file and build it.
 
     Args:
-        path: a TOML file; files it names are found relative to it.
+        path: TOML file; named files are relative to it.
         overrides: values by dotted path, such as `{"element.diameter": "0.25 mm"}`.
-        log: the record that waveforms of kind `log` follow, from its first row on.
+        log: record that waveforms of kind `log` follow from its first row.
 
     Raises:
-        InputError: the file is missing or malformed, or a value is.
+        InputError: the file is missing or malformed, or a value is invalid.
     """
     path = Path(path)
     return read_scenario(read_text_file(path, "scenario"), path, overrides, log=log)
@@ -320,10 +319,7 @@ def load(path: str | Path, overrides: Mapping[str, Any] | None = None, *, log: R
 def read_scenario(
     text: str, path: Path | None = None, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None
 ) -> Scenario:
-    """Build what the text of a scenario describes; `path` is where it came from.
-
-    `log` is the record that waveforms of kind `log` follow, from its first row on.
-    """
+    """Build the text of a scenario; `path` is its file, and `log` as for `load`."""
     if "\n" not in text and text.endswith(".toml"):
         raise InputError(
             f"`read_scenario` takes the text of a scenario, but was given a path; use `ms.load({text!r})`."
@@ -339,7 +335,7 @@ def read_scenario(
 def _name_in_full(
     document: dict[str, Any], overrides: Mapping[str, Any], path: Path | None, log: Record | None
 ) -> dict[str, Any]:
-    """Overrides by their paths in the document; a number may be named by a unique ending, such as `diameter`."""
+    """Return overrides by full path; a unique ending such as `diameter` names a number."""
     short = [
         name
         for name, value in overrides.items()
@@ -390,13 +386,13 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
 
 
 def _read_restarts(given: str | tuple[str, ...]) -> tuple[float, ...]:
-    """Times [s] of a text, or of several."""
+    """Return the times [s] of one or several texts."""
     with name_section("run.restart"):
         return tuple(units.parse_quantity(one, "s") for one in ([given] if isinstance(given, str) else given))
 
 
 def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:
-    """Return the initial conditions of the document; their reader is imported only if they are given."""
+    """Return the initial conditions of the document."""
     if "initial" not in document:
         return {}
     from martensite.simulate.initial import read_initial
@@ -405,7 +401,7 @@ def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:
 
 
 def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
-    """Refuse more edges than can be stepped before any are listed."""
+    """Raise an error if a waveform has too many edges."""
     for one in [waveform] if isinstance(waveform, AbstractWaveform) else waveform.values():
         for part in one.tree():
             if isinstance(part, AbstractWaveform):
@@ -413,7 +409,7 @@ def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
 
 
 def _build_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> tuple[Bench | None, bool]:
-    """Return the bench around a system, if there is one, and whether its sensors have noise."""
+    """Return the bench around a system, or None, and true if its sensors have noise."""
     if not is_bench(assembly.document):
         if section_of(assembly.document, "run", {}).get("seed", 0) not in (0, "0"):  # forms write the default
             raise ParameterError("[run] `seed` has no effect, since there is no [sensor] that has noise; remove it.")

@@ -1,4 +1,4 @@
-"""List the numbers of a scenario that can be varied."""
+"""Numbers of a scenario that can be varied."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 SWITCHES = "automatic_from", "automatic_until"
-"""Numbers of a bench that no program has: they are in what is played."""
+"""Numbers of a bench that are played and not compiled."""
 
 
 def list_targets(scenario: Scenario) -> dict[str, Target]:
-    """Return every number of a scenario that can be varied, by its path in the scenario."""
+    """Return every variable number of a scenario by its path in the scenario."""
     references = _list_references(scenario.bench) if scenario.bench else {}
-    found = [*_list_system_targets(scenario, references), *_list_waveform_targets(scenario)]
-    return {target.name: target for target in found}
+    targets = [*_list_system_targets(scenario, references), *_list_waveform_targets(scenario)]
+    return {target.name: target for target in targets}
 
 
 def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
-    """Yield the numbers of the system or bench; those of a reference belong to its waveform."""
+    """Yield the numbers of the system or bench; numbers of a reference belong to its waveform."""
     for leaf in scenario.whole.leaves():
         name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
         if scenario.places.is_copy(leaf.path) or not math.isfinite(leaf.value):
@@ -41,16 +41,16 @@ def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> I
 
 
 def _list_references(bench: Bench) -> dict[str, str]:
-    """Beginning of a path in a bench -> the name under which its waveform is played."""
+    """Return the name of a played waveform by the prefix of its paths in the bench."""
     from martensite.control.loop.names import list_hands, list_references
 
     members = bench.controllers.members()
-    found = {f"controllers.{one}.reference.": name for one, name in zip(members, list_references(bench), strict=True)}
-    return found | {f"controllers.{one}.manual.signal.": name for one, (name, _) in list_hands(bench).items()}
+    names = {f"controllers.{one}.reference.": name for one, name in zip(members, list_references(bench), strict=True)}
+    return names | {f"controllers.{one}.manual.signal.": name for one, (name, _) in list_hands(bench).items()}
 
 
 def _list_waveform_targets(scenario: Scenario) -> Iterator[Target]:
-    """Yield all numeric values of the waveforms of a scenario."""
+    """Yield the numbers of the waveforms."""
     signals = {drive.name: drive.unit for drive in scenario.system.drives()}
     played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)
     for name, waveform in played.items():

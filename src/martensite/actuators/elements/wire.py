@@ -66,14 +66,14 @@ class AbstractRoundWire(AbstractElement):
         if self.wear is not None:
             self.wear.check_law(self.law)
 
-    @override
     def apply_wear(self, xp: Namespace, worn: Any) -> Self:
+        """Return the worn element."""
         if self.wear is None:
             return self
         return self.rebuilt({"wear": None, "law": self.wear.apply(xp, self.law, worn)})
 
-    @override
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
+        """Return the initial phase state under a stress [Pa]."""
         oriented = self.initial_fraction * self.initial_oriented
         if self.initial == "trained":
             oriented = oriented * self.law.trained_share(xp, stress)
@@ -99,8 +99,8 @@ class AbstractRoundWire(AbstractElement):
     def heat_capacity_total(self) -> Scalar:
         return self.mass() * self.heat_capacity
 
-    @override
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Return the heat of the whole forward transformation [J] at (stress, temperature)."""
         latent = self.density * self.latent_heat
         heat = self.law.heat(xp, latent, stress, temperature)
         return heat * self.section() * self.wire_length()
@@ -113,10 +113,10 @@ class AbstractRoundWire(AbstractElement):
         pumped = environment.cooling.pump_heat(xp, temperature, ambient, shape)
         return lost if pumped is None else lost + pumped
 
-    @override
     def ohms(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
     ) -> Scalar:
+        """Return the resistance [ohm]."""
         shape = Conductor(self.section(), self.wire_length())
         if self.law.rphase:
             return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)

@@ -1,13 +1,13 @@
 """Error of averaging: a run with a mean duty cycle compared with a run of every pulse.
 
-With the power P_on in the element while the switch is closed, a pulse of the share D of a
-period 1/f lifts the temperature by
+With the power P_on in the element while the switch is closed, a pulse of the fraction D of a period 1/f raises the
+temperature by
 
     ΔT ≈ P_on D (1 - D)/(f C)
 
-above its slow variation: the heat of the pulse less the losses meanwhile, over the heat capacity C. That holds for
-periods short beside the thermal time constant, and without transformation; latent heat makes it smaller. The mean
-temperature differs as well, in proportion to 1/f, since the pulse comes first in its period.
+above its slow variation. C is the heat capacity. This holds without transformation for periods short beside the thermal
+time constant; latent heat lowers the rise. The mean temperature differs in proportion to 1/f, because a pulse starts
+its period.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ COMPARED = ("temperature", "position", "power")
 
 @dataclass(frozen=True)
 class Difference:
-    """Means over the periods of the pulses, less the averaged run in their middle, in SI."""
+    """Difference of the means over the periods of the pulses from the averaged run at mid-period, in SI."""
 
     largest: float
     """Largest absolute difference."""
     rms: float
-    """Root of the mean of the squares."""
+    """Root mean square difference."""
 
 
 @dataclass(frozen=True)
 class Averaging:
-    """An averaged run beside its pulses."""
+    """Averaged run beside its pulses."""
 
     frequency: float
     """[Hz]"""
@@ -63,16 +63,15 @@ def compare_averaging(
     shortest: float = 0.0,
     step: float | None = None,
 ) -> Averaging:
-    """Run a switched drive averaged and pulse by pulse, and compare the two.
+    """Compare the averaged run of a switched drive with a run of every pulse.
 
     Args:
-        system: with the drive `pwm-voltage`, or `power-pwm` (then the pulses come from the
-            constant-power loop, which measures and computes the duty in every period).
-        waveform: duty, or demanded power [W].
-        duration: length of the runs [s]; whole periods of it are compared.
-        frequency: of the pulses [Hz].
-        shortest: shortest pulse or gap that the switch can make [s].
-        step: longest step [s]; by default a tenth of the thermal time constant.
+        system: plant with the drive `pwm-voltage`, or `power-pwm`, whose pulses come from the constant-power loop.
+        waveform: duty cycle, or demanded power [W].
+        duration: length of the runs [s]; whole periods are compared.
+        frequency: pulse frequency [Hz].
+        shortest: shortest pulse or gap of the switch [s].
+        step: longest step [s], by default a tenth of the thermal time constant.
 
     Raises:
         InputError: the drive is not a switch, or an argument is out of range.
@@ -115,7 +114,7 @@ def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, Ab
 
 
 def measure_ripples(pulsed: LoopResult) -> list[float]:
-    """Rise of temperature in each pulse above the straight line through its period [K]."""
+    """Return the rise of temperature in each pulse above the straight line through its period [K]."""
     starts, ends = pulsed.result["temperature"].tolist(), pulsed.ends["temperature"]
     shares = pulsed.means["drive"]
     return [

@@ -1,15 +1,14 @@
-"""Frequency response about several biases: describing functions of a plant or of a closed loop.
+"""Frequency response at several biases: describing functions of a plant or a closed loop.
 
-Under u = u_b + a sin ωt the output settles to a cycle; its first harmonic over that of the signal,
+Under u = u_b + a sin ωt the output settles to a cycle. Its first harmonic over the signal,
 
     H(ω, u_b, a) = (2j / a T) ∫ y e^(−jωt) dt,
 
-is gain and phase of the describing function (Gelb and Vander Velde 1968, ch. 3). Of a linear system
-it is the frequency response; of a plant with hysteresis it depends on the bias, on the amplitude
-and on how the bias was reached. The remaining harmonics are called distortion.
+is the describing function (Gelb and Vander Velde 1968, ch. 3). It is the frequency response of a linear system. With
+hysteresis it depends on the bias, the amplitude and the history. The remaining harmonics are the distortion.
 
-The drive selects the response: the drive of the plant gives the open loop, `reference` of a bench the closed loop. A
-sampled system is evaluated at its samples. Its frequencies are rounded so that a period is a whole number of samples.
+The drive of a plant gives the open loop, the drive `reference` of a bench the closed loop. A sampled system is
+evaluated at its samples, and its frequencies are rounded to whole numbers of samples per period.
 """
 
 from __future__ import annotations
@@ -28,19 +27,19 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.operating_point import find_operating_point
 
 SAMPLES = 128
-"""Steps in a period of a plant in continuous time, at least."""
+"""Smallest number of steps in a period of a plant in continuous time."""
 LEAST_SAMPLES = 8
-"""Samples in a period of a system in discrete time, at least."""
+"""Smallest number of samples in a period of a system in discrete time."""
 SETTLED = 1e-4
-"""Change from cycle n to cycle 2 n, over the amplitude or the least range that counts."""
+"""Change from cycle n to cycle 2n of a settled output, relative to the amplitude or the smallest range."""
 MOST_STEPS = 10_000
-"""Steps at one frequency, at most; four cycles are always run."""
+"""Largest number of steps at one frequency; four cycles are always run."""
 HALF_POWER = math.sqrt(0.5)
 
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """Gains and phases; arrays of shape (biases, frequencies)."""
+    """Gains and phases, in arrays of shape (biases, frequencies)."""
 
     drive: str
     output: str
@@ -53,35 +52,35 @@ class FrequencyResponse:
     frequencies: Numbers
     """Simulated frequencies [Hz], shape (frequencies,)."""
     response: Any
-    """Complex: first harmonic of the output over that of the signal."""
+    """Complex first harmonic of the output over the signal."""
     mean: Numbers
     """Mean output over a cycle."""
     distortion: Numbers
-    """Rms of what is neither mean nor first harmonic, over rms of the first harmonic."""
+    """Rms of the higher harmonics over rms of the first harmonic."""
     settled: Any
-    """False where cycles still changed at the end."""
+    """False if cycles still changed at the end."""
 
     @property
     def gain(self) -> Numbers:
-        """Amplitude of the output over that of the signal."""
+        """Return the amplitude of the output over the amplitude of the signal."""
         return np.abs(self.response)
 
     @property
     def phase(self) -> Numbers:
-        """By how much the output is ahead [rad]; continuous along frequency."""
+        """Return the phase lead of the output [rad], continuous along frequency."""
         return np.unwrap(np.angle(self.response), axis=1)
 
     @property
     def bandwidth(self) -> Numbers:
-        """Frequency [Hz] at which the gain is 1/√2 of that at the lowest one, by bias.
+        """Return the frequency [Hz] at which the gain is 1/√2 of the gain at the lowest frequency, by bias.
 
-        Between frequencies it is read on a straight line in logarithms; NaN if never reached.
+        It is interpolated on logarithmic scales, and NaN if the gain never falls so low.
         """
         return np.array([_find_bandwidth(self.frequencies, row) for row in self.gain])
 
 
 class _Cycle(NamedTuple):
-    """Results of a cycle, arrays of shape (lanes,)."""
+    """Results of a cycle, in arrays of shape (lanes,)."""
 
     harmonic: Any
     mean: Numbers
@@ -99,21 +98,22 @@ def measure_frequency_response(
     high: float | None = None,
     native: bool | None = None,
 ) -> FrequencyResponse:
-    """Sines about several biases, until the cycles repeat.
+    """Return the frequency response by sines about several biases, run until their cycles repeat.
 
     Args:
-        system: a plant, a model as a plant, or a bench, with or without controllers.
+        system: a plant, a model as a plant, or a bench.
         biases: mean signals, in the unit of the drive.
-        amplitude: of the sines.
-        frequencies: wanted [Hz].
-        drive: which one; the first if not named. `reference` closes the loop of a bench.
-        output: which one; the first coordinate of the mechanism if not named.
-        high: signal under which the plant has rested before it is brought to the bias, for the
-            cooling branch; without it every bias is reached from the cold.
-        native: whether to run in C; by default if there is a compiler.
+        amplitude: amplitude of the sines.
+        frequencies: requested frequencies [Hz].
+        drive: driven signal, by default the first; `reference` closes the loop of a bench.
+        output: evaluated output, by default the first coordinate of the mechanism.
+        high: signal of the steady state before the bias, for the cooling branch; by default each bias is reached from
+            the
+        cold.
+        native: run in C, by default if there is a compiler.
 
     Raises:
-        InputError: a name does not fit, or a number is not above 0, or a frequency too high.
+        InputError: a name is unknown, a number is not above 0, or a frequency is too high.
         SolveError: a run failed.
     """
     wanted = require_positive("frequencies", frequencies, "Hz")
@@ -122,13 +122,13 @@ def measure_frequency_response(
     lanes = DrivenLanes(system, len(middles), drive, output, native=native)
     begun = None if high is None else _rest_after_cooling(lanes, middles, high)
     counts = [_count_steps(lanes, float(f)) for f in wanted]
-    found: list[tuple[_Cycle, Any]] = []
+    runs: list[tuple[_Cycle, Any]] = []
     for samples, dt in counts:
         lanes.reset(middles)
         if begun is not None:
             lanes.lanes.state = begun.copy()
-        found.append(_repeat_cycle(lanes, middles, amplitude, samples, dt))
-    cycles = [cycle for cycle, _ in found]
+        runs.append(_repeat_cycle(lanes, middles, amplitude, samples, dt))
+    cycles = [cycle for cycle, _ in runs]
     outputs, signals = system.outputs(), {one.name: one.unit for one in system.drives()}
     return FrequencyResponse(
         lanes.drive,
@@ -140,7 +140,7 @@ def measure_frequency_response(
         np.array([one.harmonic for one in cycles]).T,
         np.array([one.mean for one in cycles]).T,
         np.array([one.distortion for one in cycles]).T,
-        np.array([still for _, still in found]).T,
+        np.array([settled for _, settled in runs]).T,
     )
 
 
@@ -160,7 +160,7 @@ def _count_steps(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
 
 
 def _rest_after_cooling(lanes: DrivenLanes, middles: Numbers, high: float) -> Numbers:
-    """Return the states of rest on the cooling branch, shape (states, lanes)."""
+    """Return the steady states on the cooling branch, shape (states, lanes)."""
     given: Any = {"direction": "cooling", "high": high, "drive": lanes.drive}
     points = [find_operating_point(lanes.system, float(level), **given) for level in middles]
     return np.stack([point.state for point in points], axis=1)
@@ -169,7 +169,7 @@ def _rest_after_cooling(lanes: DrivenLanes, middles: Numbers, high: float) -> Nu
 def _repeat_cycle(
     lanes: DrivenLanes, middles: Numbers, amplitude: float, samples: int, dt: float
 ) -> tuple[_Cycle, Any]:
-    """Return the cycle when nothing changes any more, or after many; and where it is so."""
+    """Return the last cycle, and true for each lane that has settled."""
     points = np.arange(samples + 1.0) if lanes.interval else np.arange(samples) + 0.5
     turns = points / samples
     levels = middles + amplitude * np.sin(2.0 * np.pi * turns)[:, None]
@@ -191,7 +191,7 @@ def _repeat_cycle(
 
 
 def _run_cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float) -> _Cycle:
-    """Return one more cycle."""
+    """Run one more cycle."""
     y = lanes.run(levels, dt)
     samples = len(y)
     angles = 2.0 * np.pi * np.arange(1, samples + 1) / samples
@@ -199,13 +199,13 @@ def _run_cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float)
     mean = y.mean(axis=0)
     rest = y - mean - (first * np.exp(1j * angles)[:, None]).real
     size = np.maximum(np.abs(first) / math.sqrt(2.0), 1e-300)
-    # held at mid-step, a sine is smaller than at its samples
-    held = 1.0 if lanes.interval else float(np.sinc(1.0 / samples))
-    return _Cycle(1j * first / (amplitude * held), mean, np.sqrt((rest**2).mean(axis=0)) / size)
+    # a sine held at mid-step is smaller than at its samples
+    factor = 1.0 if lanes.interval else float(np.sinc(1.0 / samples))
+    return _Cycle(1j * first / (amplitude * factor), mean, np.sqrt((rest**2).mean(axis=0)) / size)
 
 
 def _find_bandwidth(frequencies: Numbers, gains: Numbers) -> float:
-    """Return the frequency [Hz] at which gains first fall below 1/√2 of the gain at the lowest frequency."""
+    """Return the frequency [Hz] at which gains first fall below 1/√2 of the first gain."""
     order = np.argsort(frequencies)
     f, g = np.log(frequencies[order]), np.log(np.maximum(gains[order], 1e-300))
     level = g[0] + math.log(HALF_POWER)

@@ -1,10 +1,9 @@
-"""Heating against cooling: how fast an output goes up and down again after steps of the signal.
+"""Rise and fall of an output after steps of the signal.
 
-    rise, fall              time from the step until 90 % of the way is gone
-    fastest up and down     largest |dy/dt|, over one step of the run
+    rise, fall              time from the step to 90 % of the change
+    fastest up and down     largest |dy/dt| over one step of the run
 
-Heating is as fast as there is power for it; cooling is left to the surroundings. So the two differ,
-and each in its own way with signal and load.
+Heating is limited by the power, cooling by the surroundings, so the two speeds differ.
 """
 
 from __future__ import annotations
@@ -20,14 +19,14 @@ from martensite.design.sweep.driven_lanes import DrivenLanes, require_positive
 from martensite.signals.sampling.sampled import Numbers
 
 RISE = 0.90
-"""Share of the way that is gone in the time of a rise."""
+"""Fraction of the change at the end of a rise."""
 SAMPLES = 400
-"""Steps in which a level is held, at least."""
+"""Smallest number of steps of a level."""
 
 
 @dataclass(frozen=True, eq=False)
 class Speeds:
-    """Speeds of up and down steps; arrays of shape (loads, signals)."""
+    """Speeds after up and down steps, in arrays of shape (loads, signals)."""
 
     drive: str
     output: str
@@ -36,29 +35,29 @@ class Speeds:
     signals: Numbers
     """Upper levels, shape (signals,)."""
     load: str
-    """Path of the parameter that is the load; empty without."""
+    """Path of the varied load; empty without one."""
     loads: Numbers
-    """Values of the load, shape (loads,); one NaN without a load."""
+    """Values of the load, shape (loads,); NaN without a load."""
     stroke: Numbers
-    """Travel of the output up to the end of the upper level."""
+    """Change of the output at the end of the upper level."""
     rise: Numbers
     """[s]"""
     fall: Numbers
-    """[s]; infinite where the output does not come back within the time."""
+    """[s]; infinite if the output does not return in time."""
     fastest_up: Numbers
     """Largest rate after the step up [unit/s]."""
     fastest_down: Numbers
     """Largest rate after the step down [unit/s]."""
     times: Numbers
-    """From the step up on [s], shape (samples,)."""
+    """Time after the step up [s], shape (samples,)."""
     courses: Numbers
-    """The output, shape (loads, signals, samples)."""
+    """Output, shape (loads, signals, samples)."""
     hold: float
-    """When the signal steps down [s]."""
+    """Time of the step down [s]."""
 
     @property
     def ratio(self) -> Numbers:
-        """Fall over rise."""
+        """Return the fall time over the rise time."""
         return self.fall / self.rise
 
 
@@ -75,22 +74,22 @@ def compute_speeds(
     output: str | None = None,
     native: bool | None = None,
 ) -> Speeds:
-    """Return the steps up and down again, all signals and loads side by side.
+    """Return the speeds after steps up and down, for all signals and loads.
 
     Args:
-        system: a plant, or a bench; of one with a controller the drive is `reference`.
+        system: a plant, or a bench; a closed loop has the drive `reference`.
         signals: levels of the step up, in the unit of the drive.
-        hold: how long they are held [s].
+        hold: duration of a level [s].
         low: level before and after.
-        back: for how long it is followed afterwards [s]; as long as `hold` if not given.
-        load: path, or unique ending of one, of a parameter that is varied too.
+        back: duration after the step down [s], by default `hold`.
+        load: path, or unique ending, of a varied parameter.
         loads: its values, in SI.
-        drive: which one; the first if not named.
-        output: which one; the first coordinate of the mechanism if not named.
-        native: whether to run in C; by default if there is a compiler.
+        drive: driven signal, by default the first.
+        output: evaluated output, by default the first coordinate of the mechanism.
+        native: run in C, by default if there is a compiler.
 
     Raises:
-        InputError: a name does not fit, a number is not above 0, or loads have no name.
+        InputError: a name is unknown, a number is not above 0, or loads have no name.
         ParameterError: the parameter does not exist.
         SolveError: a run failed.
     """
@@ -132,7 +131,7 @@ def compute_speeds(
 def _step_response(
     lanes: DrivenLanes, levels: Numbers, low: float, lasting: tuple[float, float], dt: float
 ) -> tuple[Numbers, int]:
-    """Return the output from the step up on, shape (samples, lanes), and the sample of the step down."""
+    """Return the output after the step up, shape (samples, lanes), and the sample of the step down."""
     up, down = (max(round(time / dt), 1) for time in lasting)
     first = lanes.reset(low)
     extra = 1 if lanes.interval else 0
@@ -142,15 +141,15 @@ def _step_response(
 
 
 def _find_rise_time(rows: Numbers, dt: float) -> Numbers:
-    """Return the time until 90 % of the way to the last row are gone [s], read between samples."""
+    """Return the interpolated time to 90 % of the change to the last row [s]."""
     way = rows[-1] - rows[0]
     safe = np.where(way == 0.0, 1.0, way)
     gone = (rows - rows[0]) / safe
-    found = np.full(rows.shape[1], np.inf)
+    times = np.full(rows.shape[1], np.inf)
     for lane, course in enumerate(gone.T):
         reached = np.flatnonzero(course >= RISE)
         if way[lane] != 0.0 and len(reached):
             k = int(reached[0])
             share = (RISE - course[k - 1]) / (course[k] - course[k - 1])
-            found[lane] = dt * (k - 1 + share)
-    return found
+            times[lane] = dt * (k - 1 + share)
+    return times

@@ -1,1 +1,1 @@
-"""Designs of least cost under constraints, found by derivatives through the march."""
+"""Optimisation of designs under constraints, with exact derivatives."""

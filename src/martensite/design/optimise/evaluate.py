@@ -1,21 +1,17 @@
-"""Evaluation of designs: goals and slacks of constraints, in batches, and exact derivatives.
+"""Goals and slacks of designs in batches, and exact derivatives.
 
-A design is a point z in the box of its free numbers (`martensite.search.free_numbers`). Batches
-are marched in C side by side; at one point the run is marched with its derivatives, and by the
-chain rule
+A design is a point z in the box of its free parameters (`martensite.search.free_numbers`). Batches run in C side by
+side. The derivatives of a single design follow from
 
     dm/dz_k = Σ_s  (∂m/∂y_s) (∂y_s/∂p_k) (dp_k/dz_k)
 
-with the values y_s at the ends of steps, from which a measure m is computed. Without a compiler every
-run is made on plain floats, and derivatives are central differences.
-
-Measures are piecewise smooth: where the hottest sample changes, or a coordinate meets a stop, derivatives are
-one-sided. The measures of a wire that does not transform hardly depend on the parameters, so derivatives are correctly
-0.
+with the values y_s at the ends of steps, from which a measure m is computed. Without a compiler, runs use plain floats
+and derivatives are central differences. Measures are piecewise smooth: derivatives are one-sided where the hottest
+sample changes or a coordinate meets a stop. They are 0 for a wire that does not transform.
 
 A search uses scaled values (`martensite.search.box_search`). The goal is the mean over all cases, divided by its size
 at the start, and negated for a maximum. A slack is the distance of a constraint from its limit in one case, as a
-fraction of the limit (of 50 K for a temperature). An event that never happens, and a failed run, are far beyond every
+fraction of the limit (of 50 K for a temperature). A failed run, and an event that never happens, are far beyond every
 limit.
 """
 
@@ -37,7 +33,7 @@ from martensite.simulate.measures.run_table import tabulate_samples
 from martensite.simulate.waveform_levels import Level, WaveformLevels
 
 CLOUD_SPREAD = 0.05
-"""Scatter of the points of a cloud around a design, as a fraction of ranges."""
+"""Scatter of the points around a design, as a fraction of ranges."""
 
 
 @dataclass
@@ -50,7 +46,7 @@ class RunCounts:
     """Runs with derivatives."""
 
     def to_dict(self) -> dict[str, int]:
-        """For JSON."""
+        """Return plain values."""
         return {"simulations": self.simulations, "with_derivatives": self.slopes}
 
 
@@ -60,11 +56,11 @@ class AimSlopes(NamedTuple):
     values: Numbers
     """(cases, aims)"""
     slopes: Numbers
-    """By the place z of every free number, (cases, aims, free)."""
+    """Derivatives by the place z of each free parameter, (cases, aims, free)."""
 
 
 class DesignEvaluator:
-    """All designs of a question, ready to be judged."""
+    """Evaluator of the designs of a question."""
 
     differentiable, partial = True, False
 
@@ -78,10 +74,9 @@ class DesignEvaluator:
         also: Sequence[DesignAim] = (),
         native: bool | None = None,
     ) -> None:
-        """Prepare runs of so many samples, both ends included, in steps [s] of at most `step`.
+        """Prepare runs with `samples` samples, both ends included, in steps [s] of at most `step`.
 
-        Of the measures `also`, told besides, there are no derivatives; `native` runs in C, by default if there is a
-        compiler.
+        The measures `also` are reported without derivatives. `native` runs in C, by default if there is a compiler.
 
         Raises:
             ParameterError: a level of a waveform cannot be free.
@@ -106,7 +101,7 @@ class DesignEvaluator:
         self._rows = [[self._find_row(c.path, c.level) for c in one.targets] for one in question.free]
 
     def numbers(self, z: Numbers) -> Numbers:
-        """Return the free numbers [SI] at places, (..., free)."""
+        """Return the free parameters [SI] at places, (..., free)."""
         columns = [one.value(z[..., k]) for k, one in enumerate(self.question.free)]
         return np.stack(columns, axis=-1)
 
@@ -115,16 +110,16 @@ class DesignEvaluator:
         return self.evaluate_aims(self.numbers(z), self.aims)
 
     def evaluate_aims(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
-        """Return some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
+        """Return aims for parameters [SI], (designs, free) -> (designs, cases, aims); NaN for failed runs."""
         cases, table = len(self.question.cases), self._fill_table(numbers)
         self.counts.simulations += len(table)
         seen, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
-        found = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
-        found[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
-        return found.reshape(len(numbers), cases, -1)
+        values = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
+        values[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
+        return values.reshape(len(numbers), cases, -1)
 
     def slopes(self, z: Numbers) -> AimSlopes | None:
-        """Return one design with its derivatives; None if a run of it fails."""
+        """Return the aims of one design with derivatives; None if a run fails."""
         inner = np.array([one.slope(p) for one, p in zip(self.question.free, z, strict=True)])
         seeds = np.zeros((len(self.runner.paths), len(self._rows)))
         for k, rows in enumerate(self._rows):
@@ -145,11 +140,11 @@ class DesignEvaluator:
 
     @property
     def aims(self) -> tuple[DesignAim, ...]:
-        """Return the aims of designs, the goal first."""
+        """Return the aims, the goal first."""
         return self.question.aims
 
     def course(self, numbers: Numbers, output: str) -> Numbers:
-        """Return an output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
+        """Return an output of one design [SI] in the first case, (samples,); NaN for a failed run."""
         self.counts.simulations += 1
         runner = BatchRunner(self.system, self.grid, [output], native=self.native)
         return runner.run_many(self._fill_table(numbers[None, :])[:1])[0, :, 0]
@@ -158,20 +153,20 @@ class DesignEvaluator:
 
     @property
     def runs(self) -> int:
-        """Return the runs so far, with derivatives and without."""
+        """Return the number of runs."""
         return self.counts.simulations + self.counts.slopes
 
     @property
     def sign(self) -> float:
-        """1 where the goal shall be small."""
+        """Return 1 for a goal to minimise, else -1."""
         return -1.0 if self.question.most else 1.0
 
     def restore_goal(self, goal: float) -> float:
-        """Return a goal as a search sees it in SI."""
+        """Return a scaled goal in SI."""
         return self.sign * self.goal_size * goal
 
     def set_size(self, values: Numbers) -> None:
-        """Take the size of the goal from that of some designs, (designs, cases, aims)."""
+        """Set the size of the goal from designs, (designs, cases, aims)."""
         goals = np.abs(values[:, :, 0].mean(axis=1))
         goals = goals[np.isfinite(goals) & (goals > 0.0)]
         self.goal_size = float(np.median(goals)) if len(goals) else 1.0
@@ -181,23 +176,23 @@ class DesignEvaluator:
         return self.judge_values(self.values(z))
 
     def judge_values(self, values: Numbers) -> JudgedPoints:
-        """Return the goals and slacks of values of designs, (designs, cases, aims)."""
+        """Return the goals and slacks of values, (designs, cases, aims)."""
         goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal_size
         slack = [c.sign * (values[:, :, k + 1] - c.limit) / c.scale for k, c in enumerate(self.question.subject)]
         table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
         most = LARGEST_SLACK
-        held = np.clip(np.nan_to_num(table, nan=-most, posinf=most, neginf=-most), -most, most)
-        held[np.isnan(values).any(axis=(1, 2))] = -most
-        return JudgedPoints(np.where(np.isfinite(goal), goal, FAILED_GOAL), held)
+        bounded = np.clip(np.nan_to_num(table, nan=-most, posinf=most, neginf=-most), -most, most)
+        bounded[np.isnan(values).any(axis=(1, 2))] = -most
+        return JudgedPoints(np.where(np.isfinite(goal), goal, FAILED_GOAL), bounded)
 
     def differentiate(self, z: Numbers) -> PointSlopes | None:
-        """Goal and slacks of a design with their derivatives; None if a run of it fails."""
-        found = self.slopes(z)
-        if found is None:
+        """Return goal and slacks of a design with derivatives; None if a run fails."""
+        aims = self.slopes(z)
+        if aims is None:
             return None
-        one = self.judge_values(found.values[None])
-        slope = self.sign * found.slopes[:, 0].mean(axis=0) / self.goal_size
-        rows = [c.sign * found.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)]
+        one = self.judge_values(aims.values[None])
+        slope = self.sign * aims.slopes[:, 0].mean(axis=0) / self.goal_size
+        rows = [c.sign * aims.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)]
         table = np.stack(rows, axis=1).reshape(-1, len(z)) if rows else np.zeros((0, len(z)))
         table = np.where((np.abs(one.slack[0]) < LARGEST_SLACK)[:, None], table, 0.0)
         return PointSlopes(float(one.goal[0]), one.slack[0], slope, table)
@@ -212,19 +207,19 @@ class DesignEvaluator:
     def _fill_table(self, numbers: Numbers) -> Numbers:
         """Return the parameters of every design in every case, (designs * cases, parameters)."""
         cases = self.question.cases
-        found = self.runner.table({}, len(numbers) * len(cases))
+        table = self.runner.table({}, len(numbers) * len(cases))
         for rows, column in zip(self._rows, numbers.T, strict=True):
             for row in rows:
-                found[:, row] = np.repeat(column, len(cases))
+                table[:, row] = np.repeat(column, len(cases))
         for k, case in enumerate(cases):
             for path, value in case.items():
-                found[k :: len(cases), self._find_row(path, None)] = value
-        return found
+                table[k :: len(cases), self._find_row(path, None)] = value
+        return table
 
     # ---------------------------------------------------------------- measures
 
     def _select_columns(self, aim: DesignAim, seen: Numbers) -> Numbers:
-        """Return the columns that a measure looks at."""
+        """Return the columns of a measure."""
         measure = aim.measure
         names = () if measure is None else measure.columns(self.system)
         return seen[[self.outputs.index(name) for name in names]]
@@ -235,23 +230,23 @@ class DesignEvaluator:
         return aim.measure.value(tabulate_samples(self.times, np.nan_to_num(self._select_columns(aim, seen))))
 
     def _slope(self, aim: DesignAim, seen: Numbers, moved: Numbers) -> Numbers:
-        """d(measure)/d(number), (free,)."""
+        """Return d(measure)/d(parameter), (free,)."""
         if aim.measure is None:
             return np.zeros(moved.shape[2])
         weights = aim.measure.derivatives(tabulate_samples(self.times, self._select_columns(aim, seen)))[:, :, 0]
         return np.einsum("cs,csf->f", weights, self._select_columns(aim, moved))
 
     def _own_slopes(self) -> Numbers:
-        """d(aim)/d(number) of aims that are free numbers, (aims, free)."""
-        found = np.zeros((len(self.aims), len(self.question.free)))
+        """Return d(aim)/d(parameter) of aims that are free parameters, (aims, free)."""
+        slopes = np.zeros((len(self.aims), len(self.question.free)))
         for k, aim in enumerate(self.aims):
             if aim.place is not None:
-                found[k, aim.place] = 1.0
-        return found
+                slopes[k, aim.place] = 1.0
+        return slopes
 
 
 def apply_numbers(steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]) -> WaveformLevels:
-    """System and waveforms of a design, checked; `ParameterError` if the system refuses the numbers together."""
+    """Return the system and waveforms of a design; `ParameterError` if the system refuses the values."""
     pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets]
     system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
     waves = dict(steering.own)

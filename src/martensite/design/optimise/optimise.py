@@ -1,9 +1,8 @@
-"""`optimise_design`: the numbers of an actuator for which a goal is best and all limits are kept.
+"""Optimisation of the numbers of an actuator: the best goal with all limits kept.
 
-A sample of the box, descents with exact derivatives through the march (`search`), whole numbers
-rounded with their neighbours (`integer_variables`). Runs are made in fixed steps, at most a tenth
-of the least thermal time constant in the box. At the design that is found the steps are halved
-until this changes little, and the design is adjusted in the steps that this takes.
+The box is sampled, then searched by descents with exact derivatives; whole numbers are rounded together with their
+neighbours (`search`). Runs have fixed steps, at most a tenth of the smallest thermal time constant in the box. At the
+final design the steps are halved until the change is small, and the design is adjusted.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ from martensite.simulate.judgement import Judgement, describe_excess, judge_run
 from martensite.simulate.waveform_levels import WaveformLevels
 
 ACCURACY = 1e-3
-"""Accepted change on halving the step, as a share of limits and of the goal."""
+"""Accepted change on halving the step, as a fraction of limits and of the goal."""
 HALVINGS = 5
 SHOWN = (
     "stroke",
@@ -54,7 +53,7 @@ SHOWN = (
     "max({current})",
     "max({voltage})",
 )
-"""Measures that are reported, whatever was asked for."""
+"""Measures that are always reported."""
 
 
 def optimise_design(
@@ -77,30 +76,30 @@ def optimise_design(
     keep: Keep | None = None,
     native: bool | None = None,
 ) -> OptimisedDesign:
-    """Find the best design of a system in a run from rest.
+    """Return the best design of a system in a run from the steady state.
 
     Args:
-        system: a `System` of one element, or a `Machine` of several; where the search begins.
-        waveform: drive signal, or signals by the name of what they drive.
+        system: a `System` of one element, or a `Machine` of several, as the start of the search.
+        waveform: drive signal, or signals by name.
         duration: length of the run [s].
-        free: what may change, such as `element.diameter=0.05..0.5 mm` or `drive.peak=1..5 W`.
-        minimise: what shall be least, such as `energy` (which it is if neither is given).
-        maximise: what shall be most.
-        subject: what must hold, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
-        life: share of the limits that the elements declare (stress, strain, temperature) that is to be left; None to
-            ignore them.
-        cases: further cases in which it must hold, such as `environment.temperature=35 degC`.
-        samples: at which measures look.
-        step: longest step [s]; chosen and refined if not given.
-        accuracy: accepted change on halving the step, as a share of limits and of the goal.
-        search: how to search.
-        written: path in the system -> path in its scenario, for names.
-        watch: called with a sentence and the share that is done.
-        keep: called with every design that is the best so far, whole numbers not yet whole at first.
-        native: whether to run in C; by default if there is a compiler.
+        free: free parameters, such as `element.diameter=0.05..0.5 mm` or `drive.peak=1..5 W`.
+        minimise: measure to minimise, by default `energy`.
+        maximise: measure to maximise.
+        subject: constraints, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
+        life: margin to the declared limits of the elements (stress, strain, temperature), as a fraction of them; None
+        ignores the limits.
+        cases: further cases, such as `environment.temperature=35 degC`.
+        samples: number of samples for the measures.
+        step: longest step [s], by default chosen and refined.
+        accuracy: accepted change on halving the step, as a fraction of limits and of the goal.
+        search: options of the search.
+        written: path in the scenario by path in the system.
+        watch: called with a sentence and the finished fraction.
+        keep: called with every better design, at first with continuous whole numbers.
+        native: run in C, by default if there is a compiler.
 
     Raises:
-        InputError: a text cannot be read, a name or unit is wrong, bounds are none.
+        InputError: a text is malformed, a name or unit is wrong, or bounds are invalid.
         SolveError: no design can be run.
     """
     if minimise is not None and maximise is not None:
@@ -149,12 +148,12 @@ def optimise_design(
 
 
 def list_exceeded(design: OptimisedDesign, duration: float, samples: int) -> tuple[str, ...]:
-    """Return the limits that a design exceeds in any case, by the judgement that `run` and `check` use.
+    """Return the limits that a design exceeds in any case, as `run` and `check` find them.
 
-    An excess within the accuracy of the design, as a fraction of the limit (of 50 K for a temperature), is ignored: an
-    active limit is met to that accuracy only.
+    An excess within the accuracy of the design, as a fraction of the limit (of 50 K for a temperature), is ignored,
+    because an active limit is met to that accuracy only.
     """
-    found: list[str] = []
+    exceeded: list[str] = []
     slack = max(design.accuracy, ACCURACY)
     for case in design.question.cases:
         system = design.steering.system.with_values(case)
@@ -167,12 +166,12 @@ def list_exceeded(design: OptimisedDesign, duration: float, samples: int) -> tup
             for one in judged.alarms
             if one.excess > slack * (BOX_TEMPERATURE if one.unit == "K" else abs(one.limit))
         ]
-        found += [words.rstrip(".") for words in (judged.outside, *map(describe_excess, beyond)) if words]
-    return tuple(dict.fromkeys(found))
+        exceeded += [words.rstrip(".") for words in (judged.outside, *map(describe_excess, beyond)) if words]
+    return tuple(dict.fromkeys(exceeded))
 
 
 def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> float:
-    """Return the shortest of the longest sensible steps at the corners of the box [s]."""
+    """Return the shortest suitable step at the corners of the box [s]."""
     ends = [[(c.path, v) for v in (one.low, one.high)] for one in question.free for c in one.targets if c.level is None]
     corners = itertools.islice(itertools.product(*ends), 256)
     return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
@@ -181,7 +180,7 @@ def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> fl
 def _refine_step(
     designs: DesignEvaluator, point: BoxPoint, how: DesignSearch, watch: Tell | None, accuracy: float, halvings: int
 ) -> tuple[DesignEvaluator, BoxPoint, float]:
-    """Return the design adjusted in steps that are short enough, and what halving them changes."""
+    """Return the design adjusted in sufficiently short steps, and its change on halving them."""
     fixed = np.array([one.whole for one in designs.question.free])
     finer = _halve_step(designs)
     apart = _compare_steps(designs, finer, point.z)
@@ -208,7 +207,7 @@ def _halve_step(old: DesignEvaluator) -> DesignEvaluator:
 
 
 def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers) -> float:
-    """Return the largest change of what a design is judged by, as a share of limits and of the goal."""
+    """Return the largest change of goal and slacks."""
     both = [one.judge(z[None]) for one in (designs, finer)]
     goal = abs(both[0].goal[0] - both[1].goal[0])
     slack = np.abs(both[0].slack - both[1].slack)
@@ -216,7 +215,7 @@ def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers)
 
 
 def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: BoxPoint, apart: float) -> OptimisedDesign:
-    """Return the optimised design, without the history of the search."""
+    """Return the optimised design without the history of the search."""
     question = designs.question
     numbers = tuple(designs.numbers(point.z).tolist())
     exact = tuple(float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True))
@@ -243,7 +242,7 @@ def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: Box
 
 
 def _report_measures(designs: DesignEvaluator, numbers: Sequence[float]) -> tuple[ReportedMeasure, ...]:
-    """Return the measures of the question and further measures, for the scenario and for the design."""
+    """Return all measures for the scenario and for the design."""
     start = [one.start for one in designs.question.free]
     aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
     before, after = designs.evaluate_aims(np.array([start, numbers]), list(aims.values()))
@@ -254,17 +253,17 @@ def _report_measures(designs: DesignEvaluator, numbers: Sequence[float]) -> tupl
 
 
 def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]:
-    """Other measures of the actuators of a system."""
+    """Return further measures of the actuators of a system."""
     system = steering.system
-    found: list[DesignAim] = []
+    aims: list[DesignAim] = []
     for form in SHOWN:
         name = form.partition("{")[2].partition("}")[0]
         ports = list(system.actuators()) if name else [""]
         for port in ports:
             words = form.format(**{name: system.label(port, name)}) if name else form
             if words not in asked:
-                found.append(read_aim(words, steering, ()))
-    return found
+                aims.append(read_aim(words, steering, ()))
+    return aims
 
 
 def _describe_rounded(designs: DesignEvaluator, whole: tuple[int, ...], point: BoxPoint) -> RoundedDesign:

@@ -1,12 +1,11 @@
-"""The answer to a question of design, and what holds it where it is.
+"""Optimised design with its active constraints.
 
-At a best design the slope of the goal is balanced by those of what it is pressed against,
+At an optimum the slope of the goal is balanced by the slopes of the active constraints and bounds,
 
     ∇f = Σ_i λ_i ∇g_i + Σ_k μ_k n_k,      λ_i, μ_k >= 0,
 
-with the slacks g_i of active constraints and the inward normals n_k of bounds that are met. The
-Lagrange multipliers are the non-negative least-squares solution of this balance, and its residue says how
-far from a stationary point the design is. A multiplier is what relaxing its limit a little gains.
+with the slacks g_i and the inward normals n_k of bounds. The Lagrange multipliers are the non-negative least-squares
+solution; the residue measures the distance from a stationary point. A multiplier is the gain per relaxation of a limit.
 """
 
 from __future__ import annotations
@@ -28,31 +27,31 @@ from martensite.search.free_numbers import BOX_TEMPERATURE
 from martensite.simulate.waveform_levels import WaveformLevels
 
 ACTIVE = 2e-3
-"""Slack up to which a constraint counts as active, as a share of its limit."""
+"""Largest slack of an active constraint, as a fraction of its limit."""
 PER_CENT = 0.01
 
 
 @dataclass(frozen=True)
 class ActiveConstraint:
-    """A constraint or a bound that a design is pressed against."""
+    """Active constraint or bound of a design."""
 
     name: str
-    """The constraint, or the free number."""
+    """Constraint or free parameter."""
     kind: str
     """constraint, lower bound or upper bound"""
     limit: float
     """[SI]"""
     unit: str
     multiplier: float
-    """Gain of the goal [SI] per SI unit by which the limit is relaxed."""
+    """Gain of the goal [SI] per SI unit of relaxation."""
     step: float
-    """A small relaxation [SI]: 1 % of the limit, or of a range of a temperature."""
+    """Small relaxation [SI]: 1 % of the limit, or of a range of a temperature."""
     goal: float
     """Size of the goal [SI]."""
     more: bool = True
     """True if a relaxation raises the limit."""
     cases: tuple[int, ...] = ()
-    """In which cases a constraint is active."""
+    """Cases in which the constraint is active."""
 
     @property
     def gain(self) -> float:
@@ -65,11 +64,11 @@ class ActiveConstraint:
         return self.gain / self.goal
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all fields and what relaxing it gains by name, for JSON."""
+        """Return all fields and the gain by name, in plain values."""
         return asdict(self) | {"gain": self.gain, "share": self.share}
 
     def words(self, goal_unit: str) -> str:
-        """Describe the gain of relaxing the constraint."""
+        """Return a sentence on the gain of a relaxation."""
         label = self.name if self.kind == "constraint" else f"{self.name}, {self.kind}"
         if self.gain == 0.0:
             return f"`{label}` is met, but relaxing it gains nothing."
@@ -82,7 +81,7 @@ class ActiveConstraint:
 
 @dataclass(frozen=True)
 class OptimalityBalance:
-    """All that a design is pressed against."""
+    """Active constraints of a design and the residue of their balance."""
 
     pressing: tuple[ActiveConstraint, ...]
     residue: float
@@ -90,9 +89,9 @@ class OptimalityBalance:
 
 
 def find_multipliers(designs: DesignEvaluator, z: NDArray[np.float64]) -> OptimalityBalance | None:
-    """Return the active constraints of a design with their multipliers; None if it cannot be differentiated.
+    """Return the active constraints of a design with their multipliers; None without derivatives.
 
-    Whole numbers are left out.
+    Whole numbers are excluded.
     """
     one, free = designs.differentiate(z), designs.question.free
     if one is None:
@@ -118,7 +117,7 @@ def find_multipliers(designs: DesignEvaluator, z: NDArray[np.float64]) -> Optima
 
 
 def _solve_multipliers(rows: NDArray[np.float64], slope: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Non-negative weights of rows whose sum is the slope, and the share that is missing."""
+    """Return non-negative weights of rows with the sum `slope`, and the missing fraction."""
     size = float(np.linalg.norm(slope))
     if not size:
         return np.zeros(len(rows)), 0.0
@@ -131,9 +130,9 @@ def _solve_multipliers(rows: NDArray[np.float64], slope: NDArray[np.float64]) ->
 def _list_active(
     designs: DesignEvaluator, slack: NDArray[np.intp], rates: NDArray[np.float64], goal: float
 ) -> list[ActiveConstraint]:
-    """Active constraints, those of all cases together."""
+    """Return the active constraints, with all cases of a constraint together."""
     subject = designs.question.subject
-    found: list[ActiveConstraint] = []
+    active: list[ActiveConstraint] = []
     for i, one in enumerate(subject):
         rows = [k for k, row in enumerate(slack) if row % len(subject) == i]
         if not rows:
@@ -141,29 +140,29 @@ def _list_active(
         rate = float(sum(rates[k] for k in rows)) / one.scale
         step, unit = PER_CENT * one.scale, one.aim.unit
         cases = tuple(int(slack[k]) // len(subject) for k in rows)
-        found.append(ActiveConstraint(one.words, "constraint", one.limit, unit, rate, step, goal, one.most, cases))
-    return found
+        active.append(ActiveConstraint(one.words, "constraint", one.limit, unit, rate, step, goal, one.most, cases))
+    return active
 
 
 @dataclass(frozen=True)
 class ReportedMeasure:
-    """A measure of the design of the scenario and of the one that was found."""
+    """Measure of the scenario and of the final design."""
 
     words: str
     unit: str
     """SI"""
     before: tuple[float, ...]
-    """In every case; NaN if the run fails."""
+    """Value in every case; NaN for a failed run."""
     after: tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class RoundedDesign:
-    """Find the best design if some parameters must be whole numbers."""
+    """Best design with some whole numbers."""
 
     whole: tuple[int, ...]
     numbers: tuple[float, ...]
-    """All free numbers [SI]."""
+    """Free parameters [SI]."""
     goal: float
     """[SI]"""
     kept: bool
@@ -173,12 +172,12 @@ class RoundedDesign:
 
 @dataclass(frozen=True, eq=False)
 class OptimisedDesign:
-    """A design: the best that was found, and why it is where it is."""
+    """Best design and its active constraints."""
 
     designs: DesignEvaluator
-    """Evaluator of the designs, with the step of the answer."""
+    """Evaluator of the designs, with the final step."""
     steering: WaveformLevels
-    """System and waveforms with the numbers that were found."""
+    """System and waveforms with the optimal values."""
     z: tuple[float, ...]
     """Positions between the bounds, from 0 to 1."""
     numbers: tuple[float, ...]
@@ -186,15 +185,15 @@ class OptimisedDesign:
     kept: bool
     """True if the rounded design keeps all constraints."""
     missed: tuple[str, ...]
-    """Constraints that it does not keep."""
+    """Violated constraints."""
     reported: tuple[ReportedMeasure, ...]
-    """The goal first, then what is constrained, then other measures."""
+    """Goal, then constrained and other measures."""
     balance: OptimalityBalance | None
-    """Active constraints with multipliers; None if the design cannot be differentiated."""
+    """Active constraints with multipliers; None without derivatives."""
     accuracy: float
-    """Largest change of what it is judged by on halving the step, as a share of limits and goal."""
+    """Largest change of goal and slacks on halving the step, as a fraction of goal and limits."""
     held: tuple[RoundedDesign, ...] = ()
-    """The best designs with other whole numbers, that of the answer among them."""
+    """Best designs by whole numbers."""
     relaxed: tuple[float, ...] | None = None
     """Optimal values with continuous instead of whole numbers [SI]; None without whole numbers."""
     relaxed_goal: float | None = None
@@ -202,11 +201,11 @@ class OptimisedDesign:
     history: tuple[SearchMark, ...] = ()
     """History of the best design; goals in SI."""
     life: str = ""
-    """Claim about the life of the design."""
+    """Statement on the life of the design."""
     scan: DesignScan | None = None
-    """The grid that it was compared with."""
+    """Grid for comparison."""
     exceeded: tuple[str, ...] = ()
-    """Limits that its runs exceed by the judgement of `run` and `check`, each in words."""
+    """Limits that the runs exceed as `run` and `check` find them, in words."""
     notes: list[str] = field(default_factory=list[str])
 
     @property
@@ -221,12 +220,12 @@ class OptimisedDesign:
 
     @property
     def step(self) -> float:
-        """Longest step of its runs [s]."""
+        """Return the longest step of the runs [s]."""
         return self.designs.grid.longest
 
     @property
     def start(self) -> tuple[float, ...]:
-        """Return the free numbers of the scenario [SI]."""
+        """Return the free parameters of the scenario [SI]."""
         return tuple(one.start for one in self.question.free)
 
     @property
@@ -245,7 +244,7 @@ class OptimisedDesign:
         return dict(zip(names, self.numbers, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything, ready for JSON; numbers in SI."""
+        """Return all results as plain values, in SI."""
         question, balance = self.question, self.balance
         free = zip(question.free, self.numbers, self.z, strict=True)
         return {

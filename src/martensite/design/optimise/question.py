@@ -1,22 +1,20 @@
-"""Question of a design: free parameters, the quantity to minimise or maximise, and constraints.
+"""Question of a design: free parameters, a goal and constraints.
 
     free        element.diameter=0.05..0.5 mm      mechanism.offset=1.5..8 mm      drive.peak=1..5 W
     goal        energy                             max(temperature)                element.count
     subject     max(stress) <= 200 MPa             stroke >= 30 deg                rise-time <= 1 s
 
-A goal, and the left side of a constraint, is a measure of a run (`martensite.simulate.measures`) or
-a free number itself. With several cases, such as a cold and a warm room, the goal is the mean over
-them, and constraints must hold in each.
+A goal, and the left side of a constraint, is a measure of a run (`martensite.simulate.measures`) or a free parameter.
+With several cases, such as a cold and a warm room, the goal is the mean over them, and constraints hold in each.
 
-Life of a design: it stays within the limits that its elements declare, with a margin,
+The life of a design: it stays within the declared limits of its elements with a margin m,
 
     max(stress)      <= (1 - m) stress_limit
     stroke(strain)   <= (1 - m) strain_limit
     max(hottest)     <= T_a + (1 - m) (temperature_limit - T_a)
 
-m is the margin and T_a the ambient temperature. The limits belong to the material, which names their sources: a working
-stress such as the 172 MPa of the maker of Flexinol, a largest strain, a highest temperature. A fatigue law with a
-source is not available, so a design within these limits does not imply a number of cycles.
+T_a is the ambient temperature. The limits and their sources belong to the material. A fatigue law with a source is not
+available, so these limits do not imply a number of cycles.
 """
 
 from __future__ import annotations
@@ -40,7 +38,7 @@ _SETTING = re.compile(r"^\s*([^=\s]+)\s*=\s*(.*?)\s*$")
 
 @dataclass(frozen=True)
 class DesignAim:
-    """Something that a design is judged by."""
+    """Quantity that judges a design."""
 
     words: str
     unit: str
@@ -52,15 +50,15 @@ class DesignAim:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A limit of something that a design is judged by."""
+    """Limit of an aim."""
 
     aim: DesignAim
     most: bool
-    """True if the limit is the largest value allowed, else it is the smallest."""
+    """True for an upper limit."""
     limit: float
     """SI"""
     note: str = ""
-    """Origin of a constraint that was not given explicitly."""
+    """Origin of an implicit constraint."""
 
     @property
     def words(self) -> str:
@@ -72,14 +70,14 @@ class Constraint:
 
     @property
     def scale(self) -> float:
-        """Return a difference that counts, in SI."""
+        """Return a significant difference, in SI."""
         if self.aim.unit == "K":
             return BOX_TEMPERATURE
         return abs(self.limit) or 1.0
 
     @property
     def sign(self) -> float:
-        """1 if more of it is better, else -1."""
+        """Return 1 if larger values are better, else -1."""
         return -1.0 if self.most else 1.0
 
 
@@ -90,14 +88,14 @@ class DesignQuestion:
     free: tuple[FreeNumber, ...]
     goal: DesignAim
     most: bool
-    """True if the goal shall be as large as it can, else as small."""
+    """True to maximise the goal."""
     subject: tuple[Constraint, ...] = ()
     cases: tuple[Mapping[str, float], ...] = ({},)
-    """Numbers of the system by path that differ from case to case."""
+    """Values by path of each case."""
 
     @property
     def aims(self) -> tuple[DesignAim, ...]:
-        """Return the goal, then what is constrained."""
+        """Return the goal, then the constrained quantities."""
         return self.goal, *(one.aim for one in self.subject)
 
 
@@ -111,38 +109,38 @@ def read_question(
     cases: Sequence[str] = (),
     written: Mapping[str, str] | None = None,
 ) -> DesignQuestion:
-    """Return the question that texts ask about a system.
+    """Return the question of texts about a system.
 
     Args:
-        steering: the system and its waveforms.
-        free: such as `element.diameter=0.05..0.5 mm`.
-        goal: a measure or a free number.
-        subject: such as `max(stress) <= 200 MPa`.
-        most: whether the goal shall be as large as it can.
-        cases: more cases, each the numbers that differ, such as `environment.temperature=35 degC`.
-        written: path in the system -> path in the scenario.
+        steering: system and its waveforms.
+        free: free parameters, such as `element.diameter=0.05..0.5 mm`.
+        goal: measure or free parameter.
+        subject: constraints, such as `max(stress) <= 200 MPa`.
+        most: maximise the goal.
+        cases: further cases with their values, such as `environment.temperature=35 degC`.
+        written: path in the scenario by path in the system.
 
     Raises:
-        InputError: a text that cannot be read, an unknown name, a wrong unit.
+        InputError: a text is malformed, a name is unknown, or a unit is wrong.
     """
     if not free:
         raise ParameterError("Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`.")
-    known = list_targets(steering, written)
-    freed = tuple(read_design_number(text, known, steering.system) for text in free)
+    targets = list_targets(steering, written)
+    freed = tuple(read_design_number(text, targets, steering.system) for text in free)
     paths = [target.path for one in freed for target in one.targets]
     twice = next((path for path in paths if paths.count(path) > 1), None)
     if twice is not None:
         raise ParameterError(f"`{twice}` is listed as free more than once.")
     aim = read_aim(goal, steering, freed)
     limits = tuple(read_constraint(text, steering, freed) for text in subject)
-    return DesignQuestion(freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases)))
+    return DesignQuestion(freed, aim, most, limits, ({}, *(_read_case(text, targets, freed) for text in cases)))
 
 
 def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> DesignAim:
-    """Return a measure, or a free number by its name or path.
+    """Return a measure, or a free parameter by its name or path.
 
     Raises:
-        ParameterError: it is neither, or no output of the system is called so.
+        ParameterError: it is neither, or its output is unknown.
     """
     words = words.strip()
     for place, one in enumerate(freed):
@@ -152,12 +150,12 @@ def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) 
     if name not in MEASURES.names():
         valid = [*MEASURES.names(), *(one.name for one in freed)]
         raise ParameterError(f"`{words}` is neither a measure nor a free parameter. {suggest_name(name, valid)}")
-    found = parse_measure(words)
-    return DesignAim(words, found.unit_in(steering.system), found)
+    measure = parse_measure(words)
+    return DesignAim(words, measure.unit_in(steering.system), measure)
 
 
 def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> Constraint:
-    """Read a constraint from a text such as `max(stress) <= 200 MPa`.
+    """Return the constraint of a text such as `max(stress) <= 200 MPa`.
 
     Raises:
         InputError: the text is malformed, or the limit has another unit.
@@ -175,23 +173,23 @@ def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNum
         raise UnitError(f"Constraint `{text}`: {error}") from None
 
 
-def _read_case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) -> dict[str, float]:
-    """Return the numbers of the system that differ in a case."""
-    found: dict[str, float] = {}
+def _read_case(text: str, targets: Sequence[Target], freed: Sequence[FreeNumber]) -> dict[str, float]:
+    """Return the parameters of a case by path."""
+    values: dict[str, float] = {}
     free = {target.path for one in freed for target in one.targets}
     for piece in text.split(","):
         match = _SETTING.match(piece)
         if match is None:
             raise ParameterError(f"`{text}` is no case; write what differs, such as `environment.temperature=35 degC`.")
-        for target in find_alike(match[1], known):
+        for target in find_alike(match[1], targets):
             if target.path in free or target.level is not None:
                 what = "is free" if target.path in free else "is a level of a waveform"
                 raise ParameterError(f"`{match[1]}` {what} and cannot differ from case to case.")
             try:
-                found[target.path] = units.parse_quantity(match[2], target.unit)
+                values[target.path] = units.parse_quantity(match[2], target.unit)
             except UnitError as error:
                 raise UnitError(f"Case `{text}`: {error}") from None
-    return found
+    return values
 
 
 # ---------------------------------------------------------------- limits of the elements
@@ -203,31 +201,31 @@ NOTE = "limit of the element"
 def build_life_constraints(
     steering: WaveformLevels, freed: Sequence[FreeNumber], margin: float = 0.0
 ) -> list[Constraint]:
-    """Return constraints that keep every element within its limits; empty without declared limits and margin.
+    """Return constraints that keep every element within its declared limits.
 
-    The margin is the share of every limit that is left, 0 to below 1.
+    The margin is a fraction of every limit, from 0 to below 1.
 
     Raises:
-        ParameterError: the margin is none, or one of limits that no element declares.
+        ParameterError: the margin is out of range, or no element declares a limit for it.
     """
     if not 0.0 <= margin < 1.0:
         words = "a number of cycles has a source for straight Flexinol wires only, see `size --life`"
         raise ParameterError(f"A margin of life must be at least 0 and below 1, but is {margin}; {words}.")
-    system, found = steering.system, list[Constraint]()
+    system, constraints = steering.system, list[Constraint]()
     for port, one in system.actuators().items():
         for form, name, limit in _list_limits(one, margin):
             aim = read_aim(form.format(system.label(port, name)), steering, freed)
-            found.append(Constraint(aim, True, limit, NOTE))
-    if margin and not found:
+            constraints.append(Constraint(aim, True, limit, NOTE))
+    if margin and not constraints:
         raise ParameterError(
             "No element declares a limit, so nothing is known of its life; give it some, such as "
             'stress_limit = "172 MPa" in `limits` of the element, or constrain the stress itself.'
         )
-    return found
+    return constraints
 
 
 def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float]]:
-    """Measure, output and limit [SI] of everything that is limited."""
+    """Yield the measure, output and limit [SI] of every declared limit."""
     limits, ambient = one.element.limits, one.environment.temperature
     above = ambient + (1.0 - margin) * (limits.temperature_limit - ambient)
     rows = (
@@ -247,9 +245,9 @@ def describe_life(
 
     Args:
         constraints: limits of the elements.
-        margin: share of the limits that is left; None if limits are ignored.
-        missed: constraints that the design misses.
-        exceeded: limits that its runs exceed, in words.
+        margin: fraction of the limits; None if limits are ignored.
+        missed: violated constraints of the design.
+        exceeded: exceeded limits, in words.
     """
     if margin is None and exceeded:
         words = f"{len(exceeded)} {'limit' if len(exceeded) == 1 else 'limits'}: {'; '.join(exceeded)}"

@@ -1,18 +1,14 @@
-"""The search for the best design: a sample of the box, then descents from its best points.
+"""Search for the best design: a sample of the box, then descents from its best points.
 
-A Sobol sample of the box is judged in one batch. From its best points, which must lie apart, and
-from the design of the scenario it is descended (`martensite.search.box_search`).
+A Sobol sample is judged in one batch. Descents start from its best points, which lie apart, and from the design of the
+scenario (`martensite.search.box_search`). Derivatives are 0 where a wire does not transform, so no descent leaves such
+a region. The sample grows until one of its points keeps all constraints.
 
-Where a wire does not transform at all, derivatives are 0: no descent leaves such a place, but
-a sample that reaches beyond it does. As long as no point of it keeps all constraints, more of the
-box is sampled.
+Whole numbers, such as the count of wires, are continuous at first. Then each combination of the neighbouring whole
+numbers is fixed, and the other parameters are searched again. From the best combination neighbours are tried, one up
+and one down, until none is better.
 
-Whole numbers, such as the count of wires, are relaxed first: the search runs as if they could be anything. Then the
-whole numbers on both sides of what it found are held, one combination after another, and the other numbers are
-searched anew from there; from the best combination neighbours are tried, one up and one down, until none is better.
-
-Brute force beside a search, all designs of a grid over the box marched in batches, asks for n^k runs where a search
-asks for some hundreds, and is as good as its grid is fine: it is the check of a search, not a way to find designs.
+A grid of n points over each of k parameters needs n^k runs, a search some hundreds. The grid serves to check a search.
 """
 
 from __future__ import annotations
@@ -46,29 +42,29 @@ class DesignSearch:
     sample: int = 64
     """Points of the sample, a power of 2."""
     more: int = 3
-    """Number of times that the sample is doubled while none of its points keeps all constraints."""
+    """Largest number of doublings of the sample while none of its points keeps all constraints."""
     descents: int = 3
-    """Points from which it is descended, beside the design of the scenario."""
+    """Points of the sample that start a descent."""
     iterations: int = 50
     """Iterations of each descent, and half of its maximum number of runs with derivatives."""
     clouds: int = 2
-    """Number of times that the neighbourhood of the best end is tried."""
+    """Searches of the neighbourhood of the best design."""
     seed: int = 0
 
 
 Keep = Callable[[DesignQuestion, Sequence[float], bool], None]
-"""Is given the question, the free numbers [SI] of the best design so far, and whether it keeps all constraints."""
+"""Receives the question, the free parameters [SI] of a better design, and true if it keeps all constraints."""
 
 
 def start_search(
     designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
 ) -> BoxSearch:
-    """Return a search of designs that has judged nothing yet."""
+    """Return a search that has judged no design."""
     hunt = BoxSearch(designs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
     best: list[BoxPoint] = []
 
     def keep_better(point: BoxPoint) -> None:
-        """Keep a point that is better than the last; the best with some whole numbers need not be the best of all."""
+        """Pass on a point that is better than the last one; a rounded design may be worse."""
         if keep is not None and not (best and best[-1].is_better_than(point)):
             best.append(point)
             keep(designs.question, designs.numbers(point.z).tolist(), point.kept)
@@ -80,7 +76,7 @@ def start_search(
 def search_designs(
     designs: DesignEvaluator, begin: Numbers, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
 ) -> BoxSearch:
-    """Search the box from a sample of it and from one design; `SolveError` if no run of the sample can be made."""
+    """Search the box from a sample and one design; `SolveError` if no run of the sample succeeds."""
     hunt = start_search(designs, search, watch, keep)
     starts = _choose_starts(_sample_box(hunt, designs, begin, search), search.descents)
     for k, start in enumerate(starts):
@@ -92,7 +88,7 @@ def search_designs(
 
 
 def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, search: DesignSearch) -> list[BoxPoint]:
-    """Return the sample, until one of its points keeps all constraints; the scenario first."""
+    """Return the scenario and a sample, enlarged until one of its points keeps all constraints."""
     sobol = start_sobol(hunt.size, search.seed)
     hunt.tell("sampling", 0.0)
     first = np.concatenate([begin[None], sobol.random(search.sample)])
@@ -113,7 +109,7 @@ def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, searc
 
 
 def _choose_starts(points: Sequence[BoxPoint], count: int) -> list[BoxPoint]:
-    """Return the best points that lie apart, after the design of the scenario."""
+    """Return the design of the scenario and the best points that lie apart."""
     judged = JudgedPoints(np.array([p.goal for p in points]), -np.array([[p.violation] for p in points]))
     places = np.stack([point.z for point in points])
     chosen = [points[k] for k in choose_apart(places, judged.order(), count)]
@@ -126,18 +122,17 @@ def _choose_starts(points: Sequence[BoxPoint], count: int) -> list[BoxPoint]:
 
 Combination: TypeAlias = tuple[int, ...]
 Tried: TypeAlias = dict[Combination, BoxPoint]
-"""The best design with some whole numbers."""
+"""Best design by whole numbers."""
 MOST_COMBINATIONS = 64
-"""Combinations that are tried."""
+"""Largest number of combinations."""
 ROUNDS = 3
-"""Number of times that the relaxed design is searched again."""
+"""Repetitions of the search of the relaxed design."""
 
 
 def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
-    """Return the best design whose whole numbers are whole, all that were tried, and the best relaxed one.
+    """Return the best design with whole numbers, all tried ones, and the best relaxed design.
 
-    A whole design that is better than the relaxed one shows that this was not the best: it is searched anew from there.
-    The search goes on counting.
+    A whole design that is better than the relaxed one starts another search.
     """
     whole = np.array([one.whole for one in free])
     tried: Tried = {}
@@ -155,7 +150,7 @@ def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint)
 def _walk_neighbours(
     hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint, whole: NDArray[np.bool_], tried: Tried
 ) -> None:
-    """Try what lies around the relaxed design, then neighbours of the best, one up or down."""
+    """Try the neighbours of the relaxed design, then of the best, one up or down."""
     counted = [one for one in free if one.whole]
     values = [one.value(float(u)) for one, u in zip(counted, relaxed.z[whole], strict=True)]
     sides = [
@@ -184,14 +179,14 @@ def _walk_neighbours(
 
 
 def _choose_best(tried: Tried) -> Combination:
-    found = next(iter(tried))
+    best = next(iter(tried))
     for numbers, point in tried.items():
-        found = numbers if point.is_better_than(tried[found]) else found
-    return found
+        best = numbers if point.is_better_than(tried[best]) else best
+    return best
 
 
 def _search_from(hunt: BoxSearch, z: NDArray[np.float64], fixed: NDArray[np.bool_]) -> BoxPoint:
-    """Return the best design from a point, whatever was found before."""
+    """Return the best design from a point, regardless of earlier results."""
     hunt.best = None
     hunt.judge(z[None])
     hunt.descend(z, fixed)
@@ -204,18 +199,18 @@ def _search_from(hunt: BoxSearch, z: NDArray[np.float64], fixed: NDArray[np.bool
 
 @dataclass(frozen=True)
 class DesignScan:
-    """The designs of a grid."""
+    """Designs of a grid."""
 
     z: Numbers
     """(designs, free)"""
     judged: JudgedPoints
     shape: tuple[int, ...]
     best: int | None
-    """The design that keeps all constraints and has the least goal; None if none keeps all."""
+    """Design with the best goal that keeps all constraints, or None."""
     numbers: tuple[float, ...]
-    """Free parameters of the best design [SI]; of the least violation if no design keeps all constraints."""
+    """Free parameters of the best design [SI], or of the smallest violation."""
     values: tuple[float, ...]
-    """Values of the aims, mean over the cases [SI]."""
+    """Mean of the aims over the cases [SI]."""
 
     def cells(self, z: Numbers) -> tuple[float, ...]:
         """Return the distance of a design from the best grid point, in cells of the grid."""
@@ -224,7 +219,7 @@ class DesignScan:
         return tuple(float(abs(a - b)) / w for a, b, w in zip(z, place, wide, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Return plain values."""
         return {
             "simulations": len(self.z),
             "shape": list(self.shape),
@@ -237,15 +232,15 @@ class DesignScan:
 def scan_designs(
     designs: DesignEvaluator, points: int | Sequence[int], watch: Callable[[float], None] | None = None
 ) -> DesignScan:
-    """Judge all designs of a grid, even on the scale of each free number.
+    """Judge all designs of a grid, evenly spaced on the scale of each free parameter.
 
     Args:
-        designs: ready to be judged.
-        points: along each free number; of a whole one all its numbers if they are fewer.
-        watch: called with the share that is done.
+        designs: evaluator of the designs.
+        points: number of points along each free parameter; a whole number has no more points than values.
+        watch: called with the finished fraction.
 
     Raises:
-        ParameterError: there are too many, or fewer than two along a number.
+        ParameterError: there are too many points, or fewer than two along a parameter.
     """
     free = designs.question.free
     counts = [points] * len(free) if isinstance(points, int) else list(points)
@@ -271,21 +266,21 @@ def scan_designs(
 
 
 def _evaluate_grid(designs: DesignEvaluator, z: Numbers, watch: Callable[[float], None] | None) -> Numbers:
-    """Return the values of all designs, which do not count as those of a search."""
+    """Return the values of all designs, without counting the runs."""
     counts, designs.counts = designs.counts, RunCounts()
-    found: list[Numbers] = []
+    values: list[Numbers] = []
     try:
         for k in range(0, len(z), BATCH):
-            found.append(designs.values(z[k : k + BATCH]))
+            values.append(designs.values(z[k : k + BATCH]))
             if watch is not None:
                 watch(min(k + BATCH, len(z)) / len(z))
     finally:
         designs.counts = counts
-    return np.concatenate(found)
+    return np.concatenate(values)
 
 
 def _space_axis(designs: DesignEvaluator, k: int, count: int) -> Numbers:
-    """Return the places of the points along a free number."""
+    """Return the places of the points along a free parameter."""
     one = designs.question.free[k]
     if not one.whole:
         return np.linspace(0.0, 1.0, count)

@@ -1,7 +1,6 @@
 """Free parameters of a design: parameters of the system and levels of its waveforms.
 
-Texts are those of `martensite.search.free_text`. What the system refuses to be anything between
-whole numbers is searched as a whole number.
+Texts are those of `martensite.search.free_text`. A parameter for which the system refuses fractions is a whole number.
 """
 
 from __future__ import annotations
@@ -18,16 +17,16 @@ from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
 
 def list_targets(steering: WaveformLevels, written: Mapping[str, str] | None = None) -> list[Target]:
-    """All numbers of a system and levels of its waveforms; `written` has the paths that differ in the scenario."""
+    """Return all parameters of a system and levels of its waveforms; `written` has paths in the scenario."""
     spelled = written or {}
     leaves = steering.system.leaves()
-    found = [Target.from_leaf(leaf, spelled.get(leaf.path, leaf.path)) for leaf in leaves]
+    targets = [Target.from_leaf(leaf, spelled.get(leaf.path, leaf.path)) for leaf in leaves]
     names = {drive.name: drive.unit for drive in steering.system.drives()}
     for level in steering.available():
         path = name_level(level.drive, level.name)
         name, unit = spelled.get(path, path), names[level.drive]
-        found.append(Target(name, path, unit, level.value, drive=level.drive, level=level))
-    return found
+        targets.append(Target(name, path, unit, level.value, drive=level.drive, level=level))
+    return targets
 
 
 def name_level(drive: str, name: str) -> str:
@@ -35,17 +34,17 @@ def name_level(drive: str, name: str) -> str:
     return f"{drive}.{PEAK}" if name == PEAK else f"{drive}.waveform.{name}"
 
 
-def read_design_number(text: str, known: Sequence[Target], system: AbstractSystem) -> FreeNumber:
-    """Read a free parameter from a text such as `element.diameter=0.05..0.5 mm`.
+def read_design_number(text: str, targets: Sequence[Target], system: AbstractSystem) -> FreeNumber:
+    """Return the free parameter of a text such as `element.diameter=0.05..0.5 mm`.
 
     Raises:
         ParameterError: the text is malformed, the name is unknown, or the bounds are not an interval.
         UnitError: a bound has another unit than the parameter.
     """
     words = parse_free(text)
-    found = find_alike(words.name, known)
-    wanted = SearchRange.read(words, found[0].unit)
-    free = build_free(wanted, found, found[0].name if len(found) == 1 else words.name)
+    alike = find_alike(words.name, targets)
+    wanted = SearchRange.read(words, alike[0].unit)
+    free = build_free(wanted, alike, alike[0].name if len(alike) == 1 else words.name)
     free = replace(free, whole=free.whole or (wanted.scale is None and _is_whole(system, free)))
     if free.whole and not free.low.is_integer() & free.high.is_integer():
         raise ParameterError(f"`{text}`: bounds of a whole number must be whole numbers.")
@@ -53,7 +52,7 @@ def read_design_number(text: str, known: Sequence[Target], system: AbstractSyste
 
 
 def _is_whole(system: AbstractSystem, free: FreeNumber) -> bool:
-    """Return whether the system takes whole numbers only."""
+    """Return true if the system accepts whole numbers only."""
     target = free.targets[0]
     if free.unit != "1" or target.level is not None or free.high < free.low + 1.0:
         return False

@@ -1,1 +1,1 @@
-"""Sizing: from force, stroke and rate to wires, currents and times, with the simulated wire."""
+"""Sizing of wires from force, stroke and rate, with simulated cycles."""

@@ -1,10 +1,9 @@
-"""`size_wire`: every size and alloy of a catalogue put to the request, the best first.
+"""Sizing of wires: every size and alloy of a catalogue is judged for a request.
 
-For each the statics are closed, and one strand is simulated: the current that makes the stroke in
-1 s (or half a period, if that is less; a coil takes up to a quarter of the period, or half its time constant), and the
-cooling after it. If both together take longer
-than a period, the current is raised until the pulse fits beside the cooling, as far as the supply
-goes. What fails is said as a reason; nothing is left out in silence.
+The statics of each candidate follow in closed form, and one strand is simulated. The current makes the stroke in 1 s,
+or in half a period if that is shorter; a coil takes up to a quarter of the period, or half its time constant. If pulse
+and cooling do not fit into a period, the current is raised until the pulse fits or the supply is at its limit. Every
+failure has a reason.
 """
 
 from __future__ import annotations
@@ -24,24 +23,23 @@ from martensite.physics.materials.base import DOUBTFUL
 from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
 
 PULSE = 1.0
-"""Heating time that is tried first [s]: the one for which the maker gives currents."""
+"""First heating time [s], for which the maker gives currents."""
 HASTE = 0.05
-"""Shortest pulse that is tried first, as a share of the thermal time constant: a wire that must
-heat so fast is far too slow in cooling."""
+"""Shortest first pulse, as a fraction of the thermal time constant."""
 SPARE = 1.02
-"""Margin on the cooling time when the pulse is shortened to fit beside it."""
+"""Margin on the cooling time for a shortened pulse."""
 SHORTEST = 0.02
-"""Shortest pulse, as a share of the period."""
+"""Shortest pulse, as a fraction of the period."""
 WARMER = 10.0
-"""A warmer day [K], which a robust wire withstands."""
+"""Temperature rise of a day [K] that a robust wire withstands."""
 SHADED = 0.5
-"""Share of the heat that a coil, whose turns warm one another, still loses when it is robust."""
+"""Fraction of the heat loss of a robust coil with mutually heated turns."""
 MOST_TRIED, MOST_CHANGES, SHOWN_CHANGES, MOST_STRANDS = 12, 4, 3, 1000
-"""Wires for which a request is changed, how often, how many changes are named, and strands that may be asked for."""
+"""Limits: wires with a changed request, changes of each, reported changes, and strands."""
 THICKER = (0.75e-3, 1.0e-3)
-"""Wires of coils [m] beyond the table."""
+"""Additional wires of coils [m]."""
 USED_CELLS = ("diameter", "resistance")
-"""Cells of the catalogue that the answer rests on."""
+"""Cells of the catalogue behind the answer."""
 
 Progress = Callable[[int, int], None]
 
@@ -62,35 +60,35 @@ class Drive:
 
 @dataclass(frozen=True)
 class Candidate:
-    """One size and alloy put to a request; forces of all strands, currents as named."""
+    """Size and alloy judged for a request; forces of all strands."""
 
     size: WireSize
     alloy: str
     statics: Statics
     wiring: Wiring | None
     cycle: PulseCycle | None
-    """Cycle of one strand; None if it was not simulated."""
+    """Cycle of one strand; None without a simulation."""
     overheating_current: float
-    """Current per strand that in the long run heats it to the temperature limit [A]."""
+    """Continuous current per strand at the temperature limit [A]."""
     temperature_limit: float
     """Temperature limit of the material [K]."""
     reasons: tuple[str, ...] = ()
-    """Why the request is not met; empty if it is."""
+    """Reasons for rejection; empty if the request is met."""
     warnings: tuple[str, ...] = ()
     life: str = ""
     frail: tuple[str, ...] = ()
-    """Failures on a warmer day or with more load; empty if the candidate withstands both."""
+    """Failures on a warmer day or with more load."""
     recalled: tuple[str, ...] = ()
-    """Cells the answer rests on that are recalled, or interpolated, not read in a source."""
+    """Cells behind the answer that are recalled or interpolated."""
 
     @property
     def feasible(self) -> bool:
-        """True if the request is met."""
+        """Return true if the request is met."""
         return not self.reasons
 
     @property
     def drive(self) -> Drive | None:
-        """Return the output of the supply; None if the candidate was not simulated."""
+        """Return the output of the supply; None without a simulation."""
         if self.wiring is None or self.cycle is None:
             return None
         strand, wiring, heating = self.cycle.current, self.wiring, self.cycle.heating
@@ -98,7 +96,7 @@ class Candidate:
         return Drive(current, voltage, current * voltage, current * voltage * heating)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything, ready for JSON; numbers in SI."""
+        """Return all results as plain values, in SI."""
         mine = self.statics
         own = {name: getattr(mine, name) for name in mine.__dataclass_fields__ if name != "strand"}
         return {
@@ -124,19 +122,18 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Sizing:
-    """The answer to a request."""
+    """Judged candidates of a request."""
 
     request: WireRequest
     candidates: list[Candidate] = field(default_factory=list[Candidate])
-    """The best first: those that meet the request, the robust before others and by energy per cycle and length; then
-    those that do not."""
+    """Feasible candidates by robustness, energy per cycle and length, then the others."""
     changes: tuple[str, ...] = ()
-    """Changes of the request that make a candidate fit, the nearest first; empty if one fits already."""
+    """Changes of the request that make a candidate feasible, the nearest first."""
 
     @property
     def best(self) -> Candidate | None:
-        """Return the first candidate that meets the request, if any does."""
-        return next((found for found in self.candidates if found.feasible), None)
+        """Return the first feasible candidate, or None."""
+        return next((one for one in self.candidates if one.feasible), None)
 
 
 def size_wire(
@@ -145,13 +142,13 @@ def size_wire(
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Sizing:
-    """Put every size and alloy of a catalogue to a request.
+    """Judge every size and alloy of a catalogue for a request.
 
     Args:
         request: force, stroke, rate and supply, with options.
-        catalogue: wires to choose from; the maker's table of Flexinol if not given.
-        progress: called with the number of candidates done and their total.
-        stop: asked before each candidate; once it says so, those judged so far are the answer.
+        catalogue: available wires, by default the maker's table of Flexinol.
+        progress: called with the number of finished candidates and their total.
+        stop: called before each candidate; True ends the search with the candidates so far.
 
     Raises:
         InputError: the request contradicts itself.
@@ -161,27 +158,27 @@ def size_wire(
         request = request.with_values({"stress": min(request.stress, LIFE_STRESS)})
     sizes = list_sizes(request, catalogue or load_wires())
     pairs = [(size, alloy) for alloy in request.alloys() for size in sizes]
-    found: list[Candidate] = []
+    judged: list[Candidate] = []
     for size, alloy in pairs:
         if stop is not None and stop():
             break
-        found.append(judge_candidate(request, size, alloy))
+        judged.append(judge_candidate(request, size, alloy))
         if progress is not None:
-            progress(len(found), len(pairs))
-    ranked = sorted(found, key=rank_candidates)
-    fits = any(one.feasible for one in ranked) or len(found) < len(pairs)
+            progress(len(judged), len(pairs))
+    ranked = sorted(judged, key=rank_candidates)
+    fits = any(one.feasible for one in ranked) or len(judged) < len(pairs)
     return Sizing(request, ranked, () if fits else find_changes(request, ranked))
 
 
 def list_sizes(request: WireRequest, catalogue: WireCatalogue) -> list[WireSize]:
-    """Sizes that are put to a request: those of a catalogue, and for coils thicker ones, too."""
+    """Return the sizes of a catalogue, with thicker ones for coils."""
     sizes = list(catalogue.sizes.values())
     thicker = THICKER if request.element == "coil" and len(sizes) > 1 else ()
     return sizes + [catalogue.interpolate(diameter) for diameter in thicker]
 
 
 def rank_candidates(candidate: Candidate) -> tuple[float, ...]:
-    """Feasible ones by robustness, energy and length, then simulated ones by cooling time, then the rest."""
+    """Return the sort key: feasible ones by robustness, energy and length, then the others by cooling time."""
     drive, length = candidate.drive, candidate.statics.strand.length
     if drive is None or candidate.cycle is None:
         return 2.0, 0.0, float(candidate.statics.count), length
@@ -192,7 +189,7 @@ def rank_candidates(candidate: Candidate) -> tuple[float, ...]:
 
 
 def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candidate:
-    """Return one size and alloy put to a request."""
+    """Return a size and alloy judged for a request."""
     static = compute_statics(request, size, alloy)
     hopeless = [*remarks.list_static_reasons(request, static)]
     wiring, driven = (None, None) if hopeless else _find_drive(request, static)
@@ -216,26 +213,26 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
 
 
 def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCycle | None]:
-    """Return the wiring and the cycle of one strand; no cycle if the supply cannot make the stroke."""
+    """Return the wiring and the cycle of one strand; no cycle if the supply is too weak."""
     system = static.strand.system(static.mechanism(request.stroke, static.count))
     slowness = static.strand.time_constant()
     longest = max(PULSE, min(0.25 * request.period, 0.5 * slowness)) if request.element == "coil" else PULSE
     first = min(longest, max(0.5 * request.period, HASTE * slowness))
-    wiring, found = _find_pulse(request, static, system, first)
-    if found is not None and found.cooling is not None:
-        left = request.period - SPARE * found.cooling
-        if found.heating > left >= SHORTEST * request.period:
+    wiring, cycle = _find_pulse(request, static, system, first)
+    if cycle is not None and cycle.cooling is not None:
+        left = request.period - SPARE * cycle.cooling
+        if cycle.heating > left >= SHORTEST * request.period:
             again = _find_pulse(request, static, system, left)
-            wiring, found = again if again[1] is not None else (wiring, found)
-    if found is None or not found.keeps(request.period):
-        return wiring, found
-    return wiring, repeat_pulse(system, found, request.rate)
+            wiring, cycle = again if again[1] is not None else (wiring, cycle)
+    if cycle is None or not cycle.keeps(request.period):
+        return wiring, cycle
+    return wiring, repeat_pulse(system, cycle, request.rate)
 
 
 def _find_pulse(
     request: WireRequest, static: Statics, system: System, heating: float
 ) -> tuple[Wiring, PulseCycle | None]:
-    """Return the wiring and cycle for a heating time [s], or for as short a one as the supply allows."""
+    """Return wiring and cycle for a heating time [s], or for the shortest time that the supply allows."""
     strand, count = static.strand, static.count
     needed = find_current(system, request.stroke, heating, strand.size.current.value)
     wiring = choose_wiring(request, count, strand.resistance, needed or math.inf)
@@ -255,7 +252,7 @@ def _find_pulse(
 def _list_frailties(
     request: WireRequest, static: Statics, cycle: PulseCycle, limits: Mapping[str, float]
 ) -> Iterator[str]:
-    """Yield the failures of a candidate on a 10 K warmer day, with 20 % more load, and with mutually heated turns."""
+    """Yield the failures on a warmer day, with more load, and with mutually heated turns."""
     strand = static.strand
     trials = {f"on a day {WARMER:g} K warmer": replace(strand, ambient=request.ambient + WARMER)}
     if isinstance(strand, CoilStrand):
@@ -276,12 +273,11 @@ def _list_frailties(
 
 
 def find_changes(request: WireRequest, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-    """Changes of a request that nothing meets under which a candidate would do, the nearest first.
+    """Return the changes of a request that make a candidate feasible, the nearest first.
 
-    Strands, rate and supply of a candidate are changed one after another, each as far as it needs; where one alloy was
-    asked for, the other is tried, too.
+    Strands, rate and supply are changed in turn, each as far as necessary. The other alloy is tried too.
     """
-    found: list[tuple[float, str]] = []
+    changes: list[tuple[float, str]] = []
     others = [] if request.alloy == "any" else [name for name in ALLOYS if name != request.alloy]
     tried = list(candidates[:MOST_TRIED])
     tried += [judge_candidate(request, one.size, name) for name in others for one in candidates[:MOST_TRIED]]
@@ -294,13 +290,12 @@ def find_changes(request: WireRequest, candidates: Sequence[Candidate]) -> tuple
             asked = asked.with_values(values)
             now = judge_candidate(asked, one.size, one.alloy)
         if now.feasible:
-            found.append(_describe_change(request, asked, one))
-    words = [said for _, said in sorted(found)]
-    return tuple(dict.fromkeys(words))[:SHOWN_CHANGES]
+            changes.append(_describe_change(request, asked, one))
+    return tuple(dict.fromkeys(options for _, options in sorted(changes)))[:SHOWN_CHANGES]
 
 
 def _relax_request(request: WireRequest, candidate: Candidate) -> dict[str, float] | None:
-    """Return the parameter of the request that excludes a candidate, at a sufficient value; None without one."""
+    """Return the parameter of the request that excludes a candidate, at a sufficient value, or None."""
     cycle, static = candidate.cycle, candidate.statics
     if static.count > request.strands:
         return {"strands": float(static.count)} if static.count <= MOST_STRANDS else None
@@ -313,7 +308,7 @@ def _relax_request(request: WireRequest, candidate: Candidate) -> dict[str, floa
 
 
 def _describe_change(request: WireRequest, asked: WireRequest, one: Candidate) -> tuple[float, str]:
-    """Return the distance of a request from another [factors of e], and the options that change it."""
+    """Return the distance between two requests [factors of e], and the options that change them."""
     forms = {"strands": "--strands {:.0f}", "rate": '--rate "{:.4g} Hz"', "supply": '--supply "{:.4g} V"'}
     apart = {name: getattr(asked, name) / getattr(request, name) for name in forms}
     changed = {name: factor for name, factor in apart.items() if factor != 1.0}

@@ -1,7 +1,7 @@
-"""The model beside the maker's table: currents for 1 s and cooling times of every size.
+"""Check of the model against the maker's table: currents for 1 s and cooling times of every size.
 
-As the maker states its conditions: room temperature, static air, vertical wire, the last 0.5 % of
-deformation not counted in the cooling time. What the note leaves open is chosen here:
+The maker states room temperature, static air, a vertical wire, and a cooling time without the last 0.5 % of
+deformation. The remaining conditions are chosen here:
 
 - the load is a weight of the maker's pull stress, 172 MPa, in heating and cooling;
 - room temperature is 22 °C; the wire is 100 mm long (h hardly depends on it);
@@ -9,8 +9,8 @@ deformation not counted in the cooling time. What the note leaves open is chosen
 - 0.5 % of deformation is 0.5 % of the wire's length;
 - the wire cools from the state at the end of that pulse.
 
-Nothing is fitted to any size, so the ratios show how far one set of numbers carries from 0.025 mm
-to 0.51 mm. Sources: the cells of the catalogue, each with its kind.
+Nothing is fitted to a size, so the ratios show the range of one set of numbers from 0.025 mm to 0.51 mm. Sources: the
+cells of the catalogue.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from martensite.simulate.api import simulate
 
 LENGTH, AMBIENT, STRESS = 0.1, 295.15, 172e6
 CONTRACTED = 0.99
-"""Share of the full contraction that counts as contracted."""
+"""Fraction of the full contraction that counts as contracted."""
 LEFT = 0.005
-"""Strain that is left when the cooling time ends."""
+"""Remaining strain at the end of the cooling time."""
 PULSE = 1.0
 """[s]"""
 
 
 @dataclass(frozen=True)
 class CheckRow:
-    """One size of one alloy: the model's numbers and the catalogue's cells."""
+    """Prediction and catalogue of one size and alloy."""
 
     size: str
     alloy: str
@@ -47,28 +47,27 @@ class CheckRow:
     """Current that contracts the wire in 1 s [A]."""
     current_cell: Cell
     cooling: float | None
-    """Cooling time [s]; None if the wire does not come that far."""
+    """Cooling time [s]; None if the wire does not cool so far."""
     cooling_cell: Cell
     loss_share: float
-    """Share of the electrical energy of the pulse that is lost to the air meanwhile."""
+    """Fraction of the electrical energy of the pulse that is lost to the air."""
     stored_share: float
-    """Electrical energy of the catalogue's 1 s pulse over what heating by 65 K and the
-    transformation take, losses left out."""
+    """Electrical energy of the catalogue's 1 s pulse over the heat for 65 K and the transformation, without losses."""
 
     @property
     def current_ratio(self) -> float:
-        """Return the model over catalogue."""
+        """Return the predicted over the listed current."""
         return self.current / self.current_cell.value
 
     @property
     def cooling_ratio(self) -> float | None:
-        """Return the model over catalogue."""
+        """Return the predicted over the listed cooling time."""
         return None if self.cooling is None else self.cooling / self.cooling_cell.value
 
 
 @dataclass(frozen=True)
 class RatioSpread:
-    """Spread of ratios."""
+    """Smallest, mean and largest ratio."""
 
     least: float
     mean: float
@@ -77,12 +76,12 @@ class RatioSpread:
 
 
 def summarise_ratios(ratios: Sequence[float | None]) -> RatioSpread | None:
-    """Return least, geometric mean and most of ratios, those that exist; None without any."""
-    found = [ratio for ratio in ratios if ratio is not None]
-    if not found:
+    """Return smallest, geometric mean and largest of the ratios that are not None."""
+    numbers = [ratio for ratio in ratios if ratio is not None]
+    if not numbers:
         return None
-    mean = math.exp(math.fsum(math.log(ratio) for ratio in found) / len(found))
-    return RatioSpread(min(found), mean, max(found))
+    mean = math.exp(math.fsum(math.log(ratio) for ratio in numbers) / len(numbers))
+    return RatioSpread(min(numbers), mean, max(numbers))
 
 
 def check_catalogue(
@@ -94,10 +93,10 @@ def check_catalogue(
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> list[CheckRow]:
-    """Predict every size of a catalogue (by default that of Flexinol), thin to thick, alloy by alloy.
+    """Predict every size of a catalogue (by default of Flexinol), alloy by alloy.
 
-    A weight of some stress [Pa] is lifted in a room [K]. `progress` is called with the number of rows done and their
-    total; once `stop`, asked before each row, says so, those predicted so far are the answer.
+    A weight with a stress [Pa] is lifted in a room [K]. `progress` is called with the number of finished rows and their
+    total. `stop` is called before each row; True ends the check.
 
     Raises:
         SolveError: no current contracts a wire in 1 s.

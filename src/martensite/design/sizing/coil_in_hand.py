@@ -2,13 +2,13 @@
 
     N = L_s/d                         turns, from the closed length
     D = √[(l/N)² - d²]/π, l = R/r     mean diameter, from the resistance (a helix of pitch d)
-    D = D_o - d                       or from the diameter over all
+    D = D_o - d                       or from the outer diameter
 
 Redundant data must agree: turns within a tenth or one and a half, the resistance of the wire within a third. The
-measured resistance then takes precedence. A coil drawn to a length by hand has the strain of the element there. If that
-length is below the length under load, it is a stop, where the stroke starts and ends.
+measured resistance then takes precedence. A coil drawn to a length by hand has the strain of the element there. A
+length below the length under load is a stop, where the stroke starts and ends.
 
-Source: the mapping of the element `coil-spring`; resistance per metre from the maker's table, or on its continuation.
+Source: the element `coil-spring`; resistance per metre from the maker's table or its continuation.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 
 from martensite.actuators.elements.limits import STRONGEST
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.design.sizing.statics import CoilStrand, Strand, list_alloy_numbers
 from martensite.design.sizing.wire_in_hand import COOLINGS, NOT_GIVEN, SPARE, WireInHand, take_resistance
@@ -25,32 +26,32 @@ from martensite.kernels import floats
 from martensite.physics.materials.wires import WireCatalogue, WireSize
 
 LISTED = 0.005
-"""Relative difference of a diameter from one of the catalogue that is the same wire."""
+"""Relative difference of equal diameters."""
 SLACK_TURNS, SLACK_SHARE, SLACK_OHMS = 1.5, 0.1, 1.0 / 3.0
-"""Tolerances of redundant data: turns, turns as a fraction, and resistance as a fraction."""
+"""Tolerances of redundant data: turns, relative turns, and relative resistance."""
 INDICES = (2.0, 50.0)
-"""Spring index between which a coil is believed."""
+"""Range of plausible spring indices."""
 HALVINGS = 60
-"""Number of bisections of the force of a coil, up to the largest stress that a wire has withstood."""
+"""Bisections of the force of a coil, up to the largest stress that a wire has withstood."""
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A coil that is held at a length; SI."""
+    """Coil that is held at a length, in SI."""
 
     length: float
     strain: float
-    """Equivalent, at the surface of the wire [-]."""
+    """Equivalent strain at the surface of the wire [-]."""
     shear: float
-    """√3 times that [-]."""
+    """Shear strain, √3 times the equivalent strain [-]."""
     hot_force: float
-    """With which it pulls when it is heated there, as far as the law goes [N]."""
+    """Force of the heated coil at this length, within the range of the law [N]."""
     hot_stress: float
     """[Pa]"""
 
 
 class CoilInHand(WireInHand):
-    """A close-wound coil, what drives it and what it pulls."""
+    """Close-wound coil with its supply and load."""
 
     diameter: Number = param("m", "diameter of the wire", low=2e-5, high=2e-3)
     length: Number = param("m", "length of the wire, if it is known", above=0.0, high=100.0, default=NOT_GIVEN)
@@ -61,8 +62,8 @@ class CoilInHand(WireInHand):
         "m", "length to which it is drawn out when cold", above=0.0, high=100.0, default=NOT_GIVEN
     )
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the data of the coil are insufficient or contradictory."""
         super().check()
         if not (self.gives("turns") or self.gives("solid")):
             raise ParameterError("Say how many turns the coil has: by `solid`, its closed length, or by `turns`.")
@@ -90,26 +91,26 @@ class CoilInHand(WireInHand):
             raise ParameterError("A coil is drawn out to a stop (`stretched`) or by a spring (`spring`, `preload`).")
 
     def count_turns(self) -> float:
-        """N [-]: as counted, else from the closed length."""
+        """Return the number of turns, as counted or from the closed length."""
         return self.turns if self.gives("turns") else self.solid / self.diameter
 
+    @override
     def find_size(self, catalogue: WireCatalogue) -> WireSize:
-        """Return the wire of the catalogue, or on the continuation of its table."""
         listed = (one for one in catalogue.sizes.values() if abs(one.diameter.value / self.diameter - 1.0) < LISTED)
-        found = next(listed, None) or catalogue.interpolate(self.diameter)
+        size = next(listed, None) or catalogue.interpolate(self.diameter)
         text = f"{1e3 * self.diameter:.9g} mm"
-        given = replace(found.diameter, value=self.diameter, text=text, kind="given", source="", where="", note="")
-        return replace(found, diameter=given)
+        given = replace(size.diameter, value=self.diameter, text=text, kind="given", source="", where="", note="")
+        return replace(size, diameter=given)
 
+    @override
     def choose_load(self, strand: Strand) -> float:
-        """Return the weight [N] where none is given: that of the maker's stress in straight wire."""
         return (1.0 - SPARE) * list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
 
     def make_strand(self, catalogue: WireCatalogue) -> CoilStrand:
         """Return the coil.
 
         Raises:
-            ParameterError: its wire is too short or too long for its turns, or its ohms are not those of its width.
+            ParameterError: length or resistance of the wire contradict the turns or the diameter.
         """
         size, turns = self.find_size(catalogue), self.count_turns()
         per_metre = size.resistance.value
@@ -144,7 +145,7 @@ class CoilInHand(WireInHand):
 
 
 def draw_out(coil: CoilStrand, length: float) -> Drawn:
-    """Return the state of a coil that is drawn out to a length [m] and heated there."""
+    """Return the state of a coil that is drawn to a length [m] and heated there."""
     elongation, low, high = length - coil.solid, 0.0, STRONGEST * coil.bearing
     for _ in range(HALVINGS):
         force = 0.5 * (low + high)

@@ -1,7 +1,7 @@
-"""Heating and cooling of a strand, simulated: currents for a time, times for a current.
+"""Simulated heating and cooling of a strand: currents for a time, times for a current.
 
-A cycle is one pulse from the cold state and the cooling after it. Heating ends when the stroke is
-reached; the return counts as done when 2 % of the stroke is left.
+A cycle is one pulse from the cold state and the cooling after it. Heating ends at the stroke; the return ends when 2 %
+of the stroke remain.
 """
 
 from __future__ import annotations
@@ -22,51 +22,51 @@ from martensite.simulate.judgement import judge_run
 from martensite.simulate.result import Result
 
 RETURNED = 0.02
-"""Share of the stroke that may be left when the return counts as done."""
+"""Remaining fraction of the stroke at the end of the return."""
 STEPS = 100
-"""Steps of the march within the heating time."""
+"""Steps within the heating time."""
 MOST_STEPS = 4000
-"""Steps of a cycle."""
+"""Largest number of steps of a cycle."""
 RUNNING = 4
-"""Cycles after which the peak temperature has settled, nearly."""
+"""Cycles after which the peak temperature has almost settled."""
 TOLERANCE = 4e-4
-"""Relative tolerance of a current; the result is within twice of it, on the side that reaches the stroke."""
+"""Relative tolerance of a current; the result is within twice of it and reaches the stroke."""
 WIDENINGS = 12
 WINDOWS = (6.0, 16.0)
-"""Time constants after which a cooling wire is looked at again, and given up."""
+"""First and last time of the search for the return, in time constants."""
 
 
 @dataclass(frozen=True)
 class PulseCycle:
-    """One pulse of current through a strand, and the cooling after it."""
+    """Current pulse through a strand, and the cooling after it."""
 
     current: float
     """[A]"""
     heating: float
     """Time until the stroke is reached [s]."""
     cooling: float | None
-    """Time from then until the return is done [s]; None if it is never done."""
+    """Time of the return [s]; None if it never ends."""
     hottest: float
-    """In the first cycle, from the cold state [K]."""
+    """Highest temperature in the first cycle [K]."""
     running: float | None = None
-    """Hottest in `RUNNING` cycles at the rate asked for [K]; None if the rate is not reached."""
+    """Highest temperature in `RUNNING` cycles at the requested rate [K]; None if the rate is not reached."""
     exceeded: tuple[Alarm, ...] = ()
-    """Limits that the element exceeds, in the first cycle or when it is repeated."""
+    """Exceeded limits of the element, in the first cycle or repeated cycles."""
 
     @property
     def fastest(self) -> float | None:
-        """Return the cycles per second that this pulse allows [Hz]; None if the wire does not return."""
+        """Return the highest rate [Hz]; None if the wire does not return."""
         return None if self.cooling is None else 1.0 / (self.heating + self.cooling)
 
     def keeps(self, period: float) -> bool:
-        """True if heating and cooling fit into a period [s]."""
+        """Return true if heating and cooling fit into a period [s]."""
         return self.fastest is not None and self.fastest * period >= 1.0 - 1e-9
 
 
 def simulate_pulse(system: System, current: float, time: float) -> float:
-    """Position [m] at the end of a pulse of `current` [A] that lasts `time` [s].
+    """Return the position [m] at the end of a pulse of `current` [A] and `time` [s].
 
-    The farthest one where the wire would melt or tear before.
+    It is the largest position if the wire would melt or tear before.
     """
     run = simulate(system, Step(high=current), time, step=time / STEPS, samples=STEPS + 1)
     left = run.status is Status.OUT_OF_ENVELOPE
@@ -74,9 +74,9 @@ def simulate_pulse(system: System, current: float, time: float) -> float:
 
 
 def find_current(system: System, position: float, time: float, guess: float) -> float | None:
-    """Return least constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
+    """Return the smallest constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
 
-    None if no current up to some thousand times `guess` [A] does.
+    It is None if no current up to some thousand times `guess` [A] suffices.
     """
     high = guess
     for _ in range(WIDENINGS):
@@ -89,12 +89,12 @@ def find_current(system: System, position: float, time: float, guess: float) -> 
     while simulate_pulse(system, low, time) >= position:
         high, low = low, 0.5 * low
     ends = math.log(low), math.log(high)
-    found = root_scalar(lambda x: simulate_pulse(system, math.exp(x), time) - position, bracket=ends, xtol=TOLERANCE)
-    return math.exp(found.root + TOLERANCE)
+    solution = root_scalar(lambda x: simulate_pulse(system, math.exp(x), time) - position, bracket=ends, xtol=TOLERANCE)
+    return math.exp(solution.root + TOLERANCE)
 
 
 def find_reach_time(system: System, position: float, current: float, longest: float) -> float | None:
-    """Return the time [s] at which a constant current first reaches `position` [m]; None if it does not."""
+    """Return the time [s] at which a constant current first reaches `position` [m], or None."""
     samples = 10 * STEPS + 1
     step = longest / (samples - 1)
     run = simulate(system, Step(high=current), longest, step=step, samples=samples)
@@ -103,28 +103,28 @@ def find_reach_time(system: System, position: float, current: float, longest: fl
 
 
 def simulate_cycle(system: System, position: float, current: float, heating: float, time_constant: float) -> PulseCycle:
-    """Return the cooling after a pulse of `current` [A] that lasts `heating` [s]."""
+    """Return the cycle with a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
     run, cooling = simulate_cooling(system, left, current, heating, time_constant)
     return PulseCycle(current, heating, cooling, run.find_range("temperature")[1], exceeded=judge_run(run).alarms)
 
 
-def repeat_pulse(system: System, found: PulseCycle, rate: float) -> PulseCycle:
-    """Return the cycle with what becomes of it when the same pulse is repeated at a rate [Hz].
+def repeat_pulse(system: System, cycle: PulseCycle, rate: float) -> PulseCycle:
+    """Return the cycle with the results of pulses repeated at a rate [Hz].
 
-    The later pulses meet a wire that is not quite cold, and heat it beyond the stroke.
+    Later pulses start from a warmer wire and heat it beyond the stroke.
     """
-    pulses = PulseWidthModulation(high=found.current, frequency=rate, duty=found.heating * rate)
-    step = max(found.heating / STEPS, 1.0 / rate / MOST_STEPS * RUNNING)
+    pulses = PulseWidthModulation(high=cycle.current, frequency=rate, duty=cycle.heating * rate)
+    step = max(cycle.heating / STEPS, 1.0 / rate / MOST_STEPS * RUNNING)
     run = simulate(system, pulses, RUNNING / rate, step=step, samples=401)
-    exceeded = judge_run(run).alarms or found.exceeded
-    return replace(found, running=run.find_range("temperature")[1], exceeded=exceeded)
+    exceeded = judge_run(run).alarms or cycle.exceeded
+    return replace(cycle, running=run.find_range("temperature")[1], exceeded=exceeded)
 
 
 def simulate_cooling(
     system: System, left: float, current: float, heating: float, time_constant: float
 ) -> tuple[Result, float | None]:
-    """Return a pulse and the cooling after it, and the time [s] until only `left` [m] of it is left."""
+    """Return the run of a pulse and the time [s] until only `left` [m] of the stroke remain."""
     pulse = Step(high=current, until=heating)
     soon, late = (heating + window * time_constant for window in WINDOWS)
     run = _run_pulse(system, pulse, soon)
@@ -149,6 +149,6 @@ def _find_fall_time(run: Result, start: float, level: float) -> float | None:
 
 
 def find_crossing(times: Values, values: Values, level: float) -> float | None:
-    """Return the first time at which `values` exceed `level`, on straight lines between their points; None if never."""
+    """Return the first interpolated time at which `values` exceed `level`, or None."""
     above = find_excursion(times, np.asarray(values, float) - level)
     return None if above is None else above.first

@@ -1,10 +1,10 @@
 """Remarks on a candidate: reasons for rejection, warnings, life, and margins.
 
-    stress, strain     relative to the request; strain relative to the capability of the wire, too
+    stress, strain     relative to the request; strain also relative to the capability of the wire
     temperature        (T - T_a)/(T_limit - T_a), at the hottest
     cycle              heating and cooling of a period
     voltage, current   of the supply
-    strands            of the most that are allowed
+    strands            of the largest number
 
 A fraction above 1 exceeds its limit.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from martensite.design.sizing.candidates import Candidate
 
 COLD_MARGIN = 10.0
-"""Margin of M_f above the ambient [K] below which the return is called slow and uncertain."""
+"""Margin of M_f above the ambient [K] below which the return is slow and uncertain."""
 UNKNOWN_LIFE = "no value in the available datasheets"
 KNOWN_LIFE = (
     "within 25 ksi (172 MPa), the design limit for a million cycles on nitinolactuators.com (a secondary source, not "
@@ -42,7 +42,7 @@ COIL_DOUBT = (
 
 
 def describe_life(stress: float, element: str = "wire", asked: float = math.inf) -> str:
-    """Return the published statement on the life at a stress [Pa], and on the requested cycles."""
+    """Return the published statement on the life at a stress [Pa] and the requested cycles."""
     if math.isfinite(asked):
         return f"{asked:,.0f} cycles requested; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
     if element == "coil":
@@ -51,7 +51,7 @@ def describe_life(stress: float, element: str = "wire", asked: float = math.inf)
 
 
 def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
-    """Yield the reasons for which a candidate is rejected without a simulation."""
+    """Yield the reasons for a rejection without a simulation."""
     strand, cold = static.strand, static.cold_stress
     if request.limits == "keep":
         yield from _list_exceeded(static)
@@ -89,7 +89,7 @@ def list_reasons(
 
 
 def _list_exceeded(static: Statics) -> Iterator[str]:
-    """Yield the limits of the material that a stress and a strain exceed."""
+    """Yield the exceeded limits of the material."""
     limits = list_alloy_numbers(static.strand.alloy)
     if static.hot_stress > limits["stress_limit"] * (1.0 + 1e-9):
         yield (
@@ -134,7 +134,7 @@ def list_warnings(
 
 
 def _warn_of_cold(request: WireRequest, static: Statics) -> Iterator[str]:
-    """Yield the warnings about an ambient temperature at which the wire hardly becomes martensite."""
+    """Yield the warnings about an ambient temperature with too little martensite."""
     finish = static.strand.shifted("M_f", static.cold_stress)
     under = f"M_f = {_format_celsius(finish)} under {_format_megapascal(static.cold_stress)}"
     if request.ambient >= finish:
@@ -162,7 +162,7 @@ def _format_megapascal(pascal: float) -> str:
 
 @dataclass(frozen=True)
 class Margin:
-    """One limit and what is used of it; both in `unit`, and best read in `shown`."""
+    """Limit and its used part, in `unit`; `shown` is a readable unit."""
 
     name: str
     used: float
@@ -170,32 +170,32 @@ class Margin:
     unit: str
     shown: str
     chosen: bool = False
-    """True for what the sizing itself puts to its limit: the strain."""
+    """True for the strain, which the sizing itself sets to its limit."""
 
     @property
     def share(self) -> float:
-        """Used over limit."""
+        """Return the used fraction of the limit."""
         return self.used / self.limit
 
 
-def list_margins(request: WireRequest, found: Candidate) -> list[Margin]:
-    """Return the limits of a candidate: those of its statics, and of its cycle if it was simulated."""
-    static = found.statics
+def list_margins(request: WireRequest, candidate: Candidate) -> list[Margin]:
+    """Return the limits of a candidate: of its statics, and of its cycle after a simulation."""
+    static = candidate.statics
     return [
         Margin("stress", static.hot_stress, request.stress, "Pa", "MPa"),
         Margin("strain", static.strain, request.strain, "1", "%", chosen=True),
         Margin("strain of the recoverable strain", static.strain, static.reachable, "1", "%", chosen=True),
-        *_list_cycle_margins(request, found),
+        *_list_cycle_margins(request, candidate),
         Margin("strands", float(static.count), request.strands, "1", "1"),
     ]
 
 
-def _list_cycle_margins(request: WireRequest, found: Candidate) -> Iterator[Margin]:
-    cycle, drive = found.cycle, found.drive
+def _list_cycle_margins(request: WireRequest, candidate: Candidate) -> Iterator[Margin]:
+    cycle, drive = candidate.cycle, candidate.drive
     if cycle is None or drive is None:
         return
     hottest = max(cycle.hottest, cycle.running or 0.0)
-    limit = found.temperature_limit
+    limit = candidate.temperature_limit
     yield Margin("temperature above the ambient", hottest - request.ambient, limit - request.ambient, "K", "K")
     if cycle.fastest is not None:
         yield Margin("time of a cycle", 1.0 / cycle.fastest, request.period, "s", "s")
@@ -204,6 +204,6 @@ def _list_cycle_margins(request: WireRequest, found: Candidate) -> Iterator[Marg
         yield Margin("current", drive.current, request.current_limit, "A", "A")
 
 
-def find_tightest(found: list[Margin]) -> Margin:
-    """Return the limit of which most is used, apart from what is put to its limit by choice."""
-    return max((margin for margin in found if not margin.chosen), key=lambda margin: margin.share)
+def find_tightest(margins: list[Margin]) -> Margin:
+    """Return the limit with the largest used fraction, without chosen ones."""
+    return max((margin for margin in margins if not margin.chosen), key=lambda margin: margin.share)

@@ -1,7 +1,7 @@
 """Request for an actuator wire, and the wiring of its strands to the supply.
 
 `force` is the force on the load at the end of the stroke. A bias weight has this weight. With a bias spring, the load
-grows from 0 to `force` over the stroke, and returns its energy as the wire lengthens, in addition to the return spring.
+grows from 0 to `force` over the stroke and returns its energy, in addition to the return spring.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Number, Parametrised, option, param
 
 ALLOYS = ("70", "90")
-"""Austenite start temperatures [°C] by which the maker names the two alloys."""
+"""Austenite start temperatures [°C], which name the two alloys."""
 
 LIFE_CYCLES, LIFE_STRESS = 1e6, 172.4e6
-"""25 ksi [Pa], with the usual rounding to 172 MPa, and the cycles that nitinolactuators.com names for it."""
+"""Cycles, and the stress of 25 ksi [Pa] that nitinolactuators.com gives for them."""
 
 
 class WireRequest(Parametrised):
-    """Force, stroke and rate that a wire must reach, and with what."""
+    """Required force, stroke and rate of a wire, and its supply."""
 
     cites = ("dynalloy-vendor-page", "dynalloy-table-copy")
 
@@ -48,7 +48,7 @@ class WireRequest(Parametrised):
     alloy: str = option("which of the maker's alloys", "any", *ALLOYS, default="any")
 
     def check(self) -> None:
-        """Raise `ParameterError` if the return takes all the stress that is allowed, or a life has no source."""
+        """Raise `ParameterError` if the return takes the whole stress, or a life has no source."""
         asked = math.isfinite(self.life)
         if asked and (self.life > LIFE_CYCLES or self.element == "coil" or self.limits == "ignore"):
             raise ParameterError(
@@ -64,7 +64,7 @@ class WireRequest(Parametrised):
             )
 
     def alloys(self) -> tuple[str, ...]:
-        """Return the alloys that are allowed."""
+        """Return the allowed alloys."""
         return ALLOYS if self.alloy == "any" else (self.alloy,)
 
     @property
@@ -75,7 +75,7 @@ class WireRequest(Parametrised):
 
 @dataclass(frozen=True)
 class Wiring:
-    """Strands at the supply."""
+    """Wiring of the strands to the supply."""
 
     kind: str
     """single, series or parallel"""
@@ -84,23 +84,22 @@ class Wiring:
     """Resistance of one strand [ohm]."""
 
     def total_current(self, strand: float) -> float:
-        """Return the current from the supply [A] for a current per strand [A]."""
+        """Return the supply current [A] for a strand current [A]."""
         return strand * (self.count if self.kind == "parallel" else 1)
 
     def voltage(self, strand: float) -> float:
-        """Return the voltage across the strands [V] for a current per strand [A]."""
+        """Return the voltage [V] for a strand current [A]."""
         return strand * self.resistance * (self.count if self.kind == "series" else 1)
 
     def most(self, request: WireRequest) -> float:
-        """Return the largest current per strand [A] that the supply drives."""
+        """Return the largest strand current [A] of the supply."""
         return min(request.supply / self.voltage(1.0), request.current_limit / self.total_current(1.0))
 
 
 def choose_wiring(request: WireRequest, count: int, resistance: float, needed: float) -> Wiring:
-    """Return the arrangement for a current per strand [A].
+    """Return the wiring for a strand current [A].
 
-    Series where the supply can drive it so, since that asks the least current of the driver;
-    else parallel; if it can do neither, the one in which it drives more.
+    Series needs the smallest supply current and is preferred; else parallel; if neither suffices, the larger current.
     """
     if count == 1:
         return Wiring("single", 1, resistance)

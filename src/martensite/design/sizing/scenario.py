@@ -1,4 +1,4 @@
-"""A candidate, or what is at hand, as a scenario file that `martensite run` accepts, each number with its origin."""
+"""Scenario files of sized and rated wires, with the origin of each number."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ SAMPLES = 3001
 
 
 def format_scenario(request: WireRequest, candidate: Candidate, catalogue: WireCatalogue) -> str:
-    """Return the text of a scenario: some cycles of a candidate at the rate asked for, or its fastest.
+    """Return a scenario with some cycles of a candidate at the requested rate, or its fastest.
 
     Raises:
-        InputError: the candidate makes no cycle at all.
+        InputError: the candidate has no cycle.
     """
     cycle, drive = candidate.cycle, candidate.drive
     if cycle is None or drive is None or cycle.fastest is None:
@@ -49,12 +49,12 @@ def _format_head(request: WireRequest, candidate: Candidate) -> str:
     asked = (
         f"{request.force:.6g} N over {1e3 * request.stroke:.6g} mm at {request.rate:.6g} Hz from {request.supply:.6g} V"
     )
-    found = f"{_count_samples(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
-    lines = [f"# Sized for {asked}: {found}."]
+    wire = f"{_count_samples(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
+    lines = [f"# Sized for {asked}: {wire}."]
     lines += [f"# Not met: {reason}." for reason in candidate.reasons]
     lines += [f"# Beware: {warning}." for warning in (*candidate.warnings, *candidate.frail)]
     lines += [f"# {COIL_DOUBT}"] * (request.element == "coil")
-    return "\n".join([*lines, f'title = "{found}: {asked}"', ""])
+    return "\n".join([*lines, f'title = "{wire}: {asked}"', ""])
 
 
 def _count_samples(candidate: Candidate) -> str:
@@ -75,7 +75,7 @@ def _format_element(candidate: Candidate, catalogue: WireCatalogue) -> str:
 
 
 def format_strand(strand: Strand, catalogue: WireCatalogue, why: str, own: str = "element") -> str:
-    """Return the lines of a strand, and the section `own`.resistance; `why` says where its length is from."""
+    """Return the lines of a strand and the section `own`.resistance; `why` explains the length."""
     size, ohms = strand.size, strand.size.resistance.text
     lines = ['kind = "wire"']
     shape = [f'length = "{1e3 * strand.length:.12g} mm"   # computed: {why}']
@@ -105,23 +105,23 @@ def format_strand(strand: Strand, catalogue: WireCatalogue, why: str, own: str =
 
 
 def _describe_origin(cell: Cell, catalogue: WireCatalogue) -> str:
-    """Kind, source and note of a cell."""
-    said = f"{cell.kind}, {catalogue.sources[cell.source].cite}" if cell.source else cell.kind
-    return f"{said}: {cell.note}" if cell.note else said
+    """Return kind, source and note of a cell."""
+    origin = f"{cell.kind}, {catalogue.sources[cell.source].cite}" if cell.source else cell.kind
+    return f"{origin}: {cell.note}" if cell.note else origin
 
 
 def format_environment(strand: Strand) -> str:
-    """Return the section of what is around a strand."""
+    """Return the section of the environment of a strand."""
     ambient, cooling = strand.ambient - 273.15, toml_value(_describe_part(strand.cooling))
     return f'[environment]\ntemperature = "{ambient:.12g} degC"\ncooling = {cooling}\n'
 
 
 def _describe_part(part: Parametrised) -> dict[str, Any]:
-    """Return a part as a table of a file: kind, parameters that differ from their defaults, and nested parts."""
+    """Return a part as a table: kind, changed parameters, and nested parts."""
     numbers = {name: d for name, d in part.declarations.items() if d.kind == "parameter"}
-    said = {n: f"{getattr(part, n):.9g} {d.unit}" for n, d in numbers.items() if getattr(part, n) != d.default}
+    changed = {n: f"{getattr(part, n):.9g} {d.unit}" for n, d in numbers.items() if getattr(part, n) != d.default}
     inner = {name: _describe_part(child) for name, child in part.children()}
-    return {"kind": part.registered_name, **said, **inner}
+    return {"kind": part.registered_name, **changed, **inner}
 
 
 def _format_mechanism(request: WireRequest, candidate: Candidate) -> str:
@@ -161,7 +161,7 @@ def _format_drive(request: WireRequest, drive: Drive, cycle: PulseCycle, rate: f
 
 
 def format_ratings(found: WireRatings, catalogue: WireCatalogue) -> str:
-    """Return the text of a scenario: two pulses through a wire or a coil that is at hand, with what it pulls."""
+    """Return a scenario with two pulses through an existing wire or coil, and its load."""
     wire, strand, cycle = found.wire, found.strand, found.cycle
     title = f"{found.size.name}, {wire.alloy} °C, at {wire.supply:.4g} V"
     current, heating = 0.999 * found.supply_current, found.supply_time or wire.pulse

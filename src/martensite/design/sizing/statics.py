@@ -1,29 +1,27 @@
-"""Statics in closed form: how many strands, how long, under which stresses, against what.
+"""Statics in closed form: number, length, stresses and loads of the strands.
 
-With A the section of a strand, n strands, force F, stroke s, return stress σ_r, largest stress σ_m:
+With the section A of a strand, n strands, force F, stroke s, return stress σ_r and largest stress σ_m:
 
     spring   n A (σ_m - (1 + ρ) σ_r) ≥ F        preload n A σ_r, rate ρ n A σ_r/s
     weight   n A σ_m ≥ F                        weight W = max(F, n A σ_r)
     strain   ε = min(ε_m, 0.98 ε_f)             ε_f = ε_L + σ_c/E_M - σ_h/E_A
     length   l = s/ε
 
-A close-wound coil of index C = D/d and N turns is the element `coil-spring`, at large deflection. Its wire carries
-σ = √3 τ with Wahl's factor K(C) at the inner fibre, which drives the law and is what the limits hold for, so that
+σ_c and σ_h are the stresses of the cold and hot wire; the elastic elongation under the growing load reduces the stroke.
+ρ is the growth of the return spring's force over the stroke, as a fraction of its preload.
 
-    A = F/σ = π d²/(8 √3 C K)      carries,      y/ε = √3 l²/(π N d)      is the elongation per strain,
+A close-wound coil of index C = D/d and N turns is the element `coil-spring`, at large deflection. Its wire carries σ =
+√3 τ with Wahl's factor K(C) at the inner fibre, which drives the law and has the limits, so that
 
-and ε_f = d [y_M(σ_c) - y_A(σ_h)] π N/(√3 l²) with the lengths of the two phases that the element has. The widest coil
-is taken that needs no more coils than the narrowest, under 20 % more load where that takes no more than are allowed.
-Turns are whole: the strain is a little less then.
+    A = F/σ = π d²/(8 √3 C K),      y/ε = √3 l²/(π N d)      (elongation per strain)
 
-σ_c is the stress of the cold wire and σ_h that of the hot one at the end of the stroke: what the
-wire stretches as its load grows is taken off its stroke. ρ is the growth of the return spring's
-force over the stroke as a share of its preload.
+and ε_f = d [y_M(σ_c) - y_A(σ_h)] π N/(√3 l²) with the lengths of the two phases of the element. The coil is as wide as
+possible with the smallest number of coils, under 20 % more load if allowed. The number of turns is whole, which lowers
+the strain slightly.
 
-A strand is a system that can be simulated: law `liang-rogers` with the mixture modulus, numbers of the material
-`flexinol-70` or `flexinol-90`; resistance per metre from the catalogue, the same for both phases, since the
-catalogue has one value; free convection of a vertical wire in still air (`lefevre-ede`), or of the wire of a coil as a
-horizontal one (`churchill-chu`), whose turns do not warm one another.
+A strand is simulated with the law `liang-rogers` (mixture modulus) and the material `flexinol-70` or `flexinol-90`; the
+resistance per metre of the catalogue for both phases; free convection of a vertical wire in still air (`lefevre-ede`),
+or of the wire of a coil as a horizontal one (`churchill-chu`), without mutual heating of turns.
 """
 
 from __future__ import annotations
@@ -40,6 +38,7 @@ from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.wire import AbstractRoundWire, Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
+from martensite.base.interfaces import override
 from martensite.design.sizing.request import WireRequest
 from martensite.kernels import floats
 from martensite.physics.electrical.resistances import PerLengthResistance
@@ -52,20 +51,20 @@ from martensite.physics.thermal.base import AbstractCooling, Cylinder, Environme
 from martensite.physics.thermal.convection import ChurchillChu, LeFevreEde
 
 INDICES = (8.0, 7.0, 6.0, 5.0, 4.0)
-"""Spring indices D/d of a coil that are tried, the widest first."""
+"""Tried spring indices D/d, the widest first."""
 HEAVIER = 1.2
-"""A larger load, which a robust wire withstands."""
+"""Larger load that a robust wire withstands."""
 
 
 @cache
 def read_alloy(alloy: str) -> Material:
-    """Return the material of one of the maker's alloys, `70` or `90`."""
+    """Return the material of the alloy `70` or `90`."""
     return load_material(f"flexinol-{alloy}")
 
 
 @cache
 def build_alloy_law(alloy: str) -> LiangRogers:
-    """Return the law of one of the maker's alloys."""
+    """Return the law of an alloy."""
     numbers = list_alloy_numbers(alloy)
     taken: dict[str, Any] = {n: numbers[n] for n in LiangRogers.declarations if n in numbers}
     return LiangRogers(modulus="mixture", **taken)
@@ -78,7 +77,7 @@ def list_alloy_numbers(alloy: str) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Strand:
-    """A piece of catalogue wire of one alloy, in still air unless it is cooled otherwise."""
+    """Piece of catalogue wire, by default in still air."""
 
     size: WireSize
     alloy: str
@@ -99,7 +98,7 @@ class Strand:
         return self.length
 
     def cut_for(self, stroke: float, strain: float) -> Self:
-        """Return the strand cut to the length for a stroke [m] at a strain [-]."""
+        """Return the strand with the length for a stroke [m] at a strain [-]."""
         return replace(self, length=stroke / strain * (self.length / self.reach))
 
     @property
@@ -118,7 +117,7 @@ class Strand:
         return list_alloy_numbers(self.alloy)["density"] * self.size.section * self.length
 
     def reachable_strain(self, cold: float, hot: float) -> float:
-        """ε_L + σ_c/E_M - σ_h/E_A [-]: martensite at `cold` [Pa] to austenite at `hot` [Pa]."""
+        """Return ε_L + σ_c/E_M - σ_h/E_A [-], from martensite at `cold` to austenite at `hot` [Pa]."""
         return self.law.eps_L + cold / self.law.E_M - hot / self.law.E_A
 
     def shifted(self, name: str, stress: float) -> float:
@@ -132,16 +131,16 @@ class Strand:
         return self.cooling.film(floats, temperature, self.ambient, shape)
 
     def describe_shape(self, cold: float, hot: float) -> dict[str, float] | None:
-        """Return turns, diameters, lengths and rates of a coil at the cold and the hot stress [Pa], in SI."""
+        """Return turns, diameters, lengths and rates of a coil at the cold and hot stress [Pa], in SI, or None."""
         return None
 
     def steady_current(self, temperature: float) -> float:
-        """Return the current [A] that holds the strand at `temperature` [K] for ever."""
+        """Return the current [A] that keeps the strand at `temperature` [K]."""
         loss = self.film(temperature) * (temperature - self.ambient)
         return math.sqrt(loss * math.pi * self.size.diameter.value / self.size.resistance.value)
 
     def time_constant(self) -> float:
-        """m c/(h S) [s], 50 K above the ambient, without latent heat."""
+        """Return m c/(h S) [s], 50 K above the ambient, without latent heat."""
         numbers = list_alloy_numbers(self.alloy)
         per_area = 0.25 * self.size.diameter.value * numbers["density"] * numbers["heat_capacity"]
         return per_area / self.film(self.ambient + 50.0)
@@ -151,7 +150,7 @@ class Strand:
         return Wire(length=self.length, **self.list_parts())
 
     def list_parts(self) -> dict[str, Any]:
-        """Arguments of an element of this wire, but for its shape."""
+        """Return the arguments of an element of this wire without its shape."""
         numbers = list_alloy_numbers(self.alloy)
         per_metre = self.size.resistance.value
         return {
@@ -163,7 +162,7 @@ class Strand:
         }
 
     def system(self, mechanism: AbstractMechanism) -> System:
-        """Return the strand, pulling on a mechanism, driven by a current."""
+        """Return the strand on a mechanism, driven by a current."""
         surroundings = Environment(temperature=self.ambient, cooling=self.cooling)
         return System(
             element=self.make_element(), environment=surroundings, source=CurrentSource(), mechanism=mechanism
@@ -172,25 +171,25 @@ class Strand:
 
 @dataclass(frozen=True)
 class CoilStrand(Strand):
-    """A close-wound coil of such a wire; `length` is that of the wire in it."""
+    """Close-wound coil; `length` is the length of its wire."""
 
     cooling: AbstractCooling = field(default_factory=ChurchillChu)
     index: float = field(kw_only=True)
-    """Mean coil diameter over that of the wire."""
+    """Mean coil diameter over wire diameter."""
 
     @property
     def turns(self) -> float:
         """Return the number of turns."""
         return self.length / (self.size.diameter.value * math.hypot(math.pi * self.index, 1.0))
 
+    @override
     def cut_for(self, stroke: float, strain: float) -> Self:
-        """Return the coil with the whole number of turns for a stroke [m] at or below a strain [-]."""
-        found = super().cut_for(stroke, strain)
-        return replace(found, length=found.length * (math.ceil(found.turns - 1e-9) / found.turns))
+        coil = super().cut_for(stroke, strain)
+        return replace(coil, length=coil.length * (math.ceil(coil.turns - 1e-9) / coil.turns))
 
     @property
     def coil_diameter(self) -> float:
-        """Between centres of the wire [m]."""
+        """Return the mean coil diameter [m]."""
         return self.index * self.size.diameter.value
 
     @cached_property
@@ -207,8 +206,8 @@ class CoilStrand(Strand):
             **self.list_parts(),
         )
 
+    @override
     def make_element(self) -> CoilSpring:
-        """Return the coil as an element."""
         return self.element
 
     @property
@@ -222,11 +221,11 @@ class CoilStrand(Strand):
         return self.element.reach()
 
     def spring(self, martensite: float, force: float) -> Spring:
-        """Tangent of one phase, 1 or 0 of martensite, under a force [N]."""
+        """Return the tangent of a pure phase (martensite 0 or 1) under a force [N]."""
         return self.element.spring(floats, Fractions(martensite, martensite), self.ambient, force)
 
     def elongation(self, martensite: float, force: float) -> float:
-        """Return the elongation [m] of one phase under a force [N]."""
+        """Return the elongation [m] of a pure phase under a force [N]."""
         spring = self.spring(martensite, force)
         return spring.free + spring.compliance * force
 
@@ -235,8 +234,8 @@ class CoilStrand(Strand):
         """Return the length of the closed coil [m]."""
         return self.turns * self.size.diameter.value
 
+    @override
     def describe_shape(self, cold: float, hot: float) -> dict[str, float]:
-        """Turns, diameters, lengths and rates, at the stresses [Pa] of the cold and of the hot coil; SI."""
         return {
             "turns": self.turns,
             "mean_diameter": self.coil_diameter,
@@ -248,41 +247,41 @@ class CoilStrand(Strand):
             "cold_rate": 1.0 / self.spring(1.0, cold * self.bearing).compliance,
         }
 
+    @override
     def reachable_strain(self, cold: float, hot: float) -> float:
-        """Return the martensite at `cold` [Pa] to austenite at `hot` [Pa] [-]."""
         between = self.elongation(1.0, cold * self.bearing) - self.elongation(0.0, hot * self.bearing)
         return between / self.reach
 
 
 USABLE = 0.98
-"""Share of the strain between the pure phases that a design may use: the rest comes slowly."""
+"""Usable fraction of the strain between the pure phases; the rest comes slowly."""
 
 
 @dataclass(frozen=True)
 class Statics:
-    """Number, length and loads of the strands; forces are those of all strands together."""
+    """Number, length and loads of the strands; forces of all strands together."""
 
     count: int
     strand: Strand
     strain: float
     """Contraction over the stroke [-]."""
     reachable: float
-    """Contraction between the pure phases under these stresses [-]."""
+    """Contraction between the pure phases at these stresses [-]."""
     cold_stress: float
     """Stress at rest [Pa]."""
     hot_stress: float
     """Stress at the end of the stroke [Pa]."""
     preload: float
-    """Force that stretches the cold strands [N]: of the return spring, or the whole weight."""
+    """Force of the return spring or weight on the cold strands [N]."""
     stiffness: float
     """Rate of the return spring [N/m]; 0 with a weight."""
     extra: float
-    """Part of the weight that is needed only to stretch the strands [N]; 0 with a spring."""
+    """Part of the weight that only stretches the strands [N]; 0 with a spring."""
     work_force: float
     """Force of the strands at the end of the stroke [N]."""
 
     def mechanism(self, stroke: float, share: int = 1) -> AbstractMechanism:
-        """Return and load together, or that part of them which one of `share` strands carries."""
+        """Return the return spring and load, divided by `share` strands."""
         if self.stiffness == 0.0:
             return DeadWeight(mass=self.preload / GRAVITY / share)
         rate = (self.work_force - self.preload) / stroke
@@ -290,7 +289,7 @@ class Statics:
 
 
 def compute_statics(request: WireRequest, size: WireSize, alloy: str) -> Statics:
-    """Return the smallest number of strands of a size that carries the request, and their length."""
+    """Return the smallest number of strands for a request, and their length."""
     one, count = _choose_strand(request, size, alloy)
     area = one.bearing
     if request.bias == "spring":
@@ -308,7 +307,7 @@ def compute_statics(request: WireRequest, size: WireSize, alloy: str) -> Statics
 
 
 def _choose_strand(request: WireRequest, size: WireSize, alloy: str) -> tuple[Strand, int]:
-    """Return one metre of wire, straight or wound as wide as the load allows, and how many are needed."""
+    """Return one metre of wire, straight or wound as wide as the load allows, and the number of strands."""
     if request.element == "wire":
         one = Strand(size, alloy, 1.0, request.ambient)
         return one, _count_strands(request, one)
@@ -320,7 +319,7 @@ def _choose_strand(request: WireRequest, size: WireSize, alloy: str) -> tuple[St
 
 
 def _count_strands(request: WireRequest, one: Strand, heavier: float = 1.0) -> int:
-    """Whole strands for a force; a rounding error does not make one more."""
+    """Return the whole number of strands for a force, regardless of rounding errors."""
     taken = (1.0 + request.spring_rise) * request.return_stress if request.bias == "spring" else 0.0
     each = one.bearing * (request.stress - taken)
     return max(1, math.ceil(heavier * request.force / each * (1.0 - 1e-12)))

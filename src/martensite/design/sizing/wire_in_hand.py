@@ -1,4 +1,4 @@
-"""A straight wire that is at hand: what it is, what drives it and what it pulls."""
+"""Existing straight wire with its supply and load."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ COOLINGS: dict[str, AbstractCooling] = {
     "water": ChurchillChu(fluid=Water()),
     "oil": ChurchillChu(fluid=Oil()),
 }
-"""Cooling of the wire: still air (vertical or horizontal), an air stream of 2 m/s, still water or oil."""
+"""Cooling: still air (vertical or horizontal), an air stream of 2 m/s, still water or oil."""
 NOT_GIVEN = math.inf
-"""A number that is not given; 0 is a value."""
+"""Marker of a missing number; 0 is a value."""
 SPARE = 1e-6
-"""Share of the stress limit that is left, so that no rounding exceeds it."""
+"""Remaining fraction of the stress limit, as a margin for rounding."""
 DIAMETER_TOLERANCE = 0.04
-"""Relative difference of a diameter from one of the catalogue that is the same size."""
+"""Relative difference of equal diameters."""
 
 
 class WireInHand(Parametrised):
-    """A piece of wire, what drives it and what it pulls."""
+    """Piece of wire with its supply and load."""
 
     diameter: Number = param("m", "diameter of the wire, one of the maker's", above=0.0, high=0.01)
     length: Number = param("m", "length of the wire", above=0.0, high=100.0)
@@ -53,16 +53,16 @@ class WireInHand(Parametrised):
     cooling: str = option("what is around the wire", *COOLINGS, default="air")
 
     def check(self) -> None:
-        """Raise `ParameterError` if a weight and a spring are given."""
+        """Raise `ParameterError` if the data are insufficient or contradictory."""
         if self.gives("load") and (self.gives("spring") or self.gives("preload")):
             raise ParameterError("A wire lifts a weight or pulls a spring; give `load`, or `spring` and `preload`.")
 
     def gives(self, name: str) -> bool:
-        """True if a number is given."""
+        """Return true if a number is given."""
         return getattr(self, name) != NOT_GIVEN
 
     def find_size(self, catalogue: WireCatalogue) -> WireSize:
-        """Return the size of the catalogue, with the resistance that was measured.
+        """Return the size of the catalogue, with the measured resistance.
 
         Raises:
             ParameterError: the catalogue has no such wire.
@@ -73,7 +73,7 @@ class WireInHand(Parametrised):
         return take_resistance(best, self.resistance, self.length)
 
     def find_contradiction(self, catalogue: WireCatalogue) -> str:
-        """Return how the measured resistance contradicts the maker's table, as a clause; empty if it does not."""
+        """Return the contradiction of the measured resistance to the maker's table, as a clause or ''."""
         if not self.gives("resistance"):
             return ""
         listed = self._find_listed(catalogue).resistance.value
@@ -97,12 +97,12 @@ class WireInHand(Parametrised):
         return Strand(self.find_size(catalogue), self.alloy, self.length, self.ambient, COOLINGS[self.cooling])
 
     def choose_load(self, strand: Strand) -> float:
-        """Return the weight [N] where none is given: the maker's pull, which he rounds, within the stress limit."""
+        """Return the default weight [N]: the maker's pull within the stress limit."""
         limit = list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
         return min(strand.size.pull_force, (1.0 - SPARE) * limit)
 
     def mechanism(self, strand: Strand) -> AbstractMechanism:
-        """Return the mechanism that the wire pulls."""
+        """Return the mechanism of the load."""
         if not (self.gives("spring") or self.gives("preload")):
             return DeadWeight(mass=(self.load if self.gives("load") else self.choose_load(strand)) / GRAVITY)
         usual = strand.size.deformation_force * strand.bearing / strand.size.section
@@ -111,10 +111,10 @@ class WireInHand(Parametrised):
 
 
 def take_resistance(size: WireSize, ohms: float, length: float) -> WireSize:
-    """Return a size whose resistance [ohm] was measured over a length [m]."""
-    cell, said = size.resistance, f"{ohms:.4g} ohm over {1e3 * length:.4g} mm"
+    """Return a size with a resistance [ohm] measured over a length [m]."""
+    cell, note = size.resistance, f"{ohms:.4g} ohm over {1e3 * length:.4g} mm"
     per_metre = ohms / length
     measured = replace(
-        cell, value=per_metre, text=f"{per_metre:.9g} ohm/m", kind="measured", source="", where="", note=said
+        cell, value=per_metre, text=f"{per_metre:.9g} ohm/m", kind="measured", source="", where="", note=note
     )
     return replace(size, resistance=measured)

@@ -1,19 +1,16 @@
-"""A wire or a coil that is at hand: what current, resistor or duty it needs, how fast it is, what it lifts.
+"""Ratings of an existing wire or coil: currents, resistor or duty cycle, speed and load.
 
-    i_full = U/R                    without anything in series
-    i_1    contracts in the pulse asked for (simulated)
-    i_hold = sqrt(h π d (T_h - T_a)/r)      r per metre; T_h = A_f(σ) + 10 K under the load when hot; at most i_1
-    i_max  the same at the temperature limit of the material: more must not stay on
-    R_s = U/i - R,  P_s = i² R_s        or a duty D = (i/i_full)² of a switch: heat goes with i² D
-    L = μ₀ l/(2π) (ln(4 l/d) - 1)       of a straight wire, which a flyback diode would be for
-    L = μ₀ N² π D²/4/(L_s + 0.45 D)     of a coil
+    i_full = U/R                    without a series resistance
+    i_1    contracts in the requested pulse (simulated)
+    i_hold = sqrt(h π d (T_h - T_a)/r)      r per metre; T_h = A_f(σ) + 10 K under the hot load; at most i_1
+    i_max  the same at the temperature limit of the material, the largest continuous current
+    R_s = U/i - R,  P_s = i² R_s        or a duty cycle D = (i/i_full)², since the heat is i² D
+    L = μ₀ l/(2π) (ln(4 l/d) - 1)       straight wire, for the choice of a flyback diode
+    L = μ₀ N² π D²/4/(L_s + 0.45 D)     coil (Wheeler)
 
-Resistance per metre, pull and current in 1 s are the cells of the catalogue. A wire of another resistance
-(`resistance`) is that of the catalogue with this one. Loads are a weight, or a spring with a preload; without
-either, the weight is the maker's pull. A coil that is drawn out to a length starts its stroke there, and is back when
-it reaches it again. The law is that of `statics`.
-
-Source: the catalogue's cells, each with its kind; the inductances are those of textbooks (that of a coil is Wheeler's).
+Resistance per metre, pull and current in 1 s are the cells of the catalogue, unless `resistance` is given. The load is
+a weight, by default the maker's pull, or a spring with a preload. A coil drawn to a length starts its stroke there and
+has returned when it reaches that length again. The law is the law of `statics`.
 """
 
 from __future__ import annotations
@@ -33,11 +30,11 @@ from martensite.physics.materials.wires import GRAVITY, WireCatalogue, WireSize,
 from martensite.simulate.judgement import describe_excess, judge_run
 
 ABOVE = 10.0
-"""Excess over A_f at which a wire is held [K]."""
+"""Excess of the holding temperature over A_f [K]."""
 HALVINGS = 60
-"""Number of bisections of the stroke against a spring."""
+"""Bisections of the stroke against a spring."""
 TOUCHABLE = 60.0
-"""Highest voltage [V] of direct current that bare parts may have: the limit ES1 of IEC 62368-1."""
+"""Highest direct voltage [V] of bare parts: the limit ES1 of IEC 62368-1."""
 LONGEST = 60.0
 """Longest pulse [s]."""
 VACUUM = 4e-7 * math.pi
@@ -46,61 +43,61 @@ VACUUM = 4e-7 * math.pi
 
 @dataclass(frozen=True)
 class WireRatings:
-    """Requirements and performance of a piece of wire; SI."""
+    """Requirements and performance of a piece of wire, in SI."""
 
     wire: WireInHand
     size: WireSize
     strand: Strand
     stroke: float
-    """98 % of what it gives between the pure phases under its load, or from where it is drawn to [m]."""
+    """98 % of the stroke between the pure phases under the load, or from the drawn length [m]."""
     cold_force: float
     hot_force: float
     hot_stress: float
     full_current: float
     """Current of the supply without a series resistance [A]."""
     cycle: PulseCycle | None
-    """A pulse that contracts it in the time asked for, and the cooling after it; None if none does."""
+    """Pulse that contracts the wire in the requested time, and the cooling; None if no current does."""
     supply_time: float | None
-    """In which all that the supply drives contracts it [s], where that is longer than the time asked for."""
+    """Contraction time [s] at the largest supply current, if longer than requested."""
     holding_temperature: float
     holding_current: float
-    """Keeps it contracted, for ever [A]."""
+    """Continuous current that keeps the wire contracted [A]."""
     most_current: float
-    """Heats it to the temperature limit of the material in the long run [A]."""
+    """Continuous current at the temperature limit of the material [A]."""
     temperature_limit: float
     stress_limit: float
     strain_limit: float
     returns: bool
     """True if the ambient is below M_f under the cold load."""
     drawn: Drawn | None = None
-    """A coil at the length to which it is drawn out."""
+    """Coil at its drawn length."""
     contradiction: str = ""
-    """Contradiction between the measured resistance and the maker's table; empty if they agree."""
+    """Contradiction between the measured resistance and the maker's table, or ''."""
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """Why it does not work so; empty if it does."""
-        found = [self.contradiction] if self.contradiction else []
+        """Return the reasons for which the wire does not work so."""
+        faults = [self.contradiction] if self.contradiction else []
         if self.cycle is None:
-            found.append(f"no current contracts the wire in {self.wire.pulse:.3g} s; use a longer pulse")
+            faults.append(f"no current contracts the wire in {self.wire.pulse:.3g} s; use a longer pulse")
         elif not self.drivable:
-            found.append(self._describe_supply(self.cycle.current))
+            faults.append(self._describe_supply(self.cycle.current))
         if not self.returns or (self.cycle is not None and self.cycle.cooling is None):
-            found.append(
+            faults.append(
                 "the wire does not return at this ambient temperature and cold load; use a colder ambient or more load"
             )
         stress, limit = self.hot_stress / 1e6, self.stress_limit / 1e6
         if stress > limit:
-            found.append(f"{stress:.4g} MPa is above the maker's {limit:.4g} MPa for repeated use")
+            faults.append(f"{stress:.4g} MPa is above the maker's {limit:.4g} MPa for repeated use")
         alarms = () if self.cycle is None else self.cycle.exceeded
-        found += [describe_excess(alarm) for alarm in alarms if alarm.kind != "stress"]
+        faults += [describe_excess(alarm) for alarm in alarms if alarm.kind != "stress"]
         if self.drawn is not None and self.drawn.strain > self.strain_limit:
             strains = f"{100.0 * self.drawn.strain:.3g} % strain, above the maker's {100.0 * self.strain_limit:.3g} %"
-            found.append(f"stretched to {1e3 * self.drawn.length:.4g} mm the coil has {strains}")
-        return tuple(found)
+            faults.append(f"stretched to {1e3 * self.drawn.length:.4g} mm the coil has {strains}")
+        return tuple(faults)
 
     def _describe_supply(self, needed: float) -> str:
-        """Return the shortfall of the supply for a current [A], and a pulse or a supply that is enough."""
+        """Return the lack of supply for a current [A], and a sufficient pulse or supply."""
         most, options = self.supply_current, list[str]()
         if self.supply_time is not None and (pulse := math.ceil(10.2 * self.supply_time) / 10.0) <= LONGEST:
             options.append(f'--pulse "{pulse:.4g} s"')
@@ -117,7 +114,7 @@ class WireRatings:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Return the dangers of the wire; empty if none are known."""
+        """Return the dangers of the wire."""
         if self.wire.supply <= TOUCHABLE:
             return ()
         needed = "" if self.cycle is None else f", here of at least {self.cycle.current * self.strand.resistance:.3g} V"
@@ -128,31 +125,31 @@ class WireRatings:
 
     @property
     def supply_current(self) -> float:
-        """Return all that the supply drives [A]."""
+        """Return the largest supply current [A]."""
         return min(self.full_current, self.wire.current_limit)
 
     @property
     def drivable(self) -> bool:
-        """Return whether the supply drives the current of the pulse."""
+        """Return true if the supply drives the current of the pulse."""
         return self.cycle is not None and self.cycle.current <= self.supply_current
 
     def series_resistor(self, current: float) -> tuple[float, float]:
-        """Resistor that leaves a current [A]: [ohm], and the heat in it while it flows [W]."""
+        """Return the series resistance [ohm] for a current [A], and its heat [W]."""
         series = self.wire.supply / current - self.strand.resistance
         return series, current**2 * series
 
     def duty(self, current: float) -> float:
-        """Duty of a switch at the supply that heats as a current [A] does."""
+        """Return the duty cycle of a switch that heats as a current [A] does."""
         return (current / self.full_current) ** 2
 
     @property
     def energy(self) -> float | None:
-        """Return the electrical energy in the wire of one pulse [J]."""
+        """Return the electrical energy of one pulse [J]."""
         return None if self.cycle is None else self.cycle.current**2 * self.strand.resistance * self.cycle.heating
 
     @property
     def inductance(self) -> float:
-        """Return the inductance of the straight wire, or of the closed coil [H]."""
+        """Return the inductance of the straight wire or the closed coil [H]."""
         if isinstance(self.strand, CoilStrand):
             across = self.strand.coil_diameter
             return VACUUM * self.strand.turns**2 * 0.25 * math.pi * across**2 / (self.strand.solid + 0.45 * across)
@@ -160,18 +157,18 @@ class WireRatings:
         return VACUUM * self.strand.length / (2.0 * math.pi) * shape
 
     def describe_coil(self) -> dict[str, float] | None:
-        """Turns, diameters and lengths of a coil; None of a straight wire."""
+        """Return turns, diameters and lengths of a coil; None for a straight wire."""
         return self.strand.describe_shape(self.cold_force / self.strand.bearing, self.hot_stress)
 
     @property
     def count(self) -> int | None:
-        """Return the number of wires that the supply drives in parallel; None without a current limit."""
+        """Return the number of parallel wires of the supply; None without a current limit."""
         if self.cycle is None or math.isinf(self.wire.current_limit):
             return None
         return int(self.wire.current_limit / self.cycle.current * (1.0 + 1e-9))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything, ready for JSON; numbers in SI."""
+        """Return all results as plain values, in SI."""
         names = ("stroke", "cold_force", "hot_force", "hot_stress", "full_current", "holding_temperature")
         names += ("holding_current", "most_current", "temperature_limit", "returns", "drivable", "energy", "inductance")
         current = None if self.cycle is None else self.cycle.current
@@ -196,11 +193,11 @@ class WireRatings:
 
 
 def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireRatings:
-    """Return requirements and performance of a piece of wire, or of a coil.
+    """Return requirements and performance of a wire or coil.
 
     Args:
-        wire: the wire or coil, its supply and its load.
-        catalogue: the maker's table; that of Flexinol if not given.
+        wire: wire or coil with its supply and load.
+        catalogue: available wires, by default the maker's table of Flexinol.
 
     Raises:
         ParameterError: the catalogue has no such wire, a coil contradicts itself, or the load leaves no stroke.
@@ -249,13 +246,13 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
 
 
 def _round_up(value: float) -> float:
-    """Return a number that is not below a value, of three digits."""
+    """Return a value rounded up to three digits."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return math.ceil(value / unit * (1.0 - 1e-12)) * unit
 
 
 def _find_held(strand: Strand, drawn: Drawn | None, cold: float) -> float:
-    """Return the difference between the length under load and the held length of a coil [m]."""
+    """Return the difference between the length under load and the drawn length of a coil [m]."""
     if drawn is None or not isinstance(strand, CoilStrand):
         return 0.0
     return max(0.0, strand.solid + strand.elongation(1.0, cold) - drawn.length)
@@ -275,7 +272,7 @@ def _find_cycle(
 
 
 def _find_stroke(strand: Strand, mechanism: AbstractMechanism) -> tuple[float, float, float]:
-    """Stroke [m] without a stop, and the forces [N] before and after it."""
+    """Return the stroke [m] without a stop, and the forces [N] before and after it."""
     area, rate = strand.bearing, 0.0
     if isinstance(mechanism, BiasSpring):
         cold, rate = float(mechanism.preload), float(mechanism.stiffness)

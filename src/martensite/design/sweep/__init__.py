@@ -1,1 +1,1 @@
-"""Sweeps of scenarios: variants, their runs, the store that holds them; offered in `martensite.design`."""
+"""Sweeps of scenarios: variants, runs and stores."""

@@ -1,4 +1,4 @@
-"""Sweeps from Python: the command `martensite sweep` as a function."""
+"""Sweeps from Python, as the command `martensite sweep` makes them."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ class Progress:
     """Progress of a sweep."""
 
     runs: int
-    """Runs in all chunks that shall be made, those done before included."""
+    """Runs in all requested chunks."""
     before: int
-    """Runs done before."""
+    """Runs of earlier sweeps."""
     status: Counter[int] = field(default_factory=Counter[int])
-    """Runs made now, by status."""
+    """New runs by status."""
     seconds: float = 0.0
-    """CPU time of the chunks made now."""
+    """CPU time of the new chunks."""
     remarks: list[str] = field(default_factory=list[str])
 
     @property
     def made(self) -> int:
-        """Return the runs made now."""
+        """Return the number of new runs."""
         return self.status.total()
 
     @property
     def done(self) -> int:
-        """Return the runs that are there."""
+        """Return the number of all finished runs."""
         return self.before + self.made
 
     def note(self, report: Report) -> None:
@@ -62,18 +62,18 @@ Tell = Callable[[Progress], None]
 def run_chunks(
     job: SweepJob, wanted: Sequence[int], done: set[int], backend: AbstractBackend, tell: Tell | None = None
 ) -> Progress:
-    """Make the chunks that are wanted and not done yet.
+    """Run the requested chunks that are missing.
 
     Args:
-        job: makes a chunk and stores it.
-        wanted: numbers of chunks.
-        done: numbers of chunks that are there.
-        backend: who makes them.
+        job: runs a chunk and stores it.
+        wanted: numbers of requested chunks.
+        done: numbers of finished chunks.
+        backend: executor of the chunks.
         tell: called after every chunk.
 
     Raises:
-        InterruptError: it was interrupted; chunks that were made are kept.
-        StoppedError: it cannot go on; as well.
+        InterruptError: the sweep was interrupted; finished chunks are kept.
+        StoppedError: the sweep cannot continue; finished chunks are kept.
     """
     there = [chunk for chunk in wanted if chunk in done]
     runs = sum(len(job.rows(chunk)) for chunk in wanted)
@@ -98,7 +98,7 @@ def run_chunks(
 
 
 def parse_share(chunks: int, part: str | None) -> range:
-    """Return the chunks of part i of N of a sweep, written `i/N` with i from 1 on; by default all chunks.
+    """Return the chunks of part i of N of a sweep, written `i/N` with i from 1; by default all chunks.
 
     Raises:
         ParameterError: the text is malformed, or i is out of range.
@@ -115,7 +115,7 @@ def parse_share(chunks: int, part: str | None) -> range:
 
 
 FEW_CHUNKS = 2
-"""Chunks that are made faster than processes start."""
+"""Number of chunks that run faster than processes start."""
 
 
 @dataclass(frozen=True)
@@ -123,29 +123,29 @@ class SweepExecution:
     """Execution of a sweep, without influence on its results."""
 
     backend: str | None = None
-    """Who runs the chunks; None for several processes, or this one alone for a few chunks."""
+    """Executor; None for several processes, or this process for a few chunks."""
     workers: int = 0
     scheduler: str | None = None
     part: str | None = None
     """Part of the chunks, `i/N`."""
     modules: tuple[str, ...] = ()
-    """Modules that register parts of the user."""
+    """Modules with registered parts of the user."""
     force: bool = False
-    """Replace what is there."""
+    """Replace an existing store."""
 
     def made(self, chunks: int, runtime: str | None) -> AbstractBackend:
-        """Return the backend for so many chunks.
+        """Return the backend for a number of chunks.
 
         Raises:
-            InputError: there is none of that name, or an option has no effect on it.
+            InputError: the name is unknown, or an option has no effect on the backend.
         """
-        made = BACKENDS[self._name(chunks, runtime)]
-        fields = getattr(made, "__dataclass_fields__", {})
+        backend = BACKENDS[self._name(chunks, runtime)]
+        fields = getattr(backend, "__dataclass_fields__", {})
         given = {"workers": self.workers or None, "scheduler": self.scheduler}
         for name, value in given.items():
             if value is not None and name not in fields:
-                raise InputError(f"Option `--{name}` has no effect on the backend `{made.registered_name}`.")
-        return made(**{name: value for name, value in given.items() if value is not None})
+                raise InputError(f"Option `--{name}` has no effect on the backend `{backend.registered_name}`.")
+        return backend(**{name: value for name, value in given.items() if value is not None})
 
     def _name(self, chunks: int, runtime: str | None) -> str:
         if self.backend:
@@ -158,35 +158,35 @@ class SweepExecution:
 
 @dataclass(frozen=True)
 class PlannedSweep:
-    """A sweep whose store is there."""
+    """Sweep with its store."""
 
     plan: SweepPlan
     store: Store
     job: SweepJob
     part: range
-    """Chunks that are asked for."""
+    """Requested chunks."""
     backend: AbstractBackend
     remarks: tuple[str, ...] = ()
-    """Remarks of opening the store."""
+    """Remarks on the store."""
 
     def run(self, tell: Tell | None = None) -> Progress:
-        """Make the chunks that are missing; `tell` is called after each.
+        """Run the missing chunks; `tell` is called after each.
 
         Raises:
-            StoppedError: it cannot go on, or was interrupted; what was made is kept.
+            StoppedError: the sweep cannot continue, or was interrupted; finished chunks are kept.
         """
-        found = run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
-        found.remarks[:0] = self.remarks
-        return found
+        progress = run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
+        progress.remarks[:0] = self.remarks
+        return progress
 
 
 def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: SweepExecution) -> PlannedSweep:
-    """Plan a sweep, and make its store or open it.
+    """Plan a sweep, and create or open its store.
 
-    Nothing is removed or written before all that is asked for has been found to be right.
+    The whole request is checked before files are removed or written.
 
     Raises:
-        InputError: an axis, an option or the store is wrong.
+        InputError: an axis, an option or the store is invalid.
     """
     how.made(0, wanted.runtime)
     if how.force and how.part:
@@ -198,8 +198,8 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
     if old:
         old.require_sweep()  # nothing else is opened, or removed
         if not how.force:  # the step and the runtime that it was begun with
-            known = old.spec
-            wanted = replace(wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"])
+            spec = old.spec
+            wanted = replace(wanted, step=wanted.step or spec["step"], runtime=wanted.runtime or spec["runtime"])
     plan, wanted = prepare_plan(scenario, wanted)
     spec = build_spec(scenario, wanted, how.modules)
     if old and how.force:
@@ -214,10 +214,10 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
 
 
 def count_missing(scenario: Scenario, wanted: SweepRequest, path: Path) -> int:
-    """Return the number of chunks of a sweep that `begin_sweep` would compute; the store is only read.
+    """Return the number of missing chunks of a sweep, without changes to its store.
 
     Raises:
-        InputError: an axis, an option or the store is wrong.
+        InputError: an axis, an option or the store is invalid.
     """
     chunks = prepare_plan(scenario, wanted)[0].chunks
     return chunks - len(Store(path).made()) if path.exists() else chunks
@@ -244,46 +244,44 @@ def run_sweep(
     force: bool = False,
     tell: Tell | None = None,
 ) -> xarray.Dataset:
-    """Run many variants of a scenario into a Zarr store, and open it.
+    """Run variants of a scenario into a Zarr store, and open it.
 
-    Called again, it goes on where it was stopped, and returns at once when all is there.
+    A repeated call continues an unfinished sweep.
 
     Args:
-        scenario: as `load` returns it, or a file.
-        over: what is varied, such as `diameter=0.1..0.5 mm:9` or `length=250 mm +- 2 %`.
-        out: the store, a folder.
+        scenario: scenario or its file.
+        over: varied parameters, such as `diameter=0.1..0.5 mm:9` or `length=250 mm +- 2 %`.
+        out: folder of the store.
         sample: grid, or a design with a number of runs, such as `sobol:1024`.
-        measures: one number each per run, such as `stroke` or `max(stress)`.
-        traces: outputs that are kept over time, each with a number of samples.
-        seed: of the sample.
-        step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
-            each with separate error control, and the store says what accuracy each has.
-        runtime: c, cuda or floats; by default c, if there is a compiler.
+        measures: one value per run, such as `stroke` or `max(stress)`.
+        traces: stored outputs over time, each with a number of samples.
+        seed: seed of the sample.
+        step: longest of equal steps [s], by default the tolerance of the scenario with error control of each run.
+        runtime: c, cuda or floats, by default c with a compiler.
         precision: float64, or float32 on CUDA.
-        chunk: runs that are made and written together; a GPU is only busy with many thousands.
-        backend: who runs the chunks: processes, serial or dask; by default this process alone
-            for a few chunks, or on CUDA, else several. A script that takes another than serial must
-            do so under `if __name__ == "__main__":`.
-        workers: how many processes; 0 for one per core.
+        chunk: number of runs that are computed and written together; a GPU needs many thousands.
+        backend: processes, serial or dask, by default serial for a few chunks or on CUDA, else processes. A script with
+        another backend than serial needs `if __name__ == "__main__":`.
+        workers: number of processes; 0 for one per core.
         scheduler: address of a Dask scheduler.
         part: part I of N of the chunks, `I/N`, for job arrays.
-        modules: modules or .py files that register parts of your own.
+        modules: modules or .py files with registered parts of your own.
         force: replace an existing store.
         tell: called with the `Progress` after every chunk.
 
     Returns:
-        What `open_sweep` returns: all runs, those that are missing or failed as NaN.
+        All runs as `open_sweep` returns them; missing and failed runs are NaN.
 
     Raises:
-        InputError: something that was asked for is wrong.
-        StoppedError: it stopped on the way; what was made is kept.
+        InputError: an argument is invalid.
+        StoppedError: the sweep stopped; finished chunks are kept.
     """
     from martensite.design.sweep.reading import open_sweep
 
     import_modules(modules)
-    found = scenario if isinstance(scenario, Scenario) else load(scenario)
+    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
     length = units.parse_quantity(step, "s") if isinstance(step, str) else step
     wanted = SweepRequest(tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision)
     how = SweepExecution(backend, workers, scheduler, part, tuple(modules), force)
-    begin_sweep(found, wanted, Path(out), how).run(tell)
+    begin_sweep(scenario, wanted, Path(out), how).run(tell)
     return open_sweep(out)

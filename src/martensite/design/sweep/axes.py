@@ -1,9 +1,4 @@
-"""Axes of a sweep: free parameters (`martensite.search.free_text`) with values for each.
-
-An axis has levels, which a grid takes, and quantiles, through which a sample of the unit interval becomes one of the
-axis.
-"""
-
+"""Axes of a sweep: free parameters (`martensite.search.free_text`) with levels or quantiles."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -17,14 +12,14 @@ MOST_LEVELS = 10_000_000
 
 
 def parse_axis(words: str, targets: Mapping[str, Target]) -> FreeNumber:
-    """Read one `--over`.
+    """Return the axis of a text of `--over`.
 
     Args:
         words: text of a free parameter with values; the name may be a unique ending.
-        targets: parameters that can be varied, by name.
+        targets: variable parameters by name.
 
     Raises:
-        ParameterError: the words are no axis, or nothing of that name can be varied.
+        ParameterError: the text is malformed, or the name is unknown.
         UnitError: a value has no unit, or a wrong one.
     """
     text = parse_free(words, *FORMS, complete=True)

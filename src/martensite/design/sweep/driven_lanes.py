@@ -1,13 +1,11 @@
-"""Outputs of a system under a separate signal in every lane, the basis of analyses of speed.
+"""Outputs of a system under a separate signal in every lane, for analyses of speed.
 
-A system in discrete time advances from sample to sample; outputs belong to the signal of the same sample. A plant in
-continuous time advances in equal steps with signals held at mid-step; outputs are at the end of a step, under the
-signal of that step.
+A system in discrete time advances from sample to sample; an output belongs to the signal of the same sample. A plant in
+continuous time advances in equal steps with signals held at mid-step; an output is at the end of its step.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,7 +20,7 @@ from martensite.simulate.march import SOLVED
 
 
 class DrivenLanes:
-    """Lanes of a system, one drive and one output of which matter."""
+    """Lanes of a system with one drive and one output."""
 
     def __init__(
         self,
@@ -33,22 +31,21 @@ class DrivenLanes:
         values: Mapping[str, Any] | None = None,
         native: bool | None = None,
     ) -> None:
-        """Lanes at rest come with `reset`, of a plant, or a bench, whose controllers then close their loops.
+        """Prepare the lanes of a plant or bench; `reset` brings them to the steady state.
 
-        The signal of one drive is given, by default of the first, those of all others are 0; what is looked at is by
-        default the first coordinate of the mechanism. Values are parameters by path that differ from lane to lane.
+        The drive is by default the first, and all other signals are 0. The output is by default the first coordinate of
+        the mechanism. `values` are parameters by path, one value per lane.
 
         Raises:
-            InputError: a name does not fit.
+            InputError: a name is unknown.
         """
         names = [one.name for one in system.drives()]
         if not names:
             raise InputError("A system without drives cannot be driven.")
         self.drive = drive or names[0]
         require_known("drive", self.drive, names)
-        known = system.outputs()
         self.output = output or next(iter(system.mechanism.outputs()))
-        require_known("output", self.output, known)
+        require_known("output", self.output, system.outputs())
         self.system, self.count = system, count
         self.lanes = Lanes(system, count, values, native)
         self._drive = names.index(self.drive)
@@ -57,15 +54,15 @@ class DrivenLanes:
 
     @property
     def interval(self) -> float:
-        """Sample time of a system in discrete time [s], else 0."""
+        """Return the sample time of a system in discrete time [s], else 0."""
         return self.system.sample_time()
 
     def step(self, longest: float) -> float:
-        """Return the length of a step [s] that resolves the plant and is at most `longest`."""
+        """Return a step length [s] that resolves the plant and is at most `longest`."""
         return self.interval or min(longest, longest_step(self.system))
 
     def reset(self, levels: Any) -> Numbers:
-        """Return all lanes at rest under first levels, which spread to (lanes,); the output there."""
+        """Bring all lanes to the steady state under levels, (lanes,) or scalar, and return the output."""
         signals = self._spread(np.broadcast_to(np.asarray(levels, float), self.count)[None])[0]
         self.lanes.reset(signals)
         return self.lanes.observe(signals)[self._output]
@@ -74,8 +71,8 @@ class DrivenLanes:
         """Return the output at the end of every step.
 
         Args:
-            levels: of a system in discrete time at samples, (samples + 1, lanes), from now on; of
-                others in the middle of steps, (steps, lanes).
+            levels: signals at the samples of a system in discrete time, (samples + 1, lanes), else at mid-step, (steps,
+                lanes).
             dt: length of a step [s].
 
         Raises:
@@ -91,26 +88,26 @@ class DrivenLanes:
         return rows
 
     def _sampled(self, levels: Numbers, dt: float) -> Numbers:
-        """Return a drive that is read ahead counts at the end of a sample, others at its start."""
+        """Return the outputs at samples; a drive that is read ahead acts at the end of a sample."""
         signals = self._spread(levels)
         if self._ahead:
             return self.lanes.advance(signals[1:], dt)[:, self._output]
-        found = np.empty((len(signals) - 1, self.count))
+        outputs = np.empty((len(signals) - 1, self.count))
         for k, now in enumerate(signals[:-1]):
             self.lanes.advance(now[None], dt, shown=False)
-            found[k] = self.lanes.observe(signals[k + 1])[self._output]
-        return found
+            outputs[k] = self.lanes.observe(signals[k + 1])[self._output]
+        return outputs
 
     def _spread(self, levels: Numbers) -> Numbers:
         """Return the signals of all drives, shape (steps, drives, lanes)."""
-        found = np.zeros((len(levels), len(self.lanes.drives), self.count))
-        found[:, self._drive] = levels
-        return found
+        signals = np.zeros((len(levels), len(self.lanes.drives), self.count))
+        signals[:, self._drive] = levels
+        return signals
 
 
 def require_positive(name: str, values: Any, unit: str) -> Numbers:
-    """Return the numbers above 0 as an array; `InputError` if there are none, or one is not above 0."""
-    found = np.atleast_1d(np.asarray(values, float))
-    if not found.size or not all(math.isfinite(x) and x > 0.0 for x in found.ravel()):
+    """Return values as an array; `InputError` if it is empty or a value is not above 0."""
+    numbers = np.atleast_1d(np.asarray(values, float))
+    if not numbers.size or not (np.isfinite(numbers) & (numbers > 0.0)).all():
         raise InputError(f"`{name}` must be numbers above 0 {unit}.")
-    return found
+    return numbers

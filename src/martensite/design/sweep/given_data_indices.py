@@ -1,17 +1,16 @@
-"""Sensitivity from any sample: what can be said without a design made for it.
+"""Sensitivity indices from any sample.
 
-    first       variance of the means of classes of a number, over the variance
-    delta       how far the distribution of the measure moves, on average, if the number is known,
-                from 0 to 1; needs no variance (Borgonovo (2007), Reliab. Eng. Syst. Saf. 92)
+    first       variance of the means of classes of a parameter, over the variance
+    delta       mean shift of the distribution of the measure for a known parameter, from 0 to 1; needs no variance
+                (Borgonovo (2007), Reliab. Eng. Syst. Saf. 92)
     slope, rank slope
-                standardised regression coefficients of the numbers, and of their ranks; they have
-                a sign (Saltelli et al. (2008), Global Sensitivity Analysis, ch. 1)
+                standardised regression coefficients of the parameters, and of their ranks, with a sign
+                (Saltelli et al. (2008), Global Sensitivity Analysis, ch. 1)
 
-Classes have equally many runs, as in SALib; delta is equation 26 of Plischke, Borgonovo and Smith
-(2013), Eur. J. Oper. Res. 226, with Gaussian kernels of Silverman's width. Delta and first order
-have their bias reduced, and intervals of 95 %, by bootstrap (there, equation 30). Few runs make few
-classes, and first orders that are too small where a measure goes up and down. Slopes see what is
-linear, or monotonic; a measure that turns back hides from them.
+Classes have equally many runs, as in SALib. Delta is equation 26 of Plischke, Borgonovo and Smith (2013), Eur. J. Oper.
+Res. 226, with Gaussian kernels of Silverman's width. Delta and first order have 95 % intervals and a reduced bias by
+bootstrap (equation 30 there). Few runs give few classes, and first orders that are too small for a measure that rises
+and falls. Slopes show linear or monotonic effects only.
 """
 
 from __future__ import annotations
@@ -27,44 +26,44 @@ from numpy.typing import NDArray
 
 Numbers: TypeAlias = NDArray[np.float64]
 MOST_DELTA, MOST_FIRST = 1000, 20_000
-"""Runs that an index is estimated from at most, drawn at random from all."""
+"""Largest numbers of runs for an index, drawn at random."""
 DRAWS = 24
 """Bootstrap samples."""
 GRID = 100
 NORMAL_95 = 1.959963984540054
 SAME_SPREAD = 1e-12
-"""Relative spread below which numbers count as one."""
+"""Relative spread below which values are equal."""
 LINEAR = 0.7
-"""Share of the variance below which a regression is remarked upon."""
+"""Explained fraction of the variance below which a regression gets a remark."""
 
 
 @dataclass(frozen=True, eq=False)
 class SensitivityIndex:
-    """A number per axis that says how important it is."""
+    """Sensitivity index of each axis."""
 
     values: Numbers
     wide: Numbers
-    """Half of its interval of 95 %; NaN where none is known."""
+    """Half the 95 % interval; NaN if unknown."""
 
     @classmethod
     def unknown(cls, width: int) -> SensitivityIndex:
-        """Return undefined indices, for a measure that does not vary."""
+        """Return undefined indices, for a constant measure."""
         return cls(np.full(width, np.nan), np.full(width, np.nan))
 
     def words(self, place: int) -> str:
-        """Return one of its numbers with half of its interval."""
+        """Return an index with half its interval as text."""
         value, wide = float(self.values[place]), float(self.wide[place])
         number = "none" if math.isnan(value) else f"{value:.3f}"
         return number if math.isnan(wide) else f"{number} ± {wide:.3f}"
 
 
 def is_spread(values: Numbers) -> bool:
-    """Return whether numbers differ by more than rounding."""
+    """Return true if values differ by more than rounding errors."""
     return bool(np.ptp(values) > SAME_SPREAD * np.max(np.abs(values), initial=0.0))
 
 
 def estimate_indices(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, SensitivityIndex], list[str]]:
-    """Return the indices of a measure (runs,) over varied numbers (runs, axes), and sentences on them."""
+    """Return the indices of a measure (runs,) over parameters (runs, axes), and sentences on them."""
     width = x.shape[1]
     names = ("delta", "first", "rank slope", "slope")
     if not is_spread(y):
@@ -73,7 +72,7 @@ def estimate_indices(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, S
     x, y = _shuffle_runs(x, y, rng)
     rank_slope, monotonic = fit_slopes(rank_columns(x), rank_columns(y))
     slope, linear = fit_slopes(x, y)
-    found = {
+    indices = {
         "delta": _estimate_axes(estimate_delta, x[:MOST_DELTA], y[:MOST_DELTA], rng),
         "first": _estimate_axes(estimate_first_order, x[:MOST_FIRST], y[:MOST_FIRST], rng),
         "rank slope": rank_slope,
@@ -81,12 +80,12 @@ def estimate_indices(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, S
     }
     share = max(monotonic, linear)
     if share >= LINEAR:
-        return found, []
-    return found, [f"Slopes explain {100.0 * share:.0f} % of the variance: do not judge by them alone."]
+        return indices, []
+    return indices, [f"Slopes explain {100.0 * share:.0f} % of the variance: do not judge by them alone."]
 
 
 def _shuffle_runs(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
-    """In random order: what is equal falls into classes by chance, not by its place."""
+    """Return the runs in random order, which distributes equal values over classes."""
     order = rng.permutation(len(y))
     return x[order], y[order]
 
@@ -94,21 +93,21 @@ def _shuffle_runs(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Num
 def _estimate_axes(
     estimate: Callable[[Numbers, Numbers], float], x: Numbers, y: Numbers, rng: np.random.Generator
 ) -> SensitivityIndex:
-    """Return an index of every number, its bias reduced, with half of its interval."""
-    found: list[tuple[float, float]] = []
+    """Return a bias-reduced index of every axis, with half its interval."""
+    rows: list[tuple[float, float]] = []
     for one in x.T:
         if not is_spread(one):
-            found.append((math.nan, math.nan))
+            rows.append((math.nan, math.nan))
             continue
         draws = (rng.integers(len(y), size=len(y)) for _ in range(DRAWS))
-        drawn = np.array([estimate(one[rows], y[rows]) for rows in draws])
+        drawn = np.array([estimate(one[runs], y[runs]) for runs in draws])
         value = 2.0 * estimate(one, y) - float(np.mean(drawn))
-        found.append((value, NORMAL_95 * float(np.std(drawn, ddof=1))))
-    return SensitivityIndex(*np.array(found).T)
+        rows.append((value, NORMAL_95 * float(np.std(drawn, ddof=1))))
+    return SensitivityIndex(*np.array(rows).T)
 
 
 def estimate_first_order(x: Numbers, y: Numbers) -> float:
-    """Variance of the means of classes of x, over the variance."""
+    """Return the variance of the means of classes of x, over the variance of y."""
     if not is_spread(y):
         return 0.0
     means = ((float(np.mean(part)), len(part)) for part in _split_classes(x, y))
@@ -117,7 +116,7 @@ def estimate_first_order(x: Numbers, y: Numbers) -> float:
 
 
 def estimate_delta(x: Numbers, y: Numbers) -> float:
-    """Delta: half the area between the densities of y and of its classes, on average."""
+    """Return the mean of half the area between the densities of y and of its classes."""
     if not is_spread(y):
         return 0.0
     seen = np.linspace(float(np.min(y)), float(np.max(y)), GRID)
@@ -138,7 +137,7 @@ def _estimate_density(y: Numbers, seen: Numbers) -> Numbers:
 
 
 def _split_classes(x: Numbers, y: Numbers) -> list[Numbers]:
-    """y in classes of x of equal size, as many as SALib makes of that many runs."""
+    """Return y in classes of x of equal size, as SALib does."""
     count = len(y)
     power = 2.0 / (7.0 + math.tanh((1500.0 - count) / 500.0))
     ends = np.linspace(0.0, count, round(min(math.ceil(count**power), 48)) + 1)
@@ -149,18 +148,18 @@ def _split_classes(x: Numbers, y: Numbers) -> list[Numbers]:
 
 
 def rank_columns(values: Numbers) -> Numbers:
-    """Return the places in the order of size, of every column; equal ones share the mean of theirs."""
+    """Return the ranks in every column; equal values have their mean rank."""
     return import_module("scipy.stats").rankdata(values, axis=0)
 
 
 def fit_slopes(x: Numbers, y: Numbers) -> tuple[SensitivityIndex, float]:
-    """Standardised coefficients of a regression of y (runs,) on x (runs, axes), and the share of variance explained."""
+    """Return the standardised regression coefficients of y on x (runs, axes), and the explained variance."""
     wide = np.std(x, axis=0)
     a = (x - np.mean(x, axis=0)) / np.where(wide > 0.0, wide, 1.0)
     b = (y - np.mean(y)) / np.std(y)
-    found = np.linalg.lstsq(a, b, rcond=None)[0]
-    rest = b - a @ found
+    slopes = np.linalg.lstsq(a, b, rcond=None)[0]
+    rest = b - a @ slopes
     share = 1.0 - float(rest @ rest) / len(b)
-    free = max(len(b) - len(found) - 1, 1)
+    free = max(len(b) - len(slopes) - 1, 1)
     errors = np.sqrt(np.diag(np.linalg.pinv(a.T @ a)) * float(rest @ rest) / free)
-    return SensitivityIndex(found, NORMAL_95 * errors), share
+    return SensitivityIndex(slopes, NORMAL_95 * errors), share

@@ -1,15 +1,13 @@
-"""Sensitivity: how much of the variance of a measure every varied number explains.
+"""Variance-based sensitivity indices of the measures of a sweep.
 
-First order: the share of the variance that vanishes on average if the number is known. Total: the
-share that remains if all others are known; total minus first is what comes of acting together.
-Which estimate is made follows from the design:
+The first order is the mean reduction of the variance for a known parameter, the total order the remaining variance if
+all others are known; their difference is due to interactions. The estimate depends on the design:
 
-    saltelli       estimators of Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2 b and f,
-                   as in SciPy and SALib, with bootstrap intervals
-    whole grid     sums of squares over its levels, which count as equally likely; no interval
+    saltelli       Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2 b and f, with bootstrap intervals
+    whole grid     sums of squares over equally likely levels; no interval
     other samples  `martensite.design.sweep.given_data_indices`
 
-Varied numbers count as independent, with the distributions that the design gave them.
+Parameters are independent and have the distributions of the design.
 """
 
 from __future__ import annotations
@@ -29,14 +27,14 @@ from martensite.signals.sampling.sampled import Numbers
 LEAST_BLOCKS = 8
 LEAST_RUNS = 32
 BOOTSTRAP = 20_000_000
-"""Numbers drawn for the intervals at most."""
+"""Largest number of values drawn for the intervals."""
 WIDE_INTERVAL = 0.1
-"""Half an interval that is remarked upon."""
+"""Half an interval that gets a remark."""
 
 
 @dataclass(frozen=True, eq=False)
 class SensitivityIndices:
-    """Sensitivity indices of one measure of a sweep."""
+    """Sensitivity indices of a measure."""
 
     measure: str
     unit: str
@@ -44,9 +42,9 @@ class SensitivityIndices:
     method: str
     """saltelli, grid or given data."""
     names: tuple[str, ...]
-    """Paths of the varied numbers."""
+    """Paths of the varied parameters."""
     indices: dict[str, SensitivityIndex]
-    """By kind, such as `first` and `total`; each has one number per varied number."""
+    """Indices of all parameters by kind, such as `first` and `total`."""
     mean: float
     deviation: float
     used: int
@@ -55,7 +53,7 @@ class SensitivityIndices:
 
     @property
     def order(self) -> list[int]:
-        """Return the places of the varied numbers, the most important first: by total order, or delta."""
+        """Return the places of the parameters by importance: by total order, delta or first order."""
         leading = next(self.indices[k] for k in ("total", "delta", "first") if k in self.indices)
         return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
 
@@ -64,12 +62,12 @@ def compute_sensitivity(found: SweepTable, measures: Sequence[str] | None = None
     """Return the sensitivity indices of the measures of a sweep.
 
     Args:
-        found: the runs.
-        measures: some of them, by their words; by default all.
+        found: runs of the sweep.
+        measures: names of measures, by default all.
 
     Raises:
         UnknownNameError: the measure does not exist.
-        DataError: too few runs are there.
+        DataError: there are too few runs.
     """
     return [_analyse_measure(found, one) for one in found.chosen(None if measures is None else list(measures))]
 
@@ -111,7 +109,7 @@ def _build_result(
 
 
 def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> list[str]:
-    """Return the sentences on runs without a number."""
+    """Return sentences on runs without a value."""
     never = int(np.sum(found.good & ~usable))
     counts = (
         (found.missing, "not made yet"),
@@ -125,7 +123,7 @@ def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.b
 
 
 def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> SensitivityIndices:
-    """From the blocks of a design `saltelli`; one without a number is left out as a whole."""
+    """Return the indices of a design `saltelli`, without incomplete blocks."""
     size = count_block_runs(len(found.varied))
     whole = usable.reshape(-1, size).all(axis=1)
     remarks = _describe_left_out(found, one, usable)
@@ -148,18 +146,17 @@ def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool
     return _build_result(found, one, "saltelli", indices, y, remarks)
 
 
-def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, SensitivityIndex]:
-    """Return the first and total order from blocks of runs, with intervals of 95 %.
+def estimate_block_indices(y: Numbers, width: int) -> dict[str, SensitivityIndex]:
+    """Return the first and total order from blocks of runs, with 95 % intervals.
 
     Args:
         y: a measure of all runs in the order of the design, (blocks (width + 2),).
         width: number of axes.
-        seed: of the bootstrap.
     """
     if not is_spread(y):
         return {name: SensitivityIndex.unknown(width) for name in ("first", "total")}
     blocks = y.reshape(-1, count_block_runs(width)) - np.mean(y)
-    draws, rng = int(np.clip(BOOTSTRAP / y.size, 20, 200)), np.random.default_rng(seed)
+    draws, rng = int(np.clip(BOOTSTRAP / y.size, 20, 200)), np.random.default_rng(0)
     rows = (rng.integers(len(blocks), size=len(blocks)) for _ in range(draws))
     wide = NORMAL_95 * np.std([_estimate_orders(blocks[drawn]) for drawn in rows], 0, ddof=1)
     pairs = zip(("first", "total"), _estimate_orders(blocks), wide, strict=True)
@@ -167,7 +164,7 @@ def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, S
 
 
 def _estimate_orders(blocks: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the first and total order, of blocks of mean 0."""
+    """Return the first and total order from blocks with mean 0."""
     a, mixed, b = blocks[:, :1], blocks[:, 1:-1], blocks[:, -1:]
     variance = np.var(blocks[:, [0, -1]])
     first = np.mean(b * (mixed - a), axis=0) / variance
@@ -178,7 +175,7 @@ def _estimate_orders(blocks: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def estimate_grid_indices(y: Numbers) -> dict[str, SensitivityIndex]:
-    """Return the first and total order of a grid whose levels are equally likely: sums of squares.
+    """Return the first and total order on a grid with equally likely levels, from sums of squares.
 
     Args:
         y: a measure on the grid, one dimension per axis.

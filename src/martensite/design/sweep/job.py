@@ -1,4 +1,4 @@
-"""The job of a sweep: made anew in every process from what is in the store."""
+"""Job of a sweep, which every process restores from the store."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from martensite.scenario.targets import list_targets
 from martensite.simulate.measures.base import parse_measure
 
 MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
-"""Measures stored for every run by default."""
+"""Default measures of a run."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class SweepRequest:
     """grid, or another design with a number of runs, such as `sobol:1024`."""
     measures: tuple[str, ...] = MEASURES
     traces: tuple[tuple[str, int], ...] = ()
-    """Outputs that are kept over time, and at how many samples."""
+    """Stored outputs over time, with their numbers of samples."""
     seed: int = 0
     chunk: int = CHUNK
     step: float | None = None
@@ -48,23 +48,23 @@ class SweepRequest:
     precision: str = "float64"
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Return plain values."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     @classmethod
     def of_spec(cls, spec: Mapping[str, Any]) -> SweepRequest:
-        """Return the request in the spec of a store, which is JSON with further entries."""
-        known = {name: spec[name] for name in cls.__dataclass_fields__}
-        lists = {"over": tuple(known["over"]), "measures": tuple(known["measures"])}
-        traces = tuple((str(name), int(count)) for name, count in known["traces"])
-        return cls(**{**known, **lists, "traces": traces})
+        """Return the request from the specification of a store."""
+        own = {name: spec[name] for name in cls.__dataclass_fields__}
+        lists = {"over": tuple(own["over"]), "measures": tuple(own["measures"])}
+        traces = tuple((str(name), int(count)) for name, count in own["traces"])
+        return cls(**{**own, **lists, "traces": traces})
 
 
 def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
     """Return the plan of a sweep of a scenario.
 
     Raises:
-        InputError: an axis, a measure, an output or a design is wrong.
+        InputError: an axis, a measure, an output or a design is invalid.
     """
     targets = list_targets(scenario)
     course = build_course(scenario, wanted.step, wanted.runtime, wanted.precision)
@@ -82,7 +82,7 @@ def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
 
 
 def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, SweepRequest]:
-    """Return the plan with its runtime, and the request completed with step and runtime.
+    """Return the plan, and the request completed with step and runtime.
 
     Raises:
         InputError: the request is invalid; measures are tried on an empty run.
@@ -93,10 +93,9 @@ def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, S
 
 
 def build_spec(scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] = ()) -> dict[str, Any]:
-    """Return all that is needed to make any chunk anywhere.
+    """Return the specification of a sweep, from which any process can compute its chunks.
 
-    `numbers` stands for those of the system and its signals: so that a file that the scenario
-    names, and that has changed or is another elsewhere, does not go unnoticed.
+    `numbers` is a digest of the system and its signals, which reveals changed files.
     """
     folder = scenario.path.parent.resolve() if scenario.path else Path.cwd()
     return {
@@ -111,30 +110,30 @@ def build_spec(scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] 
 
 
 def _digest_numbers(scenario: Scenario) -> str:
-    """Return a digest of all numbers of a scenario, and of its signals at the samples."""
+    """Return a digest of all numbers of a scenario and of its signals at the samples."""
     waves = list_waveforms(scenario)
     last = min(scenario.samples, 10_001) - 1
     times = [scenario.duration * k / last for k in range(last + 1)]
-    told = [(leaf.path, leaf.value) for leaf in scenario.whole.leaves()]
+    numbers = [(leaf.path, leaf.value) for leaf in scenario.whole.leaves()]
     played = [(name, wave.signals(times)) for name, wave in waves.items()]
-    return hashlib.sha256(repr((told, played)).encode()).hexdigest()
+    return hashlib.sha256(repr((numbers, played)).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
 class SweepJob:
-    """Makes chunks of the sweep in a store."""
+    """Computes and stores the chunks of a sweep."""
 
     path: Path
     spec: str = field(repr=False)
-    """Request as JSON."""
+    """Specification as JSON."""
 
     @property
     def plan(self) -> SweepPlan:
-        """Return the plan, made once in every process."""
+        """Return the plan, restored once in every process."""
         return _restore_plan(self.spec)
 
     def __call__(self, chunk: int) -> Report:
-        """Make a chunk and store it."""
+        """Compute a chunk and store it."""
         begin = time.process_time()
         piece, remarks = keep_runs(self, chunk, self.compute)
         report = self.store(chunk, piece, remarks)
@@ -145,11 +144,11 @@ class SweepJob:
         return self.plan.rows(chunk)
 
     def compute(self, rows: range) -> SweepPiece:
-        """Make some runs."""
+        """Compute some runs."""
         return self.plan.compute(rows)
 
     def lost(self, rows: range) -> SweepPiece:
-        """Return the placeholder for runs that cannot be made."""
+        """Return the placeholder for lost runs."""
         return self.plan.lost(rows)
 
     def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
@@ -163,7 +162,7 @@ class SweepJob:
 def _restore_plan(spec: str) -> SweepPlan:
     try:
         return _rebuild_plan(json.loads(spec))
-    except MartensiteError as error:  # some have arguments with which they cannot travel
+    except MartensiteError as error:  # some cannot be pickled
         raise StoppedError(f"A process cannot make this sweep: {error}") from None
 
 

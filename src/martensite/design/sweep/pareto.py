@@ -1,7 +1,7 @@
-"""Pareto fronts: the runs that no other beats.
+"""Pareto fronts: the non-dominated runs of a sweep.
 
-A run beats another if it is at least as good in every goal and better in one. Equal runs do not
-beat each other. Two goals take a sort; more are compared by blocks, the most promising first.
+A run dominates another if it is at least as good in every goal and better in one. Equal runs do not dominate each
+other. Two goals need a sort; more goals are compared by blocks, the most promising first.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from martensite.signals.sampling.sampled import Numbers
 Places: TypeAlias = NDArray[np.int64]
 BLOCK = 256
 FIRST = 64
-"""Rows of the set that are tried first: they beat most others."""
+"""Rows of the set that are compared first, since they dominate most others."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParetoFront:
-    """Runs that no other beats."""
+    """Non-dominated runs."""
 
     goals: tuple[SweepColumn, ...]
     most: tuple[bool, ...]
-    """True if a goal shall be large."""
+    """True for a goal to maximise."""
     runs: Places
-    """Their numbers in the sweep, in the order of the first goal, the best first."""
+    """Numbers of the runs in the sweep, the best in the first goal first."""
     compared: int
-    """Number of runs that were compared."""
+    """Number of compared runs."""
 
     def columns(self, found: SweepTable) -> dict[str, SweepColumn]:
-        """Return the varied numbers and goals, by name."""
+        """Return the varied parameters and goals by name."""
         return {**found.varied, **{one.name: one for one in self.goals}}
 
 
@@ -44,13 +44,13 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
     """Return the non-dominated runs of a sweep.
 
     Args:
-        found: the runs.
-        minimise: measures, or varied numbers, that shall be small.
-        maximise: those that shall be large.
+        found: runs of the sweep.
+        minimise: measures or varied parameters to minimise.
+        maximise: measures or varied parameters to maximise.
 
     Raises:
         UnknownNameError: the measure or parameter does not exist.
-        ParameterError: no goal is given, or one twice.
+        ParameterError: there is no goal, or one twice.
         DataError: no run has all goals.
     """
     goals = tuple(found.column(name) for name in (*minimise, *maximise))
@@ -71,7 +71,7 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
 
 
 def find_unbeaten(values: Numbers) -> Places:
-    """Return the places of the rows that no other beats, rising.
+    """Return the places of the non-dominated rows, rising.
 
     Args:
         values: (rows, goals), finite; small is good.
@@ -85,7 +85,7 @@ def find_unbeaten(values: Numbers) -> Places:
 
 
 def _find_of_two(ranks: Places) -> Places:
-    """With two goals: whoever has less of the second than all that have less of the first."""
+    """Return the rows with less of the second goal than all rows with less of the first."""
     order = np.lexsort((ranks[:, 1], ranks[:, 0]))
     a, b = ranks[order].T
     best = np.minimum.accumulate(b)
@@ -96,7 +96,7 @@ def _find_of_two(ranks: Places) -> Places:
 
 
 def _find_of_many(ranks: Places) -> Places:
-    """With more: a row can only be beaten by one of a smaller sum of ranks, so these come first."""
+    """Return the non-dominated rows; only a row with a smaller sum of ranks can dominate."""
     order = np.argsort(ranks.sum(axis=1), kind="stable")
     ordered = np.ascontiguousarray(ranks[order].astype(np.int32))
     kept = np.empty(0, np.int64)
@@ -109,7 +109,7 @@ def _find_of_many(ranks: Places) -> Places:
 
 
 def _mark_beaten(rows: NDArray[np.int32], by: NDArray[np.int32]) -> NDArray[np.bool_]:
-    """Which rows are beaten by one of others."""
+    """Return true for each row that one of the others dominates."""
     if not (len(rows) and len(by)):
         return np.zeros(len(rows), bool)
     as_good = np.ones((len(rows), len(by)), bool)

@@ -1,7 +1,6 @@
 """Plan of a sweep: runs, chunks, and stored results of every run.
 
-A chunk is a range of runs. It depends only on the plan and its number, so it can be computed anywhere, in any order,
-and repeatedly.
+A chunk is a range of runs that depends only on the plan and its number, so it can be computed anywhere, in any order.
 """
 
 from __future__ import annotations
@@ -29,14 +28,14 @@ DETAILS = {
     ENDED: ("s", "time at which a run ended"),
     ACCURACY: ("1", "how far what is judged may be off, as a share of its range"),
 }
-"""Details of every run besides its status: unit and meaning."""
+"""Further columns of every run: unit and meaning."""
 CHUNK = 512
-"""Runs in a chunk, unless chosen: about a second of work, and one file per column."""
+"""Default number of runs in a chunk: about a second of work, and one file per column."""
 
 
 @dataclass(frozen=True)
 class SweepTrace:
-    """A column that is kept over time, at fewer samples."""
+    """Stored output over time."""
 
     output: str
     samples: int
@@ -47,9 +46,9 @@ class SweepPiece:
     """Stored results of some runs."""
 
     values: Numbers
-    """Varied numbers, (runs, axes), in SI."""
+    """Varied parameters, (runs, axes), in SI."""
     scalars: dict[str, Numbers]
-    """One number per run: by the words of a measure, or as one of `DETAILS`."""
+    """One value per run, by measure or one of `DETAILS`."""
     traces: dict[str, Numbers]
     """(runs, samples) by output."""
     status: np.ndarray
@@ -57,7 +56,7 @@ class SweepPiece:
 
     @staticmethod
     def joined(pieces: Sequence[SweepPiece]) -> SweepPiece:
-        """Return some after others."""
+        """Return the results of several pieces."""
         first = pieces[0]
         return SweepPiece(
             np.concatenate([p.values for p in pieces]),
@@ -69,19 +68,19 @@ class SweepPiece:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep, ready to run."""
+    """Sweep that is ready to run."""
 
     course: VariantSetup
-    """System, waveforms, length and step; which outputs it has is decided here."""
+    """System, waveforms, length and step; the outputs are chosen here."""
     axes: tuple[FreeNumber, ...]
     design: AbstractDesign
     measures: Mapping[str, AbstractMeasure]
-    """By the words that name them."""
+    """Measures by their text."""
     traces: tuple[SweepTrace, ...] = ()
     chunk: int = CHUNK
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` where the plan cannot be run."""
+        """Raise `ParameterError` if the plan cannot be run."""
         if not self.axes:
             raise ParameterError("A sweep needs varied parameters. Add `--over`.")
         names = [one.target.name for one in self.axes]
@@ -95,7 +94,7 @@ class SweepPlan:
         self._check_axes()
 
     def _check_axes(self) -> None:
-        """Raise where an end of an axis is not allowed, or decides how large the program is."""
+        """Raise an error if an axis has an invalid end, or changes the size of the program."""
         system = self.course.system
         for one in self.axes:
             part = system if one.target.drive is None else self.course.waveforms[one.target.drive]
@@ -123,7 +122,7 @@ class SweepPlan:
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.size))
 
     def cautions(self) -> list[str]:
-        """Return sentences about what is allowed but probably not meant."""
+        """Return sentences about allowed but unusual requests."""
         kept = self.course.runtime == "cuda" and self.course.controlled and self._ready.measuring.totalled
         if self.measures and self.course.runtime == "cuda" and not kept:
             name = NAMES[self.course.runtime]
@@ -135,27 +134,27 @@ class SweepPlan:
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
-        """Return every output that something is made of, once."""
+        """Return all necessary outputs."""
         shown = (trace.output for trace in self.traces)
         return tuple(dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown)))
 
     @cached_property
     def times(self) -> Numbers:
-        """Sample times of every run [s]."""
+        """Return the sample times of every run [s]."""
         return np.array(self._ready.times)
 
     def trace_times(self, trace: SweepTrace) -> Numbers:
-        """Sample times of a trace [s]."""
+        """Return the sample times of a trace [s]."""
         return self.times[self._places(trace)]
 
     def compute(self, rows: range) -> SweepPiece:
-        """Run some runs."""
+        """Compute some runs."""
         values = self.values(rows)
         system, signals = self.by_owner([np.ascontiguousarray(column) for column in values.T])
         return self._kept(values, self._ready.run(system, signals))
 
     def values(self, rows: range) -> Numbers:
-        """Return the varied numbers of some runs, (runs, axes), in SI."""
+        """Return the varied parameters of some runs, (runs, axes), in SI."""
         return self.design.values(self.axes, rows.start, len(rows))
 
     def by_owner(self, columns: Sequence[Kind]) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
@@ -169,18 +168,18 @@ class SweepPlan:
         return system, signals
 
     def lost(self, rows: range) -> SweepPiece:
-        """Return the stored results of runs that cannot be made."""
+        """Return the stored results of lost runs."""
         lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
         return self._kept(self.values(rows), lost)
 
     def try_measures(self) -> None:
-        """Raise `InputError` where a measure does not fit the runs; it is tried on an empty run."""
+        """Raise `InputError` if a measure fails on an empty run."""
         times = self.times
         self._ready.measuring.measure_samples(times.tolist(), np.zeros((len(self.outputs), len(times), 1)))
 
     @cached_property
     def _ready(self) -> VariantSetup:
-        """The course with its outputs and measures; without traces it keeps as many samples as runs are compared at."""
+        """Return the setup with outputs and measures; without traces it has few samples."""
         samples = self.course.samples
         if self.course.controlled and self.course.runtime != "cuda" and not self.traces:
             samples = min(samples, FEW)
@@ -188,7 +187,7 @@ class SweepPlan:
         return replace(self.course, outputs=self.outputs, measures=measures, samples=samples)
 
     def _kept(self, values: Numbers, ran: Ensemble) -> SweepPiece:
-        """Return the measures and traces; a run that failed has no measures."""
+        """Return the measures and traces; a failed run has no measures."""
         bad = ran.status >= Status.UNSOLVED
         scalars = {words: np.where(bad, np.nan, row) for words, row in zip(self.measures, ran.numbers, strict=True)}
         scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
@@ -196,13 +195,13 @@ class SweepPlan:
         return SweepPiece(values, scalars, traces, ran.status)
 
     def _places(self, trace: SweepTrace) -> np.ndarray:
-        """Return the samples that a trace keeps: both ends, and evenly between them."""
+        """Return the samples of a trace: both ends, and evenly between them."""
         last = len(self.times) - 1
         return np.unique(np.round(np.linspace(0, last, min(trace.samples, last + 1))).astype(int))
 
 
 def _count_bytes(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
-    """Return the structure with another number; that of the nominal one where a check refuses it."""
+    """Return the structure with another number; the nominal one if a check refuses the number."""
     try:
         return describe_structure(part.with_values({path: number}))
     except MartensiteError:  # a refused run is a row of the sweep

@@ -1,17 +1,15 @@
-"""Opening a sweep: as columns with one number per run, in a few numbers, or as an xarray dataset.
+"""Reading of a sweep: columns with one value per run, summaries, or an xarray dataset.
 
-A chunk that is not made has no numbers, and its runs the status `NOT_MADE` (-1). The dataset is read when it is
-needed:
+Runs of a missing chunk have the status `NOT_MADE` (-1) and no values. The variables of the dataset are read on demand:
 
-    values     measures and traces, in SI; NaN where a run failed or is not made, but traces of runs
-               that left the envelope go as far as these came
-    status     how every run ended (`martensite.base.status`); -1 where it is not made yet
-    ended, accuracy  when it ended [s], and how far it may be off, as a share of ranges
-    coordinates  the varied numbers, and the times of traces
-    attributes  the scenario and all that was asked for
+    values     measures and traces, in SI; NaN for a failed or missing run, but traces of runs that left the envelope
+               are kept
+    status     end of every run (`martensite.base.status`); -1 for a missing run
+    ended, accuracy  time of the end [s], and error bound as a fraction of ranges
+    coordinates  varied parameters, and times of traces
+    attributes  scenario and request
 
-With dask installed, nothing but the status is in memory before it is asked for. Varied numbers of
-runs that are not made are NaN, except on a grid.
+With dask installed, only the status is read at first. Varied parameters of missing runs are NaN, except on a grid.
 """
 
 from __future__ import annotations
@@ -38,13 +36,13 @@ if TYPE_CHECKING:
 
 
 def read_sweep(path: Path | str) -> SweepTable:
-    """Return the runs of a sweep, as far as they are made.
+    """Return the finished runs of a sweep.
 
     Args:
-        path: its Zarr store; it may still be written.
+        path: Zarr store, which may be incomplete.
 
     Raises:
-        DataError: it holds no sweep, or is damaged.
+        DataError: the store is no sweep, or is damaged.
         InputError: Zarr is not installed.
     """
     store = Store(Path(path))
@@ -68,16 +66,16 @@ def read_sweep(path: Path | str) -> SweepTable:
 
 
 def read_status(store: Store) -> NDArray[np.int8]:
-    """Return the status of every run; `NOT_MADE` where its chunk is not there."""
+    """Return the status of every run; `NOT_MADE` for a missing chunk."""
     status = np.asarray(store.group[STATUS][:], np.int8)
     places = np.arange(len(status)) // int(store.spec["chunk"])
     return np.where(np.isin(places, list(store.made())), status, np.int8(NOT_MADE))
 
 
 def read_axes(store: Store) -> list[FreeNumber]:
-    """Axes in the order in which they were asked for; of a normal one only the kind is to be used.
+    """Return the axes in their requested order; of a normal axis only the kind is valid.
 
-    The scenario is not read again: it may need parts of the user's own.
+    The scenario is not read again, because it may need parts of the user.
     """
     targets = {
         str(name): Target(str(name), str(name), array.attrs["units"], 1.0)
@@ -88,7 +86,7 @@ def read_axes(store: Store) -> list[FreeNumber]:
 
 
 def read_levels(store: Store, axes: list[FreeNumber]) -> tuple[Any, ...] | None:
-    """Return the levels of every axis of a grid; None of other designs."""
+    """Return the levels of every axis of a grid; None for other designs."""
     if store.spec["sample"].strip() != "grid":
         return None
     return tuple(one.levels() for one in axes)
@@ -107,13 +105,13 @@ def count_statuses(store: Store, named: int) -> tuple[Counter[int], dict[int, li
     """Return the number of runs by status, and the first few runs of each that is not OK."""
     counts, rows = Counter[int](), dict[int, list[int]]()
     for stretch, there in store.stretches():
-        found = np.where(there, store.group[STATUS][stretch], -1)
+        statuses = np.where(there, store.group[STATUS][stretch], -1)
         for status in Status:
-            places = np.flatnonzero(found == status)
+            places = np.flatnonzero(statuses == status)
             counts[status] += len(places)
             if status is not Status.OK and len(places):
-                known = rows.setdefault(status, [])
-                known += (places[: named - len(known)] + stretch.start).tolist()
+                first = rows.setdefault(status, [])
+                first += (places[: named - len(first)] + stretch.start).tolist()
     return counts, rows
 
 
@@ -124,12 +122,12 @@ def count_above(store: Store, column: str, bound: float) -> int:
 
 
 def compute_spread(store: Store, column: str) -> tuple[float, float, float]:
-    """Lowest, median and highest of the finite numbers of a column; NaN where there is none."""
-    found = np.concatenate([_read_finite(store, column, *one) for one in store.stretches()])
-    if not len(found):
+    """Return lowest, median and highest finite value of a column, or NaN."""
+    values = np.concatenate([_read_finite(store, column, *one) for one in store.stretches()])
+    if not len(values):
         return math.nan, math.nan, math.nan
-    lowest, highest = float(found.min()), float(found.max())
-    return lowest, float(np.median(found, overwrite_input=True)), highest
+    lowest, highest = float(values.min()), float(values.max())
+    return lowest, float(np.median(values, overwrite_input=True)), highest
 
 
 def _read_finite(store: Store, column: str, place: slice, there: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -141,16 +139,15 @@ def _read_finite(store: Store, column: str, place: slice, there: NDArray[np.bool
 
 
 PRIVATE = ("folder", "modules", "chunk", "traces")
-"""Entries of the request without meaning elsewhere, or contained in the variables."""
+"""Entries of the request that are internal or contained in the variables."""
 
 
 def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
     """Open the store of a sweep.
 
     Args:
-        path: the Zarr group.
-        grid: make the axes of a grid dimensions; otherwise, and for samples, there is one
-            dimension `run`.
+        path: Zarr group.
+        grid: use the axes of a grid as dimensions; otherwise there is one dimension `run`.
 
     Raises:
         DataError: the sweep does not exist or is damaged.
@@ -177,14 +174,14 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
 
 
 def _describe_status(opened: xarray.Dataset) -> dict[str, Any]:
-    """Attributes of the status, that of runs which are not made among its values."""
-    known = dict(opened[STATUS].attrs)
-    values = np.array([NOT_MADE, *known["flag_values"]], np.int8)
-    return {**known, "flag_values": values, "flag_meanings": f"not_made {known['flag_meanings']}"}
+    """Return the attributes of the status, with the value for missing runs."""
+    attributes = dict(opened[STATUS].attrs)
+    values = np.array([NOT_MADE, *attributes["flag_values"]], np.int8)
+    return {**attributes, "flag_values": values, "flag_meanings": f"not_made {attributes['flag_meanings']}"}
 
 
 def _mask_failed(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarray.Dataset:
-    """NaN in runs that failed or are not made; `partial` is known where the envelope was left."""
+    """Return NaN for failed and missing runs; `partial` columns are kept if the envelope was left."""
     good = (status > NOT_MADE) & (status < Status.UNSOLVED)
     if good.all():
         return made
@@ -196,23 +193,22 @@ def _mask_failed(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> x
 
 
 def _arrange_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) -> xarray.Dataset:
-    """With one dimension per axis instead of that of the runs."""
+    """Return the dataset with one dimension per axis."""
     shape = tuple(map(len, levels.values()))
-    told = {name: made[name].attrs for name in levels}
     variables = {name: _fold_runs(one, tuple(levels), shape) for name, one in made.data_vars.items()}
     times = {name: one for name, one in made.coords.items() if RUN not in one.dims}
-    coords = {name: (name, values, told[name]) for name, values in levels.items()}
+    coords = {name: (name, values, made[name].attrs) for name, values in levels.items()}
     return xarray.Dataset(variables, {**coords, **times})
 
 
 def _fold_runs(one: Any, names: tuple[str, ...], shape: tuple[int, ...]) -> Any:
-    """Return a variable with its dimension of runs, which is its first, cut into those of the grid."""
+    """Return a variable with its first dimension, the runs, split into the dimensions of the grid."""
     data = one.variable.data
     return (*names, *one.dims[1:]), data.reshape(*shape, *one.shape[1:]), one.attrs
 
 
 def _describe_request(store: Store) -> dict[str, Any]:
     """Return the request as attributes for netCDF."""
-    known = {n: v for n, v in store.spec.items() if n not in PRIVATE and v is not None}
+    entries = {n: v for n, v in store.spec.items() if n not in PRIVATE and v is not None}
     plain = (str, int, float, list)
-    return {n: v if isinstance(v, plain) else json.dumps(v) for n, v in known.items()}
+    return {n: v if isinstance(v, plain) else json.dumps(v) for n, v in entries.items()}

@@ -1,16 +1,15 @@
-"""A sweep as a job array of SLURM, submitted through submitit.
+"""Sweep as a SLURM job array, submitted with submitit.
 
-Every task of the array makes its share of the chunks that are missing, and writes each into the store when all of it is
-there: that is its checkpoint. SLURM ends tasks in three ways, and each is started again:
+Every task computes its part of the missing chunks and writes each finished chunk into the store. A task that SLURM ends
+is started again:
 
-    time is up            SLURM signals (USR2) some time before; submitit asks for the task to be requeued
+    time is up            SLURM signals (USR2) before; submitit requeues the task
     preempted, node lost  SLURM requeues it (`--requeue`)
-    killed (memory, …)    the script sees that a signal ended it, and asks for it to be requeued
+    killed (memory, …)    the script detects the signal and requeues it
 
-A task that was started `FRUITLESS` times in vain stops and says so, since the same again would change nothing. One that
-raises an error is not started again; its log has the sentence.
-
-<https://slurm.schedmd.com/sbatch.html>, <https://github.com/facebookincubator/submitit/blob/main/docs/checkpointing.md>
+A task with `FRUITLESS` starts without a new chunk stops with an error. A task that raises an error is not started
+again; its log has the message. <https://slurm.schedmd.com/sbatch.html>,
+<https://github.com/facebookincubator/submitit/blob/main/docs/checkpointing.md>
 """
 
 from __future__ import annotations
@@ -43,11 +42,11 @@ from martensite.design.sweep.store import Store, list_differences
 PYTHON = shlex.join(python_command())
 """Command of Python in a task, for a shell."""
 FRUITLESS = 5
-"""Starts without a chunk more after which a task gives up."""
+"""Starts without a new chunk after which a task stops."""
 RESTARTS = 1000
-"""Restarts after which a task is not requeued any more."""
+"""Largest number of restarts of a task."""
 PATIENCE = 600.0
-"""Time that a task waits for its end after it was told to end [s]; grace times of partitions are minutes."""
+"""Time that a task waits for its end after SIGTERM [s]; grace times of partitions are minutes."""
 REQUEUE = (
     "code=$?",
     'own="${SLURM_ARRAY_TASK_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}"',
@@ -58,24 +57,24 @@ REQUEUE = (
     "fi",
     'exit "$code"',
 )
-"""Script lines after the end of a task; a code of 128 plus a number is the signal that ended it."""
+"""Lines of the script after a task; an exit code above 128 is a signal."""
 
 
 @dataclass(frozen=True)
 class SlurmTask:
-    """A task of an array, which submitit starts and starts again."""
+    """Task of an array, which submitit starts and restarts."""
 
     job: SweepJob
     chunks: tuple[int, ...]
-    """Chunks that were missing at submission."""
+    """Missing chunks at submission."""
     workers: int
-    """Processes; 0 for this one alone."""
+    """Number of processes; 0 for this process alone."""
 
     def __call__(self) -> str:
-        """Make the chunks that are still missing, and say so.
+        """Compute the missing chunks, and return a sentence on them.
 
         Raises:
-            StoppedError: it cannot go on; what was made is kept.
+            StoppedError: the task cannot continue; finished chunks are kept.
         """
         signal.signal(signal.SIGTERM, _await_end)
         store = Store(self.job.path)
@@ -84,10 +83,10 @@ class SlurmTask:
         there = store.made()
         _count_starts(len(there.intersection(self.chunks)))
         backend = Processes(self.workers) if self.workers else Serial()
-        found = run_chunks(self.job, self.chunks, there, backend)
-        said = f"{found.done:,} of {found.runs:,} runs of this task are there, {found.made:,} of them now."
-        sys.stdout.write("\n".join((*found.remarks, said, "")))
-        return said
+        progress = run_chunks(self.job, self.chunks, there, backend)
+        sentence = f"{progress.done:,} of {progress.runs:,} runs of this task are there, {progress.made:,} of them now."
+        sys.stdout.write("\n".join((*progress.remarks, sentence, "")))
+        return sentence
 
     def checkpoint(self) -> Any:
         """Return the same task for resubmission; finished chunks are in the store."""
@@ -95,10 +94,10 @@ class SlurmTask:
 
 
 def _await_end(number: int, frame: FrameType | None) -> None:
-    """Stop, and leave it to SLURM to end this task.
+    """Stop, and let SLURM end this task.
 
-    Before it preempts a task or cancels it, SLURM sends SIGTERM to all its processes. A task that ended by itself now
-    would count as failed, and is not requeued; workers that are gone are no fault of their runs.
+    SLURM sends SIGTERM before it preempts or cancels a task. A task that ended by itself would count as failed, and
+    would not be requeued.
     """
     del frame
     for child in active_children():
@@ -108,7 +107,7 @@ def _await_end(number: int, frame: FrameType | None) -> None:
 
 
 def _count_starts(there: int) -> None:
-    """Record a start of this task, with the number of finished chunks, in a separate file.
+    """Record a start of this task and the number of finished chunks in a separate file.
 
     Raises:
         StoppedError: too many starts finished no chunk.
@@ -129,18 +128,18 @@ def _count_starts(there: int) -> None:
 
 @dataclass(frozen=True)
 class SlurmArray:
-    """The array of a sweep: where it writes, and what it asks for."""
+    """Job array of a sweep with its options."""
 
     store: Path
     options: SlurmOptions
 
     @property
     def folder(self) -> Path:
-        """Scripts and logs of its tasks, beside the store."""
+        """Return the folder of scripts and logs, beside the store."""
         return self.store.absolute().with_name(f"{self.store.name}.slurm")
 
     def write_script(self, missing: int) -> str:
-        """Return the script for `sbatch`, for so many missing chunks.
+        """Return the script for `sbatch`, for a number of missing chunks.
 
         Raises:
             InputError: submitit is not installed.
@@ -151,13 +150,13 @@ class SlurmArray:
         return _import_slurm()._make_sbatch_string(command, self.folder, **self._settings(), **array)
 
     def require_idle(self) -> None:
-        """Raise `InputError` if tasks are in the queue that would write into another store in the place of theirs."""
+        """Raise `InputError` if tasks of an earlier array are in the queue."""
         last = self.find_job()
         if last and self.count_states(last):
             raise InputError(f"Job {last} still writes into `{self.store}`; end it first: `scancel {last}`.")
 
     def go_on(self, begun: PlannedSweep) -> Summary | None:
-        """Say how far the array is; submit one if chunks are missing and none is in the queue; None if all are there.
+        """Return the state of the array, after submission if necessary; None if no chunk is missing.
 
         Raises:
             InputError: submitit or SLURM is not installed, or SLURM refuses.
@@ -173,10 +172,10 @@ class SlurmArray:
             remarks.append(f"Job {last} has ended before all was made; its logs say why.")
         number = last if last and states else self.submit(begun.job, missing)
         states = states or Counter({"submitted": self.options.count_tasks(len(missing))})
-        told = ", ".join(f"{count:,} {state}" for state, count in states.items())
+        counts = ", ".join(f"{count:,} {state}" for state, count in states.items())
         runs = sum(len(begun.plan.rows(chunk)) for chunk in there)
         blocks = [
-            Sentence(f"job {number}: {told}; {runs:,} of {begun.plan.size:,} runs are there"),
+            Sentence(f"job {number}: {counts}; {runs:,} of {begun.plan.size:,} runs are there"),
             *(Sentence(f"Warning: {one}", "caution") for one in remarks),
             Sentence(f"logs in {self.folder}"),
         ]
@@ -185,7 +184,7 @@ class SlurmArray:
         return Summary("", blocks, {**numbers, "chunks": [len(there), total], **places, "remarks": remarks})
 
     def submit(self, job: SweepJob, missing: Sequence[int]) -> str:
-        """Submit tasks for missing chunks; the number of the job.
+        """Submit tasks for missing chunks, and return the number of the job.
 
         Raises:
             InputError: submitit or SLURM is not installed, or SLURM refuses.
@@ -205,20 +204,20 @@ class SlurmArray:
             raise InputError(f"SLURM refuses the array: {_find_reason(error)}") from None
 
     def find_job(self) -> str | None:
-        """Return the number of the array that was submitted last."""
+        """Return the number of the last array."""
         numbers = [file.name.partition("_")[0] for file in self.folder.glob("*_submission.sh")]
         return max(filter(str.isdecimal, numbers), key=int, default=None)
 
     def count_states(self, number: str) -> Counter[str]:
-        """Tasks of an array that are in the queue, by their state in SLURM's words; none when it has ended."""
+        """Return the number of queued tasks of an array by state; empty for a finished array."""
         words = "squeue", "--noheader", "--array", "--jobs", number, "--format", "%T"
         try:
-            told = subprocess.run(words, capture_output=True, text=True, check=False)
+            answer = subprocess.run(words, capture_output=True, text=True, check=False)
         except OSError:
             return Counter()
-        if told.returncode and "nvalid job id" not in told.stderr:
-            raise StoppedError(f"SLURM does not report the state of job {number} is: {_find_reason(told.stderr)}")
-        return Counter(told.stdout.lower().split())
+        if answer.returncode and "nvalid job id" not in answer.stderr:
+            raise StoppedError(f"SLURM does not report the state of job {number}: {_find_reason(answer.stderr)}")
+        return Counter(answer.stdout.lower().split())
 
     def _settings(self) -> dict[str, Any]:
         return {"job_name": f"martensite-{self.store.stem}", "teardown": list(REQUEUE), **self.options.to_submitit()}
@@ -230,6 +229,6 @@ def _import_slurm() -> Any:
 
 
 def _find_reason(error: object) -> str:
-    """SLURM's own words in what a command of it has said."""
+    """Return the error of SLURM from the output of a command."""
     lines = [line for line in str(error).splitlines() if ": error: " in line] or str(error).splitlines()[:1]
     return lines[-1].rpartition("error: ")[2].rstrip(".") + "." if lines else "no reason given."

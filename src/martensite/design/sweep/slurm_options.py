@@ -1,12 +1,12 @@
-"""Request to SLURM, in words: `partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB`.
+"""Options for SLURM in words: `partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB`.
 
-    tasks      of the array [16], never more than there are chunks to make
-    parallel   how many of them may run at a time [all]
+    tasks      of the array [16], at most one per missing chunk
+    parallel   tasks that run at a time [all]
     cpus       cores of a task [1], each with a process
-    time       until SLURM ends a task, which is then started again [1 h]; also in SLURM's form, `1-12:00:00`
-    memory     of a task, in MB, GB or TB of 1024 each [what the cluster gives]
+    time       time limit of a task, which then restarts [1 h]; also in SLURM's form, `1-12:00:00`
+    memory     of a task, in MB, GB or TB of 1024 each [default of the cluster]
 
-and the options of `FREE`, as in `sbatch`.
+The options of `FREE` are as in `sbatch`.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ FREE = (
     "qos",
     "reservation",
 )
-"""Options whose words are given to `sbatch` as they are."""
+"""Options that `sbatch` gets unchanged."""
 COUNTS = ("tasks", "parallel", "cpus")
 NOTICE = 90
 """Longest notice before the end of a task [s]."""
 CLOCK = r"(?:(\d+)-)?(\d+):(\d\d)(?::(\d\d))?"
-"""Times as SLURM writes them."""
+"""Pattern of times in SLURM's form."""
 POWERS = {"M": 0, "G": 1, "T": 2}
 MOST_TASKS = 10_000
 
@@ -52,18 +52,18 @@ class SlurmOptions:
     parallel: int | None = None
     cpus: int = 1
     time: float = 3600.0
-    """Until a task is ended [s]."""
+    """Time limit of a task [s]."""
     memory: int | None = None
     """Memory of a task [MiB]."""
     free: dict[str, str] = field(default_factory=dict[str, str])
 
     def count_tasks(self, missing: int) -> int:
-        """Return the number of tasks for a number of chunks."""
+        """Return the number of tasks for a number of missing chunks."""
         return max(min(self.tasks, missing), 1)
 
     @property
     def minutes(self) -> int:
-        """SLURM counts in minutes."""
+        """Return the time limit in minutes."""
         return math.ceil(self.time / 60.0)
 
     def to_submitit(self) -> dict[str, Any]:
@@ -81,25 +81,25 @@ class SlurmOptions:
 
 
 def parse_slurm_options(words: str) -> SlurmOptions:
-    """Read options from a text such as `partition=short, time=2 h`.
+    """Return the options of a text such as `partition=short, time=2 h`.
 
     Raises:
         InputError: an option is unknown, or its value is invalid.
     """
-    found: dict[str, Any] = {}
+    options: dict[str, Any] = {}
     free: dict[str, str] = {}
     for one in re.split(r",(?=\s*[\w-]+\s*=)", words) if words.strip() else ():  # values have commas: `nodelist=a[1,2]`
         name, equals, value = (part.strip() for part in one.partition("="))
         if not (equals and value):
             raise ParameterError(f"`{one.strip()}` is no option of SLURM; write `time=2 h, cpus=4`.")
         require_known("option of SLURM", name, (*COUNTS, "time", "memory", *FREE))
-        if name in found or name in free:
+        if name in options or name in free:
             raise ParameterError(f"Option `{name}` of SLURM is given twice.")
         if name in FREE:
             free[name] = value
         else:
-            found[name] = {"time": _read_time, "memory": _read_memory}.get(name, _read_count)(name, value)
-    return SlurmOptions(**found, free=free)
+            options[name] = {"time": _read_time, "memory": _read_memory}.get(name, _read_count)(name, value)
+    return SlurmOptions(**options, free=free)
 
 
 def _read_count(name: str, value: str) -> int:
@@ -109,19 +109,19 @@ def _read_count(name: str, value: str) -> int:
 
 
 def _read_time(name: str, value: str) -> float:
-    """In units, or as `days-hours:minutes:seconds`."""
+    """Return a time [s] from text with a unit, or `days-hours:minutes:seconds`."""
     match, long = re.fullmatch(CLOCK, value), re.fullmatch(r"(\d+(?:\.\d+)?)\s*([hd])", value)
     if match is not None:
         days, first, second, third = (int(part or 0) for part in match.groups())
         hours = match[1] is not None or match[4] is not None  # else `minutes:seconds`
-        found = 86400.0 * days + (3600 * first + 60 * second + third if hours else 60 * first + second)
-    elif long is not None:  # known without pint, which takes a second to load
-        found = float(long[1]) * {"h": 3600.0, "d": 86400.0}[long[2]]
+        seconds = 86400.0 * days + (3600 * first + 60 * second + third if hours else 60 * first + second)
+    elif long is not None:  # without pint, which takes a second to load
+        seconds = float(long[1]) * {"h": 3600.0, "d": 86400.0}[long[2]]
     else:
-        found = units.parse_quantity(value, "s")
-    if not 0.0 < found < math.inf:
+        seconds = units.parse_quantity(value, "s")
+    if not 0.0 < seconds < math.inf:
         raise ParameterError(f"Option `{name}` of SLURM must be above 0, not `{value}`.")
-    return found
+    return seconds
 
 
 def _read_memory(name: str, value: str) -> int:

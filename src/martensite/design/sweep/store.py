@@ -1,17 +1,17 @@
 """Store of a sweep: a self-contained Zarr group (format 3) that xarray opens.
 
     run                       one entry per run
-    PATH of a varied number   its value in SI, (run,)
-    words of a measure        its number in SI, (run,); NaN where the run failed
+    PATH of a parameter       its value in SI, (run,)
+    text of a measure         its value in SI, (run,); NaN for a failed run
     OUTPUT                    a trace, (run, time of OUTPUT)
-    status                    how the run ended (`martensite.base.status`), (run,)
-    ended                     when it ended [s], (run,); NaN where that is not known
-    accuracy                  how far it may be off, a share of ranges, (run,); NaN on equal steps
-    made                      checksum of the files of a chunk (CRC-32), (chunk,); 0 where it is not there
+    status                    end of the run (`martensite.base.status`), (run,)
+    ended                     time of the end [s], (run,); NaN if unknown
+    accuracy                  error bound as a fraction of ranges, (run,); NaN on equal steps
+    made                      checksum of the files of a chunk (CRC-32), (chunk,); 0 for a missing chunk
 
-All arrays are cut at the same runs: a chunk of the sweep is a separate region, which exactly one writer writes. A chunk
-is complete when all of it is written and its files match the checksum. The attributes contain the request, with the
-scenario, and the metadata of every array. With them a stopped or damaged sweep continues.
+All arrays have the same chunks, and each chunk has exactly one writer. A chunk is complete when its files match the
+checksum. The attributes hold the request with the scenario, and the metadata of every array, from which a stopped or
+damaged sweep continues.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ SPEC, LAYOUT, CHECK = "martensite.design.sweep", "martensite_arrays", "martensit
 """Attributes: the request, the metadata of all arrays, and the checksum of both."""
 METADATA = "zarr.json"
 FLAG = np.dtype("<u4")
-"""A checksum, as it stands in its file."""
+"""Type of a stored checksum."""
 AGAIN = "Give the same `martensite sweep` command again: it makes anew what is damaged."
 NUMBER = "f8"
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Error numbers of a full disk or quota."""
 MAY_DIFFER = ("folder", "modules", "title")
-"""Attributes that may differ: folder and title of the scenario, and modules."""
+"""Entries of the request that may differ."""
 LONGEST = 60
-"""Characters of a value that is shown."""
+"""Characters of a reported value."""
 WORDS = {
     "over": "axes",
     "traces": "traces",
@@ -58,16 +58,16 @@ WORDS = {
     "numbers": "numbers in files that the scenario names",
 }
 STRETCH = 1 << 20
-"""Runs that are read at a time where all are looked at."""
+"""Runs that are read at a time."""
 
 
 def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
-    """Make a store, or open the one that is there if it holds the same sweep.
+    """Create a store, or open an existing store of the same sweep.
 
-    The group appears whole or not at all, so that several processes may do this at a time.
+    The group appears whole or not at all, so several processes may create it.
 
     Raises:
-        DataError: something else is there, or the folder cannot be written.
+        DataError: the path holds something else, or the folder cannot be written.
         StoppedError: the disk is full.
     """
     if not path.exists():
@@ -93,7 +93,7 @@ def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
 
 
 def _remove_path(path: Path) -> None:
-    """Remove what is there, a file or a folder, as a damaged disk may have put it in place of the other."""
+    """Remove a file or a folder."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:
@@ -101,12 +101,12 @@ def _remove_path(path: Path) -> None:
 
 
 def _describe_reason(error: OSError) -> str:
-    """Why something could not be written."""
+    """Return the reason for a failed write."""
     return "the disk is full" if error.errno in FULL else error.strerror or str(error)
 
 
 def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
-    """An empty group for a plan."""
+    """Create an empty group for a plan."""
     group = _load_zarr().create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
     for name, (kind, dims, sizes, attributes) in _lay_out_arrays(plan).items():
         shape, chunks = zip(*sizes, strict=True)
@@ -131,40 +131,39 @@ def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
 
 
 def _lay_out_arrays(plan: SweepPlan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
-    """Return every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
+    """Return number type, dimensions, (length, chunk length) of each dimension, and attributes of every array."""
     runs, system = (plan.size, plan.chunk), plan.course.system
-    found: dict[str, Any] = {}
+    arrays: dict[str, Any] = {}
     for axis in plan.axes:
-        told = {"units": axis.target.unit, "long_name": axis.target.doc, "role": "varied"}
-        found[axis.target.name] = NUMBER, (RUN,), [runs], told
+        attributes = {"units": axis.target.unit, "long_name": axis.target.doc, "role": "varied"}
+        arrays[axis.target.name] = NUMBER, (RUN,), [runs], attributes
     for words, one in plan.measures.items():
-        told = {"units": one.unit_in(system), "long_name": words, "role": "measure"}
-        found[words] = NUMBER, (RUN,), [runs], told
+        attributes = {"units": one.unit_in(system), "long_name": words, "role": "measure"}
+        arrays[words] = NUMBER, (RUN,), [runs], attributes
     for trace in plan.traces:
         along, count = TIME.format(trace.output), len(plan.trace_times(trace))
-        found[along] = NUMBER, (along,), [(count, count)], {"units": "s", "role": "time"}
+        arrays[along] = NUMBER, (along,), [(count, count)], {"units": "s", "role": "time"}
         output = system.outputs()[trace.output]
-        told = {"units": output.unit, "long_name": output.long_name, "role": "trace"}
-        found[trace.output] = NUMBER, (RUN, along), [runs, (count, count)], told
+        attributes = {"units": output.unit, "long_name": output.long_name, "role": "trace"}
+        arrays[trace.output] = NUMBER, (RUN, along), [runs, (count, count)], attributes
     for name, (unit, words) in DETAILS.items():
-        told = {"units": unit, "long_name": words, "role": "detail"}
-        found[name] = NUMBER, (RUN,), [runs], told
+        arrays[name] = NUMBER, (RUN,), [runs], {"units": unit, "long_name": words, "role": "detail"}
     meanings = " ".join(one.name.lower() for one in Status)
     flags = {"flag_values": [int(one) for one in Status], "flag_meanings": meanings}
-    found[STATUS] = "i1", (RUN,), [runs], {"role": "status", **flags}
-    found[MADE] = FLAG.str, (CHUNK,), [(plan.chunks, 1)], {"role": "made"}
-    return found
+    arrays[STATUS] = "i1", (RUN,), [runs], {"role": "status", **flags}
+    arrays[MADE] = FLAG.str, (CHUNK,), [(plan.chunks, 1)], {"role": "made"}
+    return arrays
 
 
 @dataclass(frozen=True)
 class Store:
-    """A sweep on disk."""
+    """Sweep on disk."""
 
     path: Path
 
     @cached_property
     def _root(self) -> Any:
-        """Open the Zarr group, after a check only that it is a sweep.
+        """Return the Zarr group, after a check that it is a sweep.
 
         Raises:
             DataError: it is not a sweep.
@@ -172,36 +171,36 @@ class Store:
         if self.path.is_file():
             raise DataError(f"`{self.path}` is a file, and a sweep is a folder (`martensite sweep` writes one).")
         try:
-            found = _load_zarr().open_group(str(self.path), mode="r+")
-            json.loads(found.attrs[SPEC])
+            root = _load_zarr().open_group(str(self.path), mode="r+")
+            json.loads(root.attrs[SPEC])
         except (OSError, KeyError, ValueError) as error:
             raise DataError(f"`{self.path}` holds no sweep ({error}).") from None
-        return found
+        return root
 
     def require_sweep(self) -> None:
-        """Raise `DataError` if it holds no sweep, be it damaged or not."""
+        """Raise `DataError` if the path holds no sweep."""
         self._root  # noqa: B018
 
     @cached_property
     def _request(self) -> tuple[str, str]:
-        """Return the request and the metadata of arrays, as JSON, if both are sound."""
-        known = self._root.attrs.asdict()
-        if LAYOUT not in known:
+        """Return the request and the metadata of arrays as JSON, after a check of both."""
+        attributes = self._root.attrs.asdict()
+        if LAYOUT not in attributes:
             raise DataError(
                 f"`{self.path}` was made without checksums, by an earlier version; use --force to replace it."
             )
-        if zlib.crc32((known[SPEC] + known[LAYOUT]).encode()) != known.get(CHECK):
+        if zlib.crc32((attributes[SPEC] + attributes[LAYOUT]).encode()) != attributes.get(CHECK):
             raise DataError(
                 f"What `{self.path}` says of its sweep is damaged (`zarr.json`); use --force to replace it."
             )
-        return known[SPEC], known[LAYOUT]
+        return attributes[SPEC], attributes[LAYOUT]
 
     @cached_property
     def group(self) -> Any:
         """Return the Zarr group.
 
         Raises:
-            DataError: there is none, or it is damaged.
+            DataError: it does not exist or is damaged.
         """
         damaged = self._list_damaged_arrays()
         if damaged:
@@ -215,20 +214,20 @@ class Store:
 
     @cached_property
     def _layout(self) -> dict[str, dict[str, Any]]:
-        """Metadata of all arrays, and the checksums of times."""
+        """Return the metadata of all arrays, and the checksums of times."""
         return json.loads(self._request[1])
 
     def made(self) -> set[int]:
-        """Return the numbers of the chunks that are there."""
+        """Return the numbers of the finished chunks."""
         return set(np.flatnonzero(self._read_flags()).tolist())
 
     def find_damaged(self) -> list[int]:
-        """Return the numbers of the chunks whose files are not what was written."""
+        """Return the numbers of the chunks with damaged files."""
         flags = self._read_flags()
         return [int(chunk) for chunk in np.flatnonzero(flags) if flags[chunk] != self.digest_chunk(int(chunk))]
 
     def require_sound(self) -> None:
-        """Raise `DataError` if anything is not what was written."""
+        """Raise `DataError` if an array or chunk is damaged."""
         self.group  # noqa: B018  # says what of the arrays is damaged
         damaged = self.find_damaged()
         if damaged:
@@ -237,7 +236,7 @@ class Store:
             raise DataError(f"`{self.path}` is damaged: {of}. {AGAIN}")
 
     def restore_arrays(self, plan: SweepPlan) -> None:
-        """Write anew what arrays are, and the times of traces, where they are damaged."""
+        """Restore damaged metadata of arrays, and times of traces."""
         for name in self._list_damaged_arrays():
             folder = self.path / name
             if not folder.is_dir():
@@ -251,7 +250,7 @@ class Store:
                     self._root[name][:] = plan.trace_times(trace)
 
     def discard_damaged(self) -> list[int]:
-        """Remove the chunks whose files are not what was written; their numbers."""
+        """Remove the damaged chunks, and return their numbers."""
         damaged = self.find_damaged()
         for chunk in damaged:
             for file in (self._flag_file(chunk), *self._list_files(chunk)):
@@ -259,8 +258,8 @@ class Store:
         return damaged
 
     def _list_damaged_arrays(self) -> list[str]:
-        """Return the names of arrays that are not what they were made as."""
-        wrong = [name for name, known in self._layout["arrays"].items() if self._read_metadata(name) != known]
+        """Return the names of arrays with damaged metadata or times."""
+        wrong = [name for name, right in self._layout["arrays"].items() if self._read_metadata(name) != right]
         times = self._layout["times"].items()
         return [*wrong, *(name for name, crc in times if _digest_files([self.path / name / "c" / "0"]) != crc)]
 
@@ -271,9 +270,9 @@ class Store:
             return None
 
     def _read_flags(self) -> np.ndarray:
-        """Checksums of all chunks, 0 of those that are not there, and one that no file has where it is damaged."""
+        """Return the checksums of all chunks; 0 for a missing chunk, -1 for a damaged checksum."""
         count = self._layout["arrays"][MADE]["shape"][0]
-        found = np.zeros(count, np.int64)
+        flags = np.zeros(count, np.int64)
         for chunk in range(count):
             try:
                 flag = self._flag_file(chunk).read_bytes()
@@ -281,8 +280,8 @@ class Store:
                 continue
             except IsADirectoryError:
                 flag = b""
-            found[chunk] = np.frombuffer(flag, FLAG)[0] if len(flag) == FLAG.itemsize else -1
-        return found
+            flags[chunk] = np.frombuffer(flag, FLAG)[0] if len(flag) == FLAG.itemsize else -1
+        return flags
 
     def _flag_file(self, chunk: int) -> Path:
         return self.path / MADE / "c" / str(chunk)
@@ -290,19 +289,19 @@ class Store:
     def _list_files(self, chunk: int) -> list[Path]:
         """Return the files of a chunk, one of each array."""
         every = self._layout["arrays"].items()
-        along = {name: known["dimension_names"] for name, known in every}
+        along = {name: one["dimension_names"] for name, one in every}
         rows = {name: self.path / name / "c" / str(chunk) for name, dims in along.items() if dims[0] == RUN}
         return [file / "0" if len(along[name]) > 1 else file for name, file in rows.items()]
 
     def digest_chunk(self, chunk: int) -> int:
-        """Checksum of the files of a chunk as they are."""
+        """Return the checksum of the files of a chunk."""
         return _digest_files(self._list_files(chunk))
 
     def write(self, chunk: int, rows: range, piece: SweepPiece, names: list[str]) -> None:
-        """Put a chunk into its region.
+        """Write a chunk into its region.
 
         Raises:
-            StoppedError: it could not be written; the sentence says what to do.
+            StoppedError: it could not be written; the message has a remedy.
         """
         region = slice(rows.start, rows.stop)
         columns = dict(zip(names, piece.values.T, strict=True)) | piece.scalars | piece.traces
@@ -319,7 +318,7 @@ class Store:
             ) from None
 
     def stretches(self) -> Iterator[tuple[slice, np.ndarray]]:
-        """Yield the stretches of runs, and which of them are there: so that a column need not fit."""
+        """Yield ranges of runs and true for each finished run, so that a column need not fit into memory."""
         status = self.group[STATUS]
         size, chunk = status.shape[0], status.chunks[0]
         made, stride = self._read_flags() != 0, max(STRETCH // chunk, 1)
@@ -330,29 +329,29 @@ class Store:
 
 
 def _digest_files(files: Iterable[Path]) -> int:
-    """CRC-32 of files with their lengths, never 0; one that is missing is another than an empty one."""
-    found = 0
+    """Return the CRC-32 of files with their lengths, never 0; a missing file differs from an empty one."""
+    checksum = 0
     for file in files:
         data = file.read_bytes() if file.is_file() else None
-        found = zlib.crc32(data or b"", zlib.crc32(str(None if data is None else len(data)).encode(), found))
-    return found or 1
+        checksum = zlib.crc32(data or b"", zlib.crc32(str(None if data is None else len(data)).encode(), checksum))
+    return checksum or 1
 
 
 def list_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    """Return the words for everything that is not the same in two specifications of a sweep.
+    """Return sentences on the differences of two specifications of a sweep.
 
-    The scenario stands for its numbers: where its text differs, they are not named as well.
+    Changed numbers are not listed beside a changed scenario.
     """
-    known = json.loads(json.dumps(dict(here)))
-    names = [n for n in dict.fromkeys((*known, *there)) if n not in MAY_DIFFER]
-    apart = [name for name in names if known.get(name) != there.get(name)]
+    plain = json.loads(json.dumps(dict(here)))
+    names = [n for n in dict.fromkeys((*plain, *there)) if n not in MAY_DIFFER]
+    apart = [name for name in names if plain.get(name) != there.get(name)]
     if "scenario" in apart and "numbers" in apart:
         apart.remove("numbers")
-    return [_describe_difference(name, there.get(name), known.get(name)) for name in apart]
+    return [_describe_difference(name, there.get(name), plain.get(name)) for name in apart]
 
 
 def _describe_difference(name: str, there: Any, here: Any) -> str:
-    """Return one difference, with both values if they are short."""
+    """Return a difference, with both values if they are short."""
     if name == "scenario":
         there, here = _find_changed_lines(str(there), str(here))
     label = WORDS.get(name, name)
@@ -363,13 +362,13 @@ def _describe_difference(name: str, there: Any, here: Any) -> str:
 
 
 def _find_changed_lines(there: str, here: str) -> tuple[str, str]:
-    """Return the first lines of two texts that are not the same."""
+    """Return the first different lines of two texts."""
     pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="")
     return next(((a.strip(), b.strip()) for a, b in pairs if a.strip() != b.strip()), ("", ""))
 
 
 def _load_zarr() -> Any:
-    """Import Zarr when a store is opened: it takes a second."""
+    """Import Zarr, which takes a second."""
     import zarr
 
     return zarr

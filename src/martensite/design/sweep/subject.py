@@ -21,10 +21,9 @@ def build_course(
     """Return the common setup of all variants of a scenario.
 
     Args:
-        scenario: the nominal one.
-        step: longest of equal steps [s]; by default that of the scenario, or None for runs to its
-            tolerance.
-        runtime: c, cuda or floats; by default c if there is a compiler.
+        scenario: nominal scenario.
+        step: longest of equal steps [s], by default as in the scenario; None for runs to its tolerance.
+        runtime: c, cuda or floats, by default c with a compiler.
         precision: float64, or float32 on CUDA.
 
     Raises:
@@ -35,19 +34,19 @@ def build_course(
     if interval:
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
-    found = interval or (scenario.step if step is None else step)
-    if found is None and chosen == "cuda" and precision != "float64":
+    longest = interval or (scenario.step if step is None else step)
+    if longest is None and chosen == "cuda" and precision != "float64":
         raise InputError(
             "A sweep in float32 runs on equal steps; give the longest one by `--step`, or leave out `--precision`."
         )
     if chosen == "cuda":
-        open_device()  # missed before anything is written
+        open_device()  # raises before files are written
     return VariantSetup(
         system,
         list_waveforms(scenario),
         scenario.duration,
         samples,
-        found,
+        longest,
         (),
         chosen,
         precision,
@@ -57,7 +56,7 @@ def build_course(
 
 
 def list_waveforms(scenario: Scenario) -> dict[str, AbstractWaveform]:
-    """Return all that drives a scenario, by name; references and noise of a bench among it."""
+    """Return all signals of a scenario by name, with references and noise of a bench."""
     played = dict(by_name(scenario.system, scenario.waveform))
     if scenario.bench is None:
         return played

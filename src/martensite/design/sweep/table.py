@@ -17,47 +17,47 @@ from martensite.base.status import Status
 from martensite.signals.sampling.sampled import Numbers
 
 NOT_MADE = -1
-"""Stands for the status of a run whose chunk is not made yet."""
+"""Status of a missing run."""
 
 
 @dataclass(frozen=True, eq=False)
 class SweepColumn:
-    """One number of every run."""
+    """Value of every run."""
 
     name: str
-    """Path of a varied number, or words of a measure."""
+    """Path of a parameter, or text of a measure."""
     unit: str
     """SI unit."""
     values: Numbers
-    """(runs,), in SI; NaN where a run failed or is not made, infinite for what never happened."""
+    """(runs,), in SI; NaN for a failed or missing run, infinite for an event that never happens."""
     log: bool = False
     """True for a logarithmic scale."""
 
     @property
     def declared(self) -> str:
-        """SI unit; that of a difference for a stroke of a temperature, which has no zero."""
+        """Return the SI unit; for a stroke of a temperature the unit of a difference."""
         stroke = self.unit == "K" and self.name.startswith("stroke")
         return units.DEGREES if stroke else self.unit
 
     @property
     def shown(self) -> str:
-        """Return the unit in which people read it."""
+        """Return the familiar unit."""
         return units.choose_readable_unit(self.declared)
 
     def readable(self, values: Any = None) -> Numbers:
-        """Return the values of the column, or other values of its unit, in a readable unit."""
+        """Return the values of the column, or other values, in its familiar unit."""
         factor, offset = units.find_conversion(self.shown, self.declared)
         return (np.asarray(self.values if values is None else values, float) - offset) / factor
 
     def words(self, value: float) -> str:
-        """Return one of its numbers with its unit."""
+        """Return a value with its unit."""
         if math.isinf(value):
             return "never"
         number = f"{float(self.readable(value)):.5g}"
         return number if self.shown == "1" else f"{number} {self.shown}"
 
     def apart(self, difference: float) -> str:
-        """Return a difference of two of its numbers with its unit."""
+        """Return a difference with its unit."""
         factor, offset = units.find_conversion(self.shown, self.declared)
         unit = "K" if offset else self.shown
         number = f"{difference / factor:.4g}"
@@ -66,68 +66,68 @@ class SweepColumn:
 
 @dataclass(frozen=True, eq=False)
 class SweepTable:
-    """The runs of a sweep, as far as they are made."""
+    """Runs of a sweep."""
 
     title: str
     sample: str
-    """Method that filled the space, such as a grid."""
+    """Method of sampling, such as a grid."""
     varied: Mapping[str, SweepColumn]
-    """By path, in the order in which they were asked for."""
+    """Varied parameters by path, in their requested order."""
     measures: Mapping[str, SweepColumn]
-    """By their words."""
+    """Measures by their text."""
     status: NDArray[np.int8]
     """(runs,), of `martensite.simulate.Status`, or `NOT_MADE`."""
     levels: tuple[Numbers, ...] | None = None
-    """Levels of every varied number, if runs lie on a grid; the last one varies fastest."""
+    """Levels of every parameter of a grid; the last one varies fastest."""
 
     @property
     def design(self) -> str:
-        """Return the name of the design, without the number of samples."""
+        """Return the name of the design."""
         return self.sample.partition(":")[0].strip()
 
     @property
     def shape(self) -> tuple[int, ...] | None:
-        """Return the length of the grid along every varied number."""
+        """Return the shape of the grid, or None."""
         return None if self.levels is None else tuple(map(len, self.levels))
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
-        """Return the runs that were made and can be trusted."""
+        """Return true for each successful run."""
         return (self.status > NOT_MADE) & (self.status < Status.UNSOLVED)
 
     @property
     def missing(self) -> int:
-        """Return the number of runs that are not made yet."""
+        """Return the number of missing runs."""
         return int(np.sum(self.status == NOT_MADE))
 
     @property
     def failed(self) -> int:
-        """Return the number of runs that were made and failed."""
+        """Return the number of failed runs."""
         return int(np.sum(self.status >= Status.UNSOLVED))
 
     @cached_property
     def inputs(self) -> Numbers:
-        """Return all varied numbers, (runs, axes)."""
+        """Return all varied parameters, (runs, axes)."""
         return np.stack([one.values for one in self.varied.values()], axis=1)
 
     def column(self, name: str) -> SweepColumn:
-        """Return a measure or a varied number, by its name or a unique ending of it.
+        """Return a measure or a varied parameter by its name or a unique ending.
 
         Raises:
-            UnknownNameError: there is none.
+            UnknownNameError: the name is unknown.
         """
-        known = {**self.varied, **self.measures}
-        endings = [n for n in known if n.endswith(f".{name}")]
-        if name not in known and len(endings) != 1:
-            raise UnknownNameError("measure or varied number", name, known)
-        return known[name if name in known else endings[0]]
+        columns = {**self.varied, **self.measures}
+        endings = [n for n in columns if n.endswith(f".{name}")]
+        if name not in columns and len(endings) != 1:
+            raise UnknownNameError("measure or varied number", name, columns)
+        return columns[name if name in columns else endings[0]]
 
     def chosen(self, names: list[str] | tuple[str, ...] | None = None) -> list[SweepColumn]:
-        """Return the measures by name; all without.
+        """Return the measures by name, by default all.
 
         Raises:
-            UnknownNameError: there is none of that name.
-            DataError: only traces were kept.
+            UnknownNameError: the name is unknown.
+            DataError: the sweep has traces only.
         """
         for name in names or ():
             require_known("measure in this sweep", name, self.measures)
@@ -137,10 +137,10 @@ class SweepTable:
 
 
 def shorten_names(names: Mapping[str, SweepColumn] | list[str]) -> dict[str, str]:
-    """Return the shortest ending of every path that no other path has as well."""
-    found: dict[str, str] = {}
+    """Return the shortest unique ending of every path."""
+    short: dict[str, str] = {}
     for name in names:
         words = name.split(".")
         endings = (".".join(words[k:]) for k in range(len(words) - 1, -1, -1))
-        found[name] = next(e for e in endings if e == name or sum(n == e or n.endswith(f".{e}") for n in names) < 2)
-    return found
+        short[name] = next(e for e in endings if e == name or sum(n == e or n.endswith(f".{e}") for n in names) < 2)
+    return short

@@ -1,1 +1,1 @@
-"""Who runs the chunks of a sweep: this process, several, or a cluster; one file each."""
+"""Executors of the chunks of a sweep: this process, several processes, or a cluster."""

@@ -1,11 +1,8 @@
-"""Backends: run the chunks of a job by number, and yield a report of each finished chunk.
+"""Backends: run the chunks of a job, and yield a report of each finished chunk.
 
-A job computes a chunk and stores it; a report is small. A backend loses nothing: chunks of a crashed worker are
-computed again, or reported as lost.
-
-A run may raise an unexpected error, or crash its process. Its chunk is then halved until the faulty runs are found;
-they are reported as lost, and the other runs are kept. Too many faulty runs in a chunk have a common cause and stop the
-sweep.
+A job computes and stores a chunk. Chunks of a crashed worker are computed again, or reported as lost. A chunk with an
+unexpected error or a crash is halved until the faulty runs are found; they are reported as lost, and the other runs are
+kept. Too many faulty runs in a chunk have a common cause and stop the sweep.
 """
 
 from __future__ import annotations
@@ -31,22 +28,22 @@ class Report:
     status: dict[int, int]
     """Number of runs by status."""
     seconds: float = 0.0
-    """CPU time that it took."""
+    """CPU time."""
     remarks: tuple[str, ...] = field(default=())
-    """Sentences on what went wrong on the way."""
+    """Sentences on errors."""
 
 
 class AbstractBackend(ABC):
-    """Who runs chunks."""
+    """Executor of chunks."""
 
     registered_name: ClassVar[str] = ""
 
     @abstractmethod
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """Make chunks, in any order; stop at an error that the next chunk would meet as well.
+        """Run chunks in any order; stop at an error that affects the next chunk too.
 
         Raises:
-            StoppedError: it cannot go on; chunks that were made before are kept.
+            StoppedError: the sweep cannot continue; finished chunks are kept.
         """
 
 
@@ -54,7 +51,7 @@ BACKENDS: Registry[AbstractBackend] = Registry("backend", "martensite.design.swe
 
 
 MOST_LOST = 32
-"""Lost runs from which on it is given up."""
+"""Number of lost runs in a chunk that stops the sweep."""
 NAMED = 5
 
 
@@ -64,14 +61,14 @@ def keep_runs(
     """Return the results of a chunk, and sentences about lost runs.
 
     Args:
-        job: says what stands for a lost run.
-        chunk: its number.
-        attempt: makes some runs, or raises.
-        begin: what happened before; a sentence that is said in any case.
+        job: provides placeholders for lost runs.
+        chunk: number of the chunk.
+        attempt: computes some runs.
+        begin: first sentence.
 
     Raises:
         StoppedError: too many runs are lost.
-        MartensiteError: raised on purpose by an attempt, and passed on.
+        MartensiteError: an error of an attempt that is not of a single run.
     """
     lost: dict[int, str] = {}
 

@@ -1,12 +1,9 @@
-"""Chunks over a Dask cluster: one that is running, or processes of this machine.
+"""Chunks on a Dask cluster: a running one, or processes of this machine.
 
-Every task makes one chunk and writes it into its own region of the store, which all workers must
-reach under the same path; what comes back is a report. A task whose worker dies is made again
-elsewhere by Dask. One that has killed several workers is salvaged in processes of this machine
-(`martensite.design.sweep.backends.processes`). Some tasks per thread of the cluster are under way at a
-time, so that a scheduler never holds a whole sweep.
-
-<https://distributed.dask.org/en/stable/resilience.html>
+Every task computes one chunk and writes it into its region of the store, which all workers reach under the same path.
+Dask repeats a task whose worker dies. A task that has killed several workers is salvaged in processes of this machine
+(`martensite.design.sweep.backends.processes`). A few tasks per thread are in progress at a time, so a scheduler never
+has a whole sweep. <https://distributed.dask.org/en/stable/resilience.html>
 """
 
 from __future__ import annotations
@@ -32,16 +29,16 @@ if TYPE_CHECKING:
 PATIENCE = 10.0
 """Time limit for the answer of a scheduler [s]."""
 RETRIES = 2
-"""Number of times that a failed task is repeated, elsewhere if possible."""
+"""Number of repetitions of a failed task, elsewhere if possible."""
 CLIENT_LOGS = ("distributed.client", "distributed.core", "distributed.batched")
 AHEAD = 2
-"""Tasks per thread that are under way."""
+"""Tasks in progress per thread."""
 
 
 @BACKENDS.register("dask")
 @dataclass(frozen=True)
 class DaskCluster(AbstractBackend):
-    """The workers of a Dask cluster."""
+    """Workers of a Dask cluster."""
 
     workers: int = 0
     """Processes of a cluster on this machine; 0 for one per core."""
@@ -49,7 +46,7 @@ class DaskCluster(AbstractBackend):
     """Address of a scheduler, such as tcp://host:8786; None for a cluster on this machine."""
 
     def __post_init__(self) -> None:
-        """Raise `InputError` if workers are asked for on a cluster that has its own."""
+        """Raise `InputError` for workers with a running cluster."""
         if self.scheduler and self.workers:
             raise InputError(
                 "Option `--workers` has no effect on a Dask cluster that is running; "
@@ -57,11 +54,11 @@ class DaskCluster(AbstractBackend):
             )
 
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """Make chunks as tasks; reports come in the order in which they end.
+        """Run chunks as tasks, and yield their reports in the order in which they end.
 
         Raises:
             InputError: Dask is not installed, or no scheduler answers.
-            StoppedError: the scheduler is lost on the way.
+            StoppedError: the scheduler is lost.
         """
         dask = _import_distributed()
         try:
@@ -95,13 +92,13 @@ def _collect_reports(dask: Any, client: Any, job: SweepJob, waiting: Iterator[in
 
 
 def _build_report(dask: Any, future: Any, job: SweepJob, chunk: int) -> Report:
-    """Return the report of a task that has ended."""
+    """Return the report of a finished task."""
     try:
         return future.result()
     except dask.KilledWorker:
         return salvage_chunk(job, chunk)
     except RuntimeError as error:
-        if not future.cancelled():  # the task's own
+        if not future.cancelled():  # an error of the task itself
             raise
         raise StoppedError(
             f"Dask gave up a task ({str(error).splitlines()[0]}): scheduler and workers need the same packages as this "
@@ -111,7 +108,7 @@ def _build_report(dask: Any, future: Any, job: SweepJob, chunk: int) -> Report:
 
 @contextmanager
 def _mute_client() -> Iterator[None]:
-    """Dask's client logs every try to reach a scheduler that is lost, with a traceback; a sentence is said instead."""
+    """Hide the logs of Dask's client about a lost scheduler; an error replaces them."""
 
     def is_other(record: logging.LogRecord) -> bool:
         return record.name not in CLIENT_LOGS
@@ -128,7 +125,7 @@ def _mute_client() -> Iterator[None]:
 
 @contextmanager
 def _open_client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
-    """Yield a client of a cluster; whatever was opened is closed."""
+    """Yield a client of a cluster, and close both at the end."""
     if wanted.scheduler is not None:
         with _connect_client(dask, wanted.scheduler) as client:
             yield client

@@ -1,9 +1,8 @@
-"""Chunks on this machine: one after another in this process, or over its cores (Python's process pool).
+"""Chunks on this machine: in this process, or in a pool of processes.
 
-A crashed process loses its chunks. They are computed again, each in a separate process. A chunk that crashes its
-process again is halved until the faulty runs are found. Only this process receives Ctrl-C, and it ends the others. A
-chunk counts when all of it is written, so unfinished chunks are left for later. When this process is killed, the others
-end as well.
+Lost chunks of a crashed process are computed again, each in a separate process. A chunk that crashes its process again
+is halved until the faulty runs are found. Only this process receives Ctrl-C, and it ends the others. A chunk counts
+when all of it is written. When this process is killed, the others end too.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING
 
 from martensite.base.child_python import safe_children
 from martensite.base.errors import StoppedError
+from martensite.base.interfaces import override
 from martensite.design.sweep.backends.base import BACKENDS, AbstractBackend, Report, keep_runs
 from martensite.design.sweep.plan import SweepPiece
 
@@ -34,20 +34,20 @@ if TYPE_CHECKING:
 class Serial(AbstractBackend):
     """This process alone."""
 
+    @override
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """Yield one chunk after another."""
         for chunk in chunks:
             yield job(chunk)
 
 
 START = "spawn"
-"""A forked process would inherit locks of threads that it does not have."""
+"""Start method; a forked process would inherit locks of threads."""
 
 
 @BACKENDS.register("processes")
 @dataclass(frozen=True)
 class Processes(AbstractBackend):
-    """A pool of processes."""
+    """Pool of processes."""
 
     workers: int = 0
     """Number of processes; 0 for one per core."""
@@ -57,8 +57,8 @@ class Processes(AbstractBackend):
         """Return the number of processes."""
         return self.workers or count_cores()
 
+    @override
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """Yield two chunks per process are under way at a time."""
         waiting, broken = iter(chunks), list[int]()
         while True:
             yield from self._pool(job, waiting, broken)
@@ -69,7 +69,7 @@ class Processes(AbstractBackend):
             broken.clear()
 
     def _pool(self, job: SweepJob, waiting: Iterator[int], broken: list[int]) -> Iterator[Report]:
-        """Reports of chunks until there are no more, or a process has died; then what it had."""
+        """Yield reports until all chunks are finished or a process dies; its chunks go to `broken`."""
         with _open_pool(self.count) as pool:
             under_way: dict[Future[Report], int] = {}
             while True:
@@ -92,17 +92,17 @@ class Processes(AbstractBackend):
 
 
 def count_cores() -> int:
-    """Return the number of cores that this process may use."""
+    """Return the number of cores for this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def salvage_chunk(job: SweepJob, chunk: int) -> Report:
-    """Make a chunk whose process has died, keeping every run that can be made.
+    """Compute the chunk of a dead process again, and keep every successful run.
 
     Raises:
-        StoppedError: no process can be started, or too many runs kill theirs.
+        StoppedError: no process can be started, or too many runs crash.
     """
     begin = f"A process died at chunk {chunk}, which was made again."
     piece, remarks = keep_runs(job, chunk, partial(_run_alone, job), begin)
@@ -110,7 +110,7 @@ def salvage_chunk(job: SweepJob, chunk: int) -> Report:
 
 
 def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
-    """Make some runs in a separate process."""
+    """Compute runs in a separate process."""
     with _open_pool(1) as pool:
         try:
             with _ignore_interrupts():
@@ -129,7 +129,7 @@ def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
 
 @contextmanager
 def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Open a pool that drops waiting chunks at its end, and running chunks if their results are no longer needed."""
+    """Open a pool that drops waiting chunks at its end, and running chunks after an interrupt."""
     before = active_children()
     with safe_children():
         pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
@@ -145,7 +145,7 @@ def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _end_with_parent() -> None:
-    """End this process when the one that has started it is gone, even by a kill."""
+    """End this process when its parent ends, even by a kill."""
     parent = parent_process()
 
     def watch() -> None:
@@ -158,7 +158,7 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _ignore_interrupts() -> Iterator[None]:
-    """Processes that are started meanwhile do not hear Ctrl-C, which is for this one."""
+    """Start processes that ignore Ctrl-C."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -1,18 +1,16 @@
-"""Grids, and samples of the unit cube, any stretch of which is reached without making the others.
+"""Grids and samples of the unit cube, computed from any run on.
 
     grid               every combination of the levels of all axes; the last axis varies fastest
     monte-carlo        independent random numbers (PCG64)
-    latin-hypercube    every axis is cut into as many strata as there are runs, and each is met once
-                       (McKay, Beckman and Conover (1979)); the order of the strata of every axis is
-                       kept in memory, 4 bytes per run and axis
+    latin-hypercube    every axis has as many strata as there are runs, and each is used once (McKay, Beckman and
+                       Conover (1979)); their order needs 4 bytes per run and axis
     sobol              a scrambled Sobol' sequence, which fills space evenly (Owen (1998); SciPy)
-    saltelli           blocks of runs from which Sobol' indices follow, in the order of SALib
+    saltelli           blocks of runs for Sobol' indices, in the order of SALib
 
-For the last, two independent samples A and B of N points are made, from the first and the second
-half of the coordinates of a scrambled Sobol' sequence. Block n has point n of A, then for every
-axis that point with the coordinate of B, then point n of B: d + 2 runs (Saltelli et al. (2010),
-Comput. Phys. Commun. 181, radial design without second order). A power of 2 spreads the last two
-best.
+The design saltelli uses two independent samples A and B of N points, the first and second half of the coordinates of a
+scrambled Sobol' sequence. Block n has point n of A, then for every axis that point with the coordinate of B, then point
+n of B: d + 2 runs (Saltelli et al. (2010), Comput. Phys. Commun. 181, radial design without second order). Use a power
+of 2 for the last two designs.
 """
 
 from __future__ import annotations
@@ -31,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.registry import Registry
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.sampling.sampled import Numbers
@@ -48,40 +47,40 @@ class AbstractDesign(ABC):
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` for a seed that cannot be."""
+        """Raise `ParameterError` for a negative seed."""
         if self.seed < 0:
             raise ParameterError(f"A seed is 0 or above, but is {self.seed}.")
 
     @abstractmethod
     def size(self, axes: Sequence[FreeNumber]) -> int:
-        """Return the number of runs."""
+        """Return the number of runs; raise `ParameterError` for too many."""
 
     @abstractmethod
     def values(self, axes: Sequence[FreeNumber], first: int, count: int) -> Numbers:
-        """Return the numbers of some runs from `first` on, (count, axes), in SI."""
+        """Return the parameters of `count` runs from `first` on, (count, axes), in SI."""
 
 
 class AbstractSample(AbstractDesign):
-    """A sample of the unit cube, put on the axes by their quantiles."""
+    """Sample of the unit cube, mapped to the axes by their quantiles."""
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` unless it is known how many."""
+        """Raise `ParameterError` for a missing or invalid number of runs."""
         super().__post_init__()
         if self.count is None or not 1 <= self.count <= MOST_RUNS:
             raise ParameterError(
                 f"`{self.registered_name}` needs how many runs, such as `{self.registered_name}:1024`."
             )
 
+    @override
     def size(self, axes: Sequence[FreeNumber]) -> int:
-        """Return the requested number of samples."""
         return self.count or 0
 
     @abstractmethod
     def cube(self, width: int, first: int, count: int) -> Numbers:
         """Return the points in the unit cube, (count, width)."""
 
+    @override
     def values(self, axes: Sequence[FreeNumber], first: int, count: int) -> Numbers:
-        """Return the quantiles of points in the unit cube."""
         points = self.cube(len(axes), first, count)
         return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
 
@@ -90,10 +89,10 @@ DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite.design.sweep.
 
 
 def parse_sampling(words: str, seed: int = 0) -> AbstractDesign:
-    """Return the design that words such as `grid` or `sobol:1024` name.
+    """Return the design of a text such as `grid` or `sobol:1024`.
 
     Raises:
-        InputError: there is none of that name, or its number is none.
+        InputError: the name is unknown, or the number is malformed.
     """
     name, colon, count = words.partition(":")
     if colon and not count.strip().isdecimal():
@@ -106,7 +105,7 @@ class Grid(AbstractDesign):
     """All combinations."""
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` if a number of runs is given: levels decide."""
+        """Raise `ParameterError` if a number of runs is given."""
         super().__post_init__()
         if self.count is not None:
             raise ParameterError(
@@ -115,18 +114,18 @@ class Grid(AbstractDesign):
             )
 
     def shape(self, axes: Sequence[FreeNumber]) -> tuple[int, ...]:
-        """Return the levels of each axis."""
+        """Return the numbers of levels of the axes."""
         return tuple(len(one.levels()) for one in axes)
 
+    @override
     def size(self, axes: Sequence[FreeNumber]) -> int:
-        """Return the product of all levels."""
-        found = math.prod(self.shape(axes))
-        if found > MOST_RUNS:
-            raise ParameterError(f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed.")
-        return found
+        runs = math.prod(self.shape(axes))
+        if runs > MOST_RUNS:
+            raise ParameterError(f"This grid has {runs:,} runs; at most {MOST_RUNS:,} are allowed.")
+        return runs
 
+    @override
     def values(self, axes: Sequence[FreeNumber], first: int, count: int) -> Numbers:
-        """Return the levels by their places on the grid."""
         places = np.unravel_index(np.arange(first, first + count), self.shape(axes))
         return np.stack([one.levels()[k] for one, k in zip(axes, places, strict=True)], axis=1)
 
@@ -140,8 +139,8 @@ MOST_STRATA = 20_000_000
 class MonteCarlo(AbstractSample):
     """Independent samples."""
 
+    @override
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Return the numbers of a stream, from a place in it on; never 0."""
         stream = np.random.PCG64(self.seed)
         stream.advance(first * width)
         return np.maximum(np.random.Generator(stream).random((count, width)), TINY)
@@ -152,15 +151,15 @@ class LatinHypercube(AbstractSample):
     """Points of a Latin hypercube, at random places in their strata."""
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` unless it is known how many, and they fit into memory."""
+        """Raise `ParameterError` for a missing or too large number of runs."""
         super().__post_init__()
         if (self.count or 0) > MOST_STRATA:
             raise ParameterError(
                 f"A Latin hypercube has at most {MOST_STRATA:,} runs, not {self.count:,}; take `sobol`."
             )
 
+    @override
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Return the strata of all axes, and places in them."""
         stream = np.random.PCG64([self.seed, 1])
         stream.advance(first * width)
         inside = np.random.Generator(stream).random((count, width))
@@ -170,7 +169,7 @@ class LatinHypercube(AbstractSample):
 
 @lru_cache(maxsize=64)
 def _draw_strata(count: int, seed: int, axis: int) -> NDArray[np.int32]:
-    """Return the strata of one axis in the order of the runs."""
+    """Return the strata of an axis in the order of the runs."""
     rng = np.random.Generator(np.random.PCG64([seed, 2, axis]))
     return rng.permutation(count).astype(np.int32)
 
@@ -179,17 +178,17 @@ def _draw_strata(count: int, seed: int, axis: int) -> NDArray[np.int32]:
 class Sobol(AbstractSample):
     """Points of a scrambled Sobol' sequence."""
 
+    @override
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Return the points from a place in the sequence on; never 0."""
-        with _one_at_a_time, warnings.catch_warnings():  # it says at every stretch that a power of 2 spreads best
+        with _one_at_a_time, warnings.catch_warnings():  # SciPy recommends a power of 2 in every call
             warnings.simplefilter("ignore", UserWarning)
             sequence = _begin_sequence(width, self.seed)
             if sequence.num_generated > first:
                 sequence.reset()
             if sequence.num_generated < first:
                 sequence.fast_forward(first - sequence.num_generated)
-            found = sequence.random(count)
-        return np.maximum(np.asarray(found, float), TINY)
+            points = sequence.random(count)
+        return np.maximum(np.asarray(points, float), TINY)
 
 
 _one_at_a_time = Lock()
@@ -197,7 +196,7 @@ _one_at_a_time = Lock()
 
 @lru_cache(maxsize=8)
 def _begin_sequence(width: int, seed: int) -> Any:
-    """Return a sequence that is gone on with: forward it takes as long as there are points on the way."""
+    """Return a cached sequence, since forwarding a new one takes time."""
     qmc: Any = import_module("scipy.stats.qmc")
     return qmc.Sobol(width, seed=seed)
 
@@ -206,21 +205,17 @@ def _begin_sequence(width: int, seed: int) -> Any:
 class Saltelli(AbstractSample):
     """N base points, and N (d + 2) runs of d axes."""
 
+    @override
     def size(self, axes: Sequence[FreeNumber]) -> int:
-        """Return all runs of all blocks.
-
-        Raises:
-            ParameterError: they are too many.
-        """
-        found = (self.count or 0) * count_block_runs(len(axes))
-        if found > MOST_RUNS:
+        runs = (self.count or 0) * count_block_runs(len(axes))
+        if runs > MOST_RUNS:
             raise ParameterError(
-                f"`saltelli:{self.count}` of {len(axes)} axes has {found:,} runs; at most {MOST_RUNS:,} are allowed."
+                f"`saltelli:{self.count}` of {len(axes)} axes has {runs:,} runs; at most {MOST_RUNS:,} are allowed."
             )
-        return found
+        return runs
 
+    @override
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Return the runs from any one on, which need not be the first of its block."""
         size = count_block_runs(width)
         rows = np.arange(first, first + count)
         begin, end = first // size, (first + count - 1) // size + 1
@@ -231,5 +226,5 @@ class Saltelli(AbstractSample):
 
 
 def count_block_runs(width: int) -> int:
-    """Return the runs in a block of some axes."""
+    """Return the number of runs in a block."""
     return width + 2
