@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.control.controllers.base import CONTROLLERS, PLANNED, AbstractController, require_readings
 from martensite.control.controllers.follower import Follower
@@ -90,8 +91,8 @@ class BenchSettings(Parametrised):
     )
     noise: str = option("random numbers of the sensors", "drawn", "none", default="drawn")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the number of substeps is not a whole number."""
         if self.substeps != int(self.substeps):
             raise ParameterError(f"`substeps` must be a whole number, but is {self.substeps}.")
 

@@ -21,6 +21,7 @@ from martensite.base import units
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import read_text_file, toml_document
 from martensite.base.formats import write_quantity
+from martensite.base.interfaces import override
 from martensite.base.lazy import import_extra
 from martensite.base.parameters import Leaf, Number, Parametrised, param, text
 from martensite.base.services import import_service
@@ -81,8 +82,8 @@ class Run(Parametrised):
     restart: str | tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
     seed: Number = param("1", "seed of the noise of the sensors, a whole number", low=0.0, high=2**53, default=0)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if `samples` or `seed` is not a whole number."""
         for name in ("samples", "seed"):
             value = getattr(self, name)
             if value != int(value):

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import select_inside
@@ -16,15 +17,15 @@ class Ahead(AbstractWaveform):
     waveform: AbstractWaveform = part("the waveform")
     lead: Number = param("s", "how far it looks ahead", low=0.0)
 
+    @override
     def value(self, time: float) -> float:
-        """Return the waveform at `time` + lead [s]."""
         return self.waveform.value(time + self.lead + TIME_TOLERANCE)
 
+    @override
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the signals at many times, the same numbers as one by one."""
         return self.waveform.signals([time + self.lead + TIME_TOLERANCE for time in times])
 
+    @override
     def edges(self, duration: float) -> list[float]:
-        """Return the shifted edges of the waveform [s]."""
         edges = self.waveform.edges(duration + self.lead)
         return select_inside((edge - self.lead for edge in edges if edge > self.lead), duration)

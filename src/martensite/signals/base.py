@@ -51,8 +51,9 @@ class AbstractWaveform(AbstractDrive):
     stepwise: ClassVar[bool] = False
     """True if its segments are levels that begin exactly where its value changes."""
 
+    @override
     def init(self) -> None:
-        """Return no memory."""
+        pass
 
     @override
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.pulses import AbstractPulses
@@ -36,18 +37,18 @@ class Carrier(AbstractPulses):
     frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="100 Hz")
     shortest: Number = param("s", "shortest pulse or gap that the switch can make", low=0.0, default=0.0)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if no pulse fits into a period."""
         if self.shortest * self.frequency > 0.5:
             raise ParameterError(
                 f"Parameter `shortest` of `carrier` must be at most half a period, "
                 f"{0.5 / self.frequency:.6g} s, but is {self.shortest:.6g} s."
             )
 
+    @override
     def share(self, k: int) -> float:
-        """Return the duty cycle of period k that the switch can make."""
         return limit_duty(self.duty.value(self._start(k)), self.shortest * self.frequency)
 
+    @override
     def value(self, time: float) -> float:
-        """Return 1 while on, else 0; right-continuous."""
         return 1.0 if self.is_on(time) else 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.levels import HIGH
@@ -16,14 +17,14 @@ class Constant(AbstractWaveform):
 
     level: Number = param(DRIVE, "level", typical=HIGH)
 
+    @override
     def value(self, time: float) -> float:
-        """Return the level."""
         return self.level
 
+    @override
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the level, once per time."""
         return [self.level] * len(times)
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield one segment."""
         yield Segment(0.0, self.level)

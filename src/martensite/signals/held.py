@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part
 from martensite.signals.base import MANY, AbstractWaveform, read_levels
 from martensite.signals.edges import find_interval, select_inside
@@ -16,12 +17,12 @@ class Held(AbstractWaveform):
     values: tuple[float, ...] = part("one value per period, in the unit of the source")
     frequency: Number = param("Hz", "values per second", above=0.0, high=1e9, typical="2 Hz")
 
+    @override
     def value(self, time: float) -> float:
-        """Return the value of the period at `time` [s]."""
         return self.values[self._period(time)]
 
+    @override
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the signals at many times, the same numbers as one by one."""
         if len(times) < MANY:
             return super().signals(times)
         import numpy as np
@@ -29,12 +30,12 @@ class Held(AbstractWaveform):
         starts = np.arange(len(self.values)) / self.frequency
         return read_levels(np.column_stack([starts, self.values]), times)
 
+    @override
     def edges(self, duration: float) -> list[float]:
-        """Return the starts of the periods in (0, duration) [s]."""
         return select_inside((self._start(k) for k in range(1, len(self.values))), duration)
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield one segment per value."""
         for k in range(self._period(begin), len(self.values)):
             yield Segment(self._start(k), self.values[k])
 

@@ -9,6 +9,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from itertools import count
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import find_interval, require_countable, select_inside
@@ -33,19 +34,19 @@ class AbstractPulses(AbstractWaveform):
         """Return whether a pulse is on at `time` [s]; right-continuous."""
         return time < self._end(find_interval(time, time * self.frequency, self._start))
 
+    @override
     def edges(self, duration: float) -> list[float]:
-        """Return start and end of each pulse in (0, duration) [s]."""
         count = self.count_edges(duration)
         require_countable(self.registered_name, count, duration)
         periods = range(int(0.5 * count) + 2)
         return select_inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
 
+    @override
     def count_edges(self, duration: float) -> float:
-        """Return two edges per period."""
         return 2.0 * self.frequency * duration
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield pulses and gaps of nonzero length."""
         on, off = self.levels()
         for k in count(max(find_interval(begin, begin * self.frequency, self._start), 0)):
             start, end, after = self._start(k), self._end(k), self._start(k + 1)

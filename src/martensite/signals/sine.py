@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_levels, require_order
@@ -29,20 +30,20 @@ class Sine(AbstractWaveform):
     frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
     phase: str = option("where it starts: at `low`, rising through the `middle`, or at `high`", *_TURNS, default="low")
 
+    @override
     def check(self) -> None:
-        """Require ordered levels."""
         require_order("sine", self.low, self.high)
 
+    @override
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]."""
         turns = math.fmod(time * self.frequency, 1.0) + _TURNS[self.phase]
         return blend_levels(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield the mean level."""
         yield Segment(0.0, 0.5 * (self.low + self.high))
 
+    @override
     def tones(self) -> tuple[Tone, ...]:
-        """Return one tone."""
         ahead = math.tau * _TURNS[self.phase]
         return (Tone(-0.5 * (self.high - self.low), math.tau * self.frequency, ahead),)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import find_interval, select_inside
@@ -28,22 +29,22 @@ class Staircase(AbstractWaveform):
 
     stepwise = True
 
+    @override
     def check(self) -> None:
-        """Require a whole number of levels."""
         if self.count != int(self.count):
             raise ParameterError(f"Parameter `count` of `staircase` must be a whole number, but is {self.count:.6g}.")
 
+    @override
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]; right-continuous."""
         return self._level(self._step(time))
 
+    @override
     def edges(self, duration: float) -> list[float]:
-        """Return all jumps in (0, duration) [s]."""
         jumps = min(self._last, int(duration / self.hold) + 1)
         return select_inside((self._start(k) for k in range(1, jumps + 1)), duration)
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield one segment per level."""
         for step in range(self._step(begin), self._last + 1):
             yield Segment(self._start(step), self._level(step))
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import select_inside
@@ -27,23 +28,23 @@ class Step(AbstractWaveform):
 
     stepwise = True
 
+    @override
     def check(self) -> None:
-        """Require `until` after `at`."""
         if self.until <= self.at:
             raise ParameterError(
                 f"Parameter `until` of `step` must be above `at` = {self.at:.6g} s, but is {self.until:.6g} s."
             )
 
+    @override
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]; right-continuous."""
         return self.high if self.at <= time < self.until else self.low
 
+    @override
     def edges(self, duration: float) -> list[float]:
-        """Return the jumps in (0, duration) [s]."""
         return select_inside((self.at, self.until), duration)
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield the levels before, between and after the jumps."""
         if self.at > 0.0:
             yield Segment(0.0, self.low)
         yield Segment(self.at, self.high)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part
 from martensite.signals.base import MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_arrays, blend_levels, select_inside
@@ -26,8 +27,8 @@ class Table(AbstractWaveform):
     factor: Number = param("1", "factor of all samples", default=1.0)
     stretch: Number = param("1", "factor of all times", above=0.0, default=1.0)
 
+    @override
     def check(self) -> None:
-        """Require at least two finite rows with ascending times."""
         if len(self.times) != len(self.values):
             raise ParameterError(
                 f"`times` and `values` of `table` must be equally long, but hold "
@@ -45,12 +46,12 @@ class Table(AbstractWaveform):
                     f"Time must increase from row to row, but row {row} goes from {before:.15g} s to {time:.15g} s."
                 )
 
+    @override
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]."""
         return self.factor * self._sample(time / self.stretch)
 
+    @override
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the signals at many times."""
         if len(times) < MANY:
             return super().signals(times)
         import numpy as np
@@ -62,8 +63,8 @@ class Table(AbstractWaveform):
         share = (scaled - samples[place - 1]) / (samples[place] - samples[place - 1])
         return (self.factor * blend_arrays(first, last, share)).tolist()
 
+    @override
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield the lines between samples, and the levels before and after them."""
         at = max(0, bisect_right(self.times, begin / self.stretch) - 1)
         factor, stretch = self.factor, self.stretch
         if at == 0 and self.times[0] > 0.0:
@@ -83,8 +84,8 @@ class Table(AbstractWaveform):
         share = (time - before) / (after - before)
         return blend_levels(self.values[right - 1], self.values[right], share)
 
+    @override
     def edges(self, duration: float) -> list[float]:
-        """Return the samples in (0, duration) [s] at which the signal bends."""
         v = self.values
         around = zip((v[0], *v[:-1]), v, (*v[1:], v[-1]), self.times, strict=True)
         return select_inside((t * self.stretch for a, b, c, t in around if not a == b == c), duration)

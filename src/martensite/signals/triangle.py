@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_levels, find_interval, require_countable, require_order, select_inside
@@ -20,12 +21,12 @@ class Triangle(AbstractWaveform):
     high: Number = param(DRIVE, "highest level", typical=HIGH)
     frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
 
+    @override
     def check(self) -> None:
-        """Require ordered levels."""
         require_order("triangle", self.low, self.high)
 
+    @override
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]."""
         k = find_interval(time, 2.0 * time * self.frequency, self._bend)
         begin, end = self._bend(k), self._bend(k + 1)
         share = (time - begin) / (end - begin)
@@ -39,8 +40,8 @@ class Triangle(AbstractWaveform):
         require_countable("triangle", count, duration)
         return select_inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
 
+    @override
     def count_edges(self, duration: float) -> float:
-        """Return two edges per period."""
         return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:

@@ -28,8 +28,8 @@ SUPPLIED = {
 class System(Actuator, AbstractAssembly):
     """Element, environment, source and a mechanism of one port."""
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the mechanism does not take one element."""
         ports = self.mechanism.ports()
         if len(ports) != 1:
             raise ParameterError(
@@ -55,8 +55,8 @@ class System(Actuator, AbstractAssembly):
         own = self.own_outputs()
         return _insert_mechanism(own, self.of_mechanism()) | {"drive": own["drive"]._replace(unit=self.source.unit)}
 
+    @override
     def description(self) -> str:
-        """Return a description such as `wire (brinson) on bias-spring, driven by power`."""
         element, load = self.element, self.mechanism.registered_name
         names = f"{element.registered_name} ({element.law.registered_name})"
         return f"{names} on {load}, driven by {self.source.registered_name}"
@@ -87,8 +87,8 @@ class Machine(AbstractAssembly):
     group: Group = part("actuators by port", default=Group())
     supply: SharedSupply | None = part("supply that the sources share; each has its own if left out", default=None)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` unless there is one actuator for each port."""
         ports, members = self.mechanism.ports(), self.group.members()
         name = self.mechanism.registered_name
         for port in members:
@@ -166,8 +166,8 @@ class Machine(AbstractAssembly):
                 outputs[self.label(port, name)] = Output(unit, f"{words}, {port}", symbol)
         return outputs
 
+    @override
     def description(self) -> str:
-        """Return a description such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
         kinds = Counter(
             f"{one.element.registered_name} ({one.element.law.registered_name})" for one in self.actuators().values()
         )

@@ -38,8 +38,8 @@ class AbstractArm(AbstractSection):
     length: Number = param("m", "length that is deformed", above=0.0, high=1e3, typical="100 mm")
     arm: Number = param("m", "radius of the arm or drum at its end", above=0.0, high=10.0, typical="5 mm")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if a tube has no wall, or the law does not allow fibres."""
         super().check()
         if self.inner_diameter >= self.diameter:
             raise ParameterError(
@@ -76,8 +76,8 @@ class BendingBeam(AbstractArm):
     width: Number = param("m", "width of a ribbon", above=0.0, high=0.1, default=2e-3)
     arm: Number = param("m", "radius of the arm at its end", above=0.0, high=10.0, typical="10 mm")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if only a tube could be hollow, or the law does not allow fibres."""
         super().check()
         if self.inner_diameter > 0.0 and self.shape != "tube":
             raise ParameterError("Parameter `inner_diameter` of `bending-beam` must be 0 unless `shape` is `tube`.")

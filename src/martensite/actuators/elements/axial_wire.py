@@ -43,12 +43,12 @@ class AxialWire(AbstractCells):
     cells: str = option("cells per half span", "5", "10", "20", "40", "80", default="20")
     wire: Wire = part("the wire that is cut", ELEMENTS)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` unless a plain wire is cut."""
         self.require_cells()
 
+    @override
     def copies(self) -> Scalar:
-        """Return the number of half spans."""
         return 2.0 * self.spans
 
     def lengths(self, xp: Namespace) -> Column:

@@ -113,8 +113,8 @@ class CoilSpring(AbstractSection):
         default="surface",
     )
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the coil cannot be wound, or the law cannot have the initial state."""
         super().check()
         exact = "exact" in (self.stress_factor, self.stiffness_factor)
         least, words = (coil_theory.LEAST_INDEX, "at least 3") if exact else (1.0, "above 1")

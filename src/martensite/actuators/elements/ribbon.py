@@ -37,8 +37,8 @@ class Ribbon(AbstractCells):
     )
     wire: Wire = part("one of the wires", ELEMENTS)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` unless equal wires fit side by side."""
         self.require_cells()
         if self.heated != round(self.heated) or self.heated > int(self.wires):
             raise ParameterError(

@@ -38,8 +38,8 @@ class AbstractRow(AbstractLumped):
         """Return the number of elements that share the elongation."""
         return 1.0
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` unless it is a whole number of lumped elements."""
         owner = self.registered_name
         if self.count != round(self.count):
             raise ParameterError(f"Parameter `count` of `{owner}` must be a whole number, but is {self.count:g}.")

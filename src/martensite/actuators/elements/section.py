@@ -98,8 +98,8 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
     def uniform(self) -> bool:
         return self.section_model == "surface"
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the law cannot have the initial state, or does not allow fibres."""
         super().check()
         law, lopsided = self.law, getattr(self.law, "compression", "") == "asymmetric"
         if not self.uniform and (lopsided or law.rate_dependent or law.grouped or law.rphase or self.wear):

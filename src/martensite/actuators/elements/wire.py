@@ -55,8 +55,8 @@ class AbstractRoundWire(AbstractElement):
     def wire_length(self) -> Scalar:
         """Return the length of the wire [m]."""
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the law cannot have the initial state."""
         if self.initial_oriented < 1.0 and not self.law.twins:
             raise ParameterError(
                 f"Parameter `initial_oriented` of `{self.registered_name}` must be 1 with law "

@@ -133,8 +133,8 @@ class BeamMotor(AbstractMultibody):
     def signals(self) -> dict[str, str]:
         return {"motor": "V"}
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return tip displacement or modes, rotor angle, and charge."""
         bends = [Coordinate("displacement", "m", "displacement of the tip", "x", 0.01)]
         if self.count > 1:
             numbers = range(1, self.count + 1)

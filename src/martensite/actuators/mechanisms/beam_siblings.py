@@ -63,8 +63,8 @@ class BeamMotors(BeamMotor):
     resistance_2: Number = param("ohm", "resistance of the second winding", above=0.0, high=1e6, typical="4 ohm")
     inductance_2: Number = param("H", "inductance of the second winding", above=0.0, high=1e3, typical="20 mH")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the moving mass is below both unbalances, or as `beam-motor` does."""
         super().check()
         if self.unbalance + self.unbalance_2 > self.mass:
             raise ParameterError(

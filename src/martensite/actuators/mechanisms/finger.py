@@ -106,8 +106,8 @@ class Finger(grasp.AbstractGrasp):
     )
     cylinder_inwards: Number = param("m", "axis of the cylinder, to the inside", low=-10.0, high=10.0, default=0.03)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder overlaps."""
         if min(self.start_forces(floats)) < 0.0:
             raise ParameterError(
                 "The weight of `finger` bends it as assembled, so that the wire would have to push; raise `extension` "

@@ -107,8 +107,8 @@ class Hand(grasp.AbstractGrasp):
         "m", "axis of the cylinder, from the middle to the thumb", low=-10.0, high=10.0, default=0.0
     )
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if extensors would push at assembly, or the cylinder overlaps."""
         self.check_contact()
         lacking = -min(self.start_forces(floats))
         if lacking > 0.0:
@@ -136,8 +136,8 @@ class Hand(grasp.AbstractGrasp):
         """Return the flexor and extensor of each joint, such as `thumb_proximal_flexor`."""
         return tuple("_".join(words) for words in product(FINGERS, JOINTS, SIDES))
 
+    @override
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Return the angles, such as `thumb_proximal`."""
         words = product(FINGERS, JOINTS)
         return tuple(
             Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0) for one, joint in words

@@ -165,8 +165,8 @@ class BiasSpring(AbstractLoadLine):
         pull = self.preload + self.stiffness * (assembly.elongation - spring.free)
         return xp.maximum(pull / (1.0 + self.stiffness * spring.compliance), 0.0)
 
+    @override
     def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
-        """Return the shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
 
     @override

@@ -71,8 +71,8 @@ class ParallelPlatform(AbstractMultibody):
     )
     preload: Number = param("N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the joint would be below the base."""
         if self.eccentricity > self.height:
             raise ParameterError(
                 f"Parameter `eccentricity` of `parallel-platform` must be at most `height`, {1e3 * self.height:.6g} "

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, option, param
 
 ALLOYS = ("70", "90")
@@ -47,8 +48,8 @@ class WireRequest(Parametrised):
     limits: str = option("limits of the material: stress, strain, temperature", "keep", "ignore", default="keep")
     alloy: str = option("which of the maker's alloys", "any", *ALLOYS, default="any")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the return takes the whole stress, or a life has no source."""
         asked = math.isfinite(self.life)
         if asked and (self.life > LIFE_CYCLES or self.element == "coil" or self.limits == "ignore"):
             raise ParameterError(

@@ -8,6 +8,7 @@ from dataclasses import replace
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.design.sizing.request import ALLOYS
 from martensite.design.sizing.statics import Strand, list_alloy_numbers
@@ -52,8 +53,8 @@ class WireInHand(Parametrised):
     alloy: str = option("which of the maker's alloys", *ALLOYS, default="90")
     cooling: str = option("what is around the wire", *COOLINGS, default="air")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the data are insufficient or contradictory."""
         if self.gives("load") and (self.gives("spring") or self.gives("preload")):
             raise ParameterError("A wire lifts a weight or pulls a spring; give `load`, or `spring` and `preload`.")
 

@@ -1,4 +1,5 @@
 """Axes of a sweep: free parameters (`martensite.search.free_text`) with levels or quantiles."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping

@@ -10,6 +10,7 @@ import math
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
@@ -167,8 +168,8 @@ class AbstractSwitch(AbstractSource):
         """Return the current [A] through `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
 
+    @override
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the mean current [A]."""
         return self.share(xp, drive, getattr(self, "frequency", 0.0)) * self.closed_current(xp, resistance)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:

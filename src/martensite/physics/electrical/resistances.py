@@ -3,6 +3,7 @@
 Resistivities of both phases are parameters because published values disagree even on the sign of their difference.
 """
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
@@ -40,10 +41,10 @@ class PerLengthResistance(AbstractResistance):
     r_A: Number = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6, typical="20 ohm/m")
     r_M: Number = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6, typical="23 ohm/m")
 
+    @override
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """Return R [ohm]."""
         return (self.r_A + fraction * (self.r_M - self.r_A)) * shape.length
 
 
@@ -54,10 +55,10 @@ class MixtureResistance(AbstractResistance):
     rho_A: Number = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
     rho_M: Number = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
 
+    @override
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """Return R [ohm]."""
         return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (shape.length / shape.area)
 
 
@@ -92,10 +93,10 @@ class FurstSeeleckeResistance(MixtureResistance):
         martensite = self.rho_M * (1.0 + self.a_rho_M * rise)
         return austenite + fraction * (martensite - austenite)
 
+    @override
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """Return R [ohm]."""
         width = 1.0 - self.nu * strain
         stretched = shape.length * (1.0 + strain) / (shape.area * width * width)
         return self.resistivity(xp, fraction, temperature) * stretched
@@ -119,10 +120,10 @@ class ThreePhaseResistance(FurstSeeleckeResistance):
         "1/K", "temperature coefficient of the resistivity of the R-phase", low=-1e-3, high=5e-3, typical="3e-4 1/K"
     )
 
+    @override
     def mix_phases(
         self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """Return R [ohm]."""
         rise = temperature - self.T_rho
         more = self.rho_R * (1.0 + self.a_rho_R * rise) - self.rho_A * (1.0 + self.a_rho_A * rise)
         share = 1.0 + rphase * more / self.resistivity(xp, fraction, temperature)

@@ -1,6 +1,7 @@
 """Sources that follow their signal within limits: current, voltage, power, amplifier; and a temperature bath."""
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
@@ -13,13 +14,13 @@ class CurrentSource(AbstractSupply):
 
     unit = "A"
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return I [A] for a drive in ampere."""
         most = self.most(xp, resistance)
         return xp.clip(drive, -most, most)
 
+    @override
     def reach(self, resistance: float) -> SignalRange:
-        """Return the deliverable currents [A]."""
         most = self.most(xp, resistance)
         return SignalRange(-most, most)
 
@@ -30,13 +31,13 @@ class VoltageSource(AbstractSupply):
 
     unit = "V"
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return I [A] for a drive in volt."""
         most = self.most(xp, resistance)
         return xp.clip(drive / (resistance + self.series_resistance), -most, most)
 
+    @override
     def reach(self, resistance: float) -> SignalRange:
-        """Return the deliverable voltages [V] over element and series resistance."""
         most = self.most(xp, resistance) * (resistance + self.series_resistance)
         return SignalRange(-most, most)
 
@@ -48,13 +49,13 @@ class PowerSource(AbstractSupply):
     unit = "W"
     linear = "power"
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return I [A] for a drive in watt."""
         wanted = xp.sqrt(xp.maximum(drive, 0.0) / resistance)
         return xp.minimum(wanted, self.most(xp, resistance))
 
+    @override
     def reach(self, resistance: float) -> SignalRange:
-        """Return the deliverable powers [W]."""
         most = self.most(xp, resistance)
         return SignalRange(0.0, most * most * resistance)
 
@@ -69,8 +70,8 @@ class PrescribedTemperature(AbstractSource):
     unit = "K"
     sets_temperature = True
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return zero."""
         return 0.0 * resistance
 
 
@@ -99,24 +100,24 @@ class LinearAmplifier(AbstractSupply):
     headroom: Number = param("V", "voltage that the transistor needs at most output", low=0.0, high=1e3, default=0.0)
     output_resistance: Number = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the headroom reaches the supply voltage."""
         if not self.headroom < self.voltage_limit:
             raise ParameterError(
                 f"`headroom` of `linear-amplifier` must be below its `voltage_limit` of "
                 f"{self.voltage_limit:g} V, but is {self.headroom:g} V."
             )
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return I [A] for a signal in volt."""
         highest = xp.maximum(self.voltage_limit - self.headroom, 0.0)
         volts = xp.clip(self.gain * drive + self.offset, self.lowest, highest)
         behind = resistance + self.output_resistance
         most = self.most(xp, behind)
         return xp.clip(volts / (behind + self.series_resistance), -most, most)
 
+    @override
     def reach(self, resistance: float) -> SignalRange:
-        """Return the deliverable signals [V]."""
         behind = resistance + self.output_resistance
         most = self.most(xp, behind) * (behind + self.series_resistance)
         high = xp.minimum(self.voltage_limit - self.headroom, most)

@@ -12,6 +12,7 @@ are therefore rms current, rms voltage and mean power.
 import math
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
@@ -24,8 +25,8 @@ class PwmVoltage(AbstractSwitch):
     At 0 or 1 this is the switch itself: the waveform `carrier` drives it pulse by pulse.
     """
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A]."""
         return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed_current(xp, resistance)
 
 
@@ -51,19 +52,19 @@ class Mosfet(AbstractSwitch):
     )
     smallest_pulse: Number = param("s", "shortest time that the transistor conducts", low=0.0, high=1.0, default=0.0)
 
+    @override
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Return the current [A] through `resistance` [ohm] while the transistor conducts."""
         around = self.series_resistance + self.supply_resistance + self.on_resistance
         return xp.minimum(self.supply / (resistance + around), self.current_limit)
 
+    @override
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Return the effective duty cycle."""
         left = drive - self.dead_time * frequency
         made = xp.where(left < self.smallest_pulse * frequency, 0.0, xp.maximum(left, 0.0))
         return xp.where(drive < 1.0, made, 1.0)
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A]."""
         share = self.share(xp, drive, self.frequency)
         return xp.sqrt(share) * self.closed_current(xp, resistance)
 
@@ -96,26 +97,26 @@ class HBridge(AbstractSwitch):
     )
     diode_voltage: Number = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
 
+    @override
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Return the current [A] through `resistance` [ohm] while the switches conduct."""
         diode = 0.0 if self.conducts == "both" else self.diode_voltage
         around = self.series_resistance + self.high_resistance + self.low_resistance
         volts = xp.maximum(self.supply - diode, 0.0)
         return xp.minimum(volts / (resistance + around), self.current_limit)
 
+    @override
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Return the effective duty cycle for a demand of either sign."""
         wanted = self._let_through(xp, drive)
         made = xp.maximum(wanted - 2.0 * self.dead_time * frequency, 0.0)
         return xp.where(wanted < 1.0, made, 1.0)
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A] with the sign of the drive."""
         size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed_current(xp, resistance)
         return xp.where(drive < 0.0, -size, size)
 
+    @override
     def reach(self, resistance: float) -> SignalRange:
-        """Return the deliverable duty cycles."""
         least = 0.0 if self.conducts == "positive" else -1.0
         return SignalRange(least, 0.0 if self.conducts == "negative" else 1.0)
 
@@ -165,12 +166,12 @@ class PowerPwm(AbstractSwitch):
                 "(resistance of the element when measured once); none given."
             )
 
+    @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A] for a drive in watt."""
         return xp.sqrt(self._duty(xp, drive, resistance)) * self.closed_current(xp, resistance)
 
+    @override
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the mean current [A] for a drive in watt."""
         return self._duty(xp, drive, resistance) * self.closed_current(xp, resistance)
 
     def _duty(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -178,8 +179,8 @@ class PowerPwm(AbstractSwitch):
         most = self.closed_current(xp, reference)
         return xp.clip(drive / (most * most * reference), 0.0, 1.0)
 
+    @override
     def reach(self, resistance: float) -> SignalRange:
-        """Return the deliverable powers [W]."""
         return SignalRange(0.0, self.largest_power(self._choose_reference(resistance)))
 
     def _choose_reference(self, resistance: Scalar) -> Scalar:

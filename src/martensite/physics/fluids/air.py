@@ -9,6 +9,7 @@ Kind of the values: textbook, recalled. Compared with `air-table` (20 °C to 100
 higher, the viscosity ν 0.4 % to 0.7 % lower, and Pr 0.6 % (100 °C) to 3.3 % (20 °C) lower.
 """
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, Row, interpolate_rows
@@ -23,12 +24,12 @@ class Air(AbstractFluid):
 
     pressure: Number = param("Pa", "absolute pressure", low=1e3, high=1e6, default=101325.0)
 
+    @override
     def span(self) -> tuple[float, float]:
-        """Return 250 K and 450 K."""
         return 250.0, 450.0
 
+    @override
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Return k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
         density = self.pressure / (GAS_CONSTANT * temperature)
         dynamic = 1.458e-6 * temperature * xp.sqrt(temperature) / (temperature + 110.4)
@@ -88,13 +89,13 @@ class AirTable(AbstractFluid):
 
     rows: str = option("which table", "textbook", "kossoski", default="textbook")
 
+    @override
     def span(self) -> tuple[float, float]:
-        """Return the temperatures of the first and last row."""
         rows = ROWS[self.rows]
         return rows[0][0] + ZERO_CELSIUS, rows[-1][0] + ZERO_CELSIUS
 
+    @override
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Return k, ν, Pr and β at the film temperature [K]."""
         celsius = temperature - ZERO_CELSIUS
         conductivity, viscosity, prandtl = interpolate_rows(xp, celsius, ROWS[self.rows])
         return FluidProperties(conductivity, 1e-5 * viscosity, prandtl, 1.0 / temperature)

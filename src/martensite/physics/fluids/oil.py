@@ -9,6 +9,7 @@ posted copy. The oil has no grade. Viscosities of oils differ by factors: use it
 
 import math
 
+from martensite.base.interfaces import override
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, Row, interpolate_rows
 
@@ -44,11 +45,11 @@ class Oil(AbstractFluid):
 
     cites = ("bergman2011",)
 
+    @override
     def span(self) -> tuple[float, float]:
-        """Return 273 K and 430 K."""
         return ROWS[0][0], ROWS[-1][0]
 
+    @override
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Return k, ν, Pr and β at the film temperature [K]."""
         conductivity, viscosity, prandtl = interpolate_rows(xp, temperature, LOGARITHMIC)
         return FluidProperties(conductivity, xp.exp(viscosity), xp.exp(prandtl), EXPANSION)

@@ -13,6 +13,7 @@ surface above 100 °C loses more heat than computed.
 Source: IAPWS SR6-08(2011); coefficients from the public code `iapws`.
 """
 
+from martensite.base.interfaces import override
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
 
@@ -48,12 +49,12 @@ class Water(AbstractFluid):
 
     cites = ("iapws-sr6-08", "iapws-code")
 
+    @override
     def span(self) -> tuple[float, float]:
-        """Return 10 °C and 100 °C in kelvin."""
         return 283.15, 373.15
 
+    @override
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Return k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
         dynamic = 1e-6 * _sum_powers(xp, DYNAMIC, log)
         conductivity = _sum_powers(xp, CONDUCTIVITY, log)

@@ -13,6 +13,7 @@ from abc import abstractmethod
 from typing import ClassVar, Self
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.asymmetry import NONE, SIDED_METHODS, by_side
@@ -152,8 +153,8 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         """Return E_A + ξ (E_M - E_A) [Pa]."""
         return self.E_A + fractions.martensite * (self.E_M - self.E_A)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width."""
         require_order(self, *WIDTHS)
 
     def cautions(self) -> list[str]:
@@ -169,8 +170,8 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         """Return ε_L ξ_S [-]."""
         return self.eps_L * fractions.oriented
 
+    @override
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """Return 1/E [1/Pa]."""
         return 1.0 / self.young(fractions)
 
 
@@ -180,8 +181,8 @@ class AbstractSidedDiagram(AbstractPhaseDiagram, AbstractSidedLaw):
     eps_L_compression: Number = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
     H_min: Number = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width, or the options contradict compression."""
         super().check()
         if self.compression == NONE:
             return

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
@@ -85,8 +86,8 @@ class AbstractLayers(AbstractLaw):
         default="constant",
     )
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the wells of the two phases would touch."""
         if self.Delta_sigma >= 0.5 * self.E_M * self.eps_T:
             raise ParameterError(
                 f"Parameter `Delta_sigma` of `{self.registered_name}` must be below half of E_M eps_T = "
@@ -193,8 +194,8 @@ class CrystalMemory(NamedTuple):
 class AbstractCrystal(AbstractLayers):
     """Identical layers; subclasses define their motion."""
 
+    @override
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> CrystalMemory:
-        """Return the memory of a phase state without history."""
         return CrystalMemory(split_variants(fractions), stress, temperature)
 
     def fractions(self, memory: CrystalMemory) -> Fractions:
@@ -211,6 +212,7 @@ class AbstractCrystal(AbstractLayers):
         """Return the memory with these populations."""
         return CrystalMemory(VariantFractions(plus[0], minus[0]), stress, temperature)
 
+    @override
     def commit(
         self,
         xp: Namespace,
@@ -221,6 +223,5 @@ class AbstractCrystal(AbstractLayers):
         temperature: Scalar,
         dt: Scalar,
     ) -> CrystalMemory:
-        """Return the memory after the accepted step."""
         present = split_variants(fractions)
         return self.remember(xp, (present.plus,), (present.minus,), stress, temperature)

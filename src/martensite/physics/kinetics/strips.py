@@ -8,6 +8,7 @@ A_s < w < A_f for dw > 0. A law defines the fraction left at a distance from the
 from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics import history
@@ -130,8 +131,8 @@ class AbstractStripLaw(AbstractSidedDiagram):
         side = xp.where(stress < 0.0, -1.0, 1.0)
         return 1.0 if self.compression == NONE else side * self._orient(xp, side, xp.abs(stress))
 
+    @override
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
-        """Return the memory of a phase state without history."""
         points = start_points(1) if self.history == RETURN_POINT else ()
         return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature, points)
 
@@ -151,20 +152,21 @@ class AbstractStripLaw(AbstractSidedDiagram):
         """Return the change by forgotten return points [-]."""
         return memory.points.forgotten if self.compression == NONE and memory.points else None
 
+    @override
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
-        """Return the process of a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
         return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
 
+    @override
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Return the fractions if the move ends at (stress, temperature)."""
         fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
+    @override
     def commit(
         self,
         xp: Namespace,
@@ -175,7 +177,6 @@ class AbstractStripLaw(AbstractSidedDiagram):
         temperature: Scalar,
         dt: Scalar,
     ) -> OneFractionMemory:
-        """Return the memory after the accepted move."""
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
         return history.remember_points(xp, BranchedLeft(self.left_of), memory, move, after, self.endless)
@@ -198,8 +199,8 @@ class AbstractStripLaw(AbstractSidedDiagram):
             memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
+    @override
     def kinks(self, xp: Namespace, memory: OneFractionMemory) -> list[Scalar]:
-        """Return the distances to start and finish lines, and to the continuation of a branch."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
         ahead, back = forward.distance(*at, xp), reverse.distance(*at, xp)

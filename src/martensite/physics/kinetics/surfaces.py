@@ -44,6 +44,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, Self
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
@@ -159,8 +160,8 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         law.__dict__.update(H_min=side * self.H_min, reorients=self.compression != NONE)
         return law
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the surfaces have no width, order or slope."""
         require_order(self, *self.orders)
         if self.H_min > self.H_sat:
             raise ParameterError(

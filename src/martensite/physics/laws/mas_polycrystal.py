@@ -81,8 +81,8 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         shift = self.spread * quantile
         return (shift, 0.0) if self.distribution == "barriers" else (0.0, shift)
 
+    @override
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> PolycrystalMemory:
-        """Return the memory of a phase state without history, equal in all groups."""
         present, count = split_variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
         return PolycrystalMemory(*columns, fractions, stress, temperature)

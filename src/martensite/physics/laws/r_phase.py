@@ -119,8 +119,8 @@ class RPhase(AbstractPhaseDiagram):
         law, back = self.whole(), {"A_s": self.R_f + self.dT_R, "A_f": self.R_s + self.dT_R}
         return law.rebuilt(back | {"M_s": self.R_s, "M_f": self.R_f, "C_A": self.C_R, "C_M": self.C_R})
 
+    @override
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> RPhaseMemory:
-        """Return the memory without history; the R-phase is that of cooling to this point."""
         at, parent = (stress, temperature), self.parent()
         share = 1.0 - parent.left(xp, xp.clip(parent.strips()[0].distance(*at), 0.0, 1.0))
         own = self.whole().init(xp, fractions, *at)

@@ -46,8 +46,8 @@ class AbstractActiveCooling(AbstractCooling):
         """Return the heat flow [W] in addition to the film at a level of the signal; None without such a flow."""
         return None
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Return h [W/(m² K)] at signal 0."""
         return self.film_at(xp, 0.0, temperature, ambient, shape)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
@@ -191,8 +191,8 @@ class Peltier(AbstractActiveCooling):
     reverse: Number = param("A", "largest current the other way", low=0.0, high=1e4, default=0.0, typical="1 A")
     still: AbstractCooling = part("heat-loss model of the film", COOLING, typical="churchill-chu")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if the module pumps more heat than a side can take."""
         for name, side, sign in (("highest", "sink", 1.0), ("reverse", "contact", -1.0)):
             most = getattr(self, name)
             if self._determinant(sign * self.seebeck * most) <= 0.0:

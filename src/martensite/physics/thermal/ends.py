@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
@@ -38,8 +39,8 @@ class AbstractEnds(Parametrised):
 class AdiabaticEnds(AbstractEnds):
     """Adiabatic ends."""
 
+    @override
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
-        """Return h S [W/K]."""
         return film * (math.pi * shape.diameter * shape.length)
 
 

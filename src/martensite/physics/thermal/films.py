@@ -34,8 +34,8 @@ class PolynomialCooling(AbstractCooling):
     )
     reference: Number = param("K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15)
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Return h(T) [W/(m² K)], never below zero."""
         theta = temperature - self.reference
         return xp.maximum(self.h0 + theta * (self.h1 + theta * self.h2), 0.0)
 
