@@ -23,6 +23,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, SolveError, require_known
 from martensite.control.controllers.relay import OnOff
 from martensite.control.sensors.position import IdealSensor
+from martensite.kernels.brent import find_root
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
@@ -30,7 +31,6 @@ from martensite.simulate.steady.continuation import Linearised
 from martensite.simulate.steady.cycles import PeriodicOrbit, Shooting
 from martensite.simulate.steady.equilibria import rest_signals
 from martensite.simulate.steady.periodic_motion import find_inert, judge_stability
-from martensite.simulate.steady.roots import find_root
 from martensite.simulate.steady.stretch import Stretch
 
 if TYPE_CHECKING:
@@ -266,7 +266,7 @@ class SwitchedMotion:
         short = 1e-9 * self.step
         if missing(short) >= 0.0:
             return short, end(short)
-        last = find_root(missing, short, self.step)
+        last = find_root(missing, short, self.step, relative=1e-14)
         return last, end(last)
 
     def march(self, state: Numbers) -> tuple[Numbers, Numbers]:

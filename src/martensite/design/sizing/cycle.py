@@ -10,10 +10,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import root_scalar
 
 from martensite.actuators.assembly import System
 from martensite.base.status import Status
+from martensite.kernels.brent import find_root
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.step import Step
 from martensite.simulate.alarms import Alarm, Values, find_excursion
@@ -89,8 +89,8 @@ def find_current(system: System, position: float, time: float, guess: float) -> 
     while simulate_pulse(system, low, time) >= position:
         high, low = low, 0.5 * low
     ends = math.log(low), math.log(high)
-    solution = root_scalar(lambda x: simulate_pulse(system, math.exp(x), time) - position, bracket=ends, xtol=TOLERANCE)
-    return math.exp(solution.root + TOLERANCE)
+    root = find_root(lambda x: simulate_pulse(system, math.exp(x), time) - position, *ends, TOLERANCE)
+    return math.exp(root + TOLERANCE)
 
 
 def find_reach_time(system: System, position: float, current: float, longest: float) -> float | None:

@@ -25,8 +25,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from martensite.base.errors import SolveError
+from martensite.kernels.brent import find_root
 from martensite.signals.sampling.sampled import Numbers
-from martensite.simulate.steady.roots import find_root
 
 ITERATIONS = 12
 """Newton steps of a correction."""
@@ -234,7 +234,7 @@ class Curve:
                 known[at] = self.step(here, at)[0]
             return function(known[at])
 
-        root = find_root(value, 0.0, length)
+        root = find_root(value, 0.0, length, relative=1e-14)
         value(root)
         one = known[root]
         return CurvePoint(one.unknowns, one.tangent, one.sizes, fold)

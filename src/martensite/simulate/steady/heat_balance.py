@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.errors import InputError, ParameterError, require_known
 from martensite.kernels import floats
+from martensite.kernels.brent import find_root
 from martensite.physics.thermal.base import Cylinder, Environment
-from martensite.simulate.steady.roots import find_root
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -58,7 +58,7 @@ def find_steady_temperature(
         if reach > HOTTEST:
             raise ParameterError(f"The element loses less than {abs(power):g} W at every temperature.")
     ends = sorted((ambient, max(ambient + side * reach, 1e-3)))
-    return find_root(missing, *ends)
+    return find_root(missing, *ends, relative=1e-14)
 
 
 def find_film_coefficient(

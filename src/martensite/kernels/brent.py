@@ -1,0 +1,67 @@
+"""A root between two ends of opposite sign: Brent's method, in plain Python.
+
+The same steps as `brentq` of SciPy, whose import takes longer than most searches.
+
+Source: R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from martensite.base.errors import SolveError
+
+RELATIVE = 4.0 * sys.float_info.epsilon
+"""Relative tolerance of a root."""
+MOST_TURNS = 100
+
+
+def find_root(
+    function: Callable[[float], float], low: float, high: float, tolerance: float = 1e-14, relative: float = RELATIVE
+) -> float:
+    """Return a root of a function between two ends, within an absolute and a relative tolerance.
+
+    Raises:
+        ValueError: the function has the same sign at both ends.
+        SolveError: the tolerances are not met after `MOST_TURNS` turns.
+    """
+    before, here = low, high
+    value_before, value = function(before), function(here)
+    if value_before == 0.0 or value == 0.0:
+        return here if value == 0.0 and value_before != 0.0 else before
+    if (value_before < 0.0) == (value < 0.0):
+        raise ValueError(f"The function has the same sign at {low} and {high}.")
+    other, value_other = before, value_before
+    last = step = here - before
+    for _ in range(MOST_TURNS):
+        if (value_before < 0.0) != (value < 0.0) and value_before != 0.0:
+            other, value_other = before, value_before
+            last = step = here - before
+        if abs(value_other) < abs(value):
+            before, here, other = here, other, here
+            value_before, value, value_other = value, value_other, value
+        least, half = 0.5 * (tolerance + relative * abs(here)), 0.5 * (other - here)
+        if value == 0.0 or abs(half) < least:
+            return here
+        tried = _extrapolate((before, value_before), (here, value), (other, value_other))
+        usable = abs(last) > least and abs(value) < abs(value_before)
+        if usable and 2.0 * abs(tried) < min(abs(last), 3.0 * abs(half) - least):
+            last, step = step, tried
+        else:
+            last = step = half
+        before, value_before = here, value
+        here += step if abs(step) > least else (least if half > 0.0 else -least)
+        value = function(here)
+    raise SolveError(f"No root was found in {MOST_TURNS} turns of Brent's method, between {low:.6g} and {high:.6g}.")
+
+
+def _extrapolate(before: tuple[float, float], here: tuple[float, float], other: tuple[float, float]) -> float:
+    """Return the step to the root of the secant through two points, or of the inverse parabola through three."""
+    (a, fa), (b, fb), (c, fc) = before, here, other
+    if fa == fb or (a != c and fc in (fa, fb)):
+        return float("inf")
+    if a == c:
+        return -fb * (b - a) / (fb - fa)
+    da, dc = (fa - fb) / (a - b), (fc - fb) / (c - b)
+    return -fb * (fc * dc - fa * da) / (dc * da * (fc - fa))
