@@ -416,6 +416,19 @@ def test_help_imports_nothing_heavy() -> None:
     assert "run " in done.stdout
 
 
+def test_plain_values_of_options_need_no_pydantic(folder: Path) -> None:
+    """Numbers do; both give what typer gives."""
+    code = (
+        "import sys; from martensite.cli import app\n"
+        "try: app(['check', 'wire.toml', '--json', '--set', 'element.diameter=0.3 mm'])\n"
+        "except SystemExit as end: pass\n"
+        "print('pydantic' in sys.modules, file=sys.stderr)"
+    )
+    done = process(code)
+    assert done.stderr.strip() == "False"
+    assert json.loads(done.stdout)["title"]
+
+
 def test_usage_errors_exit_with_2_and_unknown_commands_too() -> None:
     assert call("run").exit_code == 2
     assert call("rnu").exit_code == 2

@@ -7,12 +7,14 @@ from elsewhere add commands through the entry-point group `martensite.<folder>`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import typer
 from typer.core import TyperGroup
 
 from martensite.base.module_folder import ModuleFolder
+from martensite.cli.plain_values import spare_conversion
 
 
 class FolderGroup(TyperGroup):
@@ -69,6 +71,10 @@ class FolderGroup(TyperGroup):
             formatter.write_paragraph()
             formatter.write_text(failure)
 
+    def get_params(self, ctx: typer.Context) -> list[Any]:  # type: ignore[override]
+        """Return the parameters of the group."""
+        return spare_conversion(super().get_params(ctx))
+
     def _find_title(self, name: str) -> str:
         return getattr(self.commands[name], "rich_help_panel", None) or "Commands"
 
@@ -77,6 +83,8 @@ class FolderGroup(TyperGroup):
         declared = len(self.declared.registered_commands) + len(self.declared.registered_groups)
         if declared != self.built:
             self.commands, self.built = dict(typer.main.get_group(self.declared).commands), declared
+            for command in self.commands.values():
+                command.get_params = _spare(command.get_params)  # type: ignore[method-assign]
 
     def _import_all(self) -> None:
         from importlib.metadata import entry_points
@@ -87,6 +95,10 @@ class FolderGroup(TyperGroup):
             point.load()
         self._import(".command(", ".add_typer(")
         self.complete = True
+
+
+def _spare(list_parameters: Callable[[Any], list[Any]]) -> Callable[[Any], list[Any]]:
+    return lambda ctx: spare_conversion(list_parameters(ctx))
 
 
 def make_group(
