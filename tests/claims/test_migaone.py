@@ -157,7 +157,7 @@ def test_fit_film_recovers_a_parabola_and_refuses_nonsense() -> None:
     assert math.isnan(fit_film(at[:3], h[:3]).adjusted)
     with pytest.raises(DataError, match="do not determine"):
         fit_film([40.0, 40.0, 50.0], h[:3])
-    with pytest.raises(DataError, match="equally many"):
+    with pytest.raises(DataError, match="equal lengths"):
         fit_film(at, h[:3])
     with pytest.raises(DataError, match="finite"):
         fit_film(at, [*h[:4], math.inf])

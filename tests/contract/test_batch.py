@@ -147,7 +147,7 @@ def test_bad_arguments_are_refused() -> None:
         run(over={"hh": [1.0]})
     with pytest.raises(ParameterError, match="must be"):
         run(over={"diameter": [-1.0]})
-    with pytest.raises(InputError, match="equally many values"):
+    with pytest.raises(InputError, match="equal numbers of values"):
         run(over={"h0": [90.0], "A_f": [350.0, 351.0]})
     with pytest.raises(ParameterError, match="`step` must be above 0"):
         run(step=0.0)

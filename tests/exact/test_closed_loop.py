@@ -158,7 +158,7 @@ def test_a_chamber_has_no_loop() -> None:
 
 
 def test_no_number_from_a_drive_is_an_error() -> None:
-    with pytest.raises(SolveError, match=r"The drive answered with nan at t = 0.1 s\."):
+    with pytest.raises(SolveError, match=r"The drive returned nan at t = 0.1 s\."):
         simulate_loop(hanging_wire(), Scripted(signals=(0.0, math.nan)), 0.2, 0.1)
 
 

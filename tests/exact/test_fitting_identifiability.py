@@ -281,7 +281,7 @@ def test_bad_input_is_refused():
             assess_identifiability(bad, ["a"], **good)
     with pytest.raises(ParameterError, match="noise"):
         assess_identifiability([[1.0]], ["a"], noise=0.0, **good)
-    with pytest.raises(ParameterError, match="equally many"):
+    with pytest.raises(ParameterError, match="equal lengths"):
         assess_identifiability([[1.0]], ["a"], values=[1.0, 2.0], scales=[1.0])
     with pytest.raises(ParameterError, match="scale of `a`"):
         assess_identifiability([[1.0]], ["a"], values=[1.0], scales=[0.0])

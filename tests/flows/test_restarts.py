@@ -135,7 +135,7 @@ def test_a_run_goes_on_otherwise_from_a_state(tmp_path: Path) -> None:
     (place,) = np.flatnonzero(before["time"].values == 11.0)
     assert found["angle"].values[0] == before["angle"].values[place] > 1.0
     assert abs(found["angle"].values[-1]) < 0.02 and found.attrs["heat_residual"] < 1e-4
-    assert "nearest is that at 11 s" in command.refused("--from", out, "--at", "12 s", "--out", more, "--force", *still)
+    assert "nearest is at 11 s" in command.refused("--from", out, "--at", "12 s", "--out", more, "--force", *still)
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_states_of_another_system_and_of_other_times_are_refused() -> None:
         run(EXAMPLES / "migaone.toml", start=short)
     with pytest.raises(InputError, match=r"but ends at 1 s"):
         run(EXAMPLES / "finger.toml", duration="1 s", start=short)
-    with pytest.raises(InputError, match=r"No state was kept at 0\.4 s; the nearest is that at 1 s"):
+    with pytest.raises(InputError, match=r"No state was saved at 0\.4 s; the nearest is at 1 s"):
         run(EXAMPLES / "finger.toml", start=short, at=0.4)
 
 

@@ -73,7 +73,7 @@ LIMITS = {
     "docs/decisions": 6.0,
     "docs/developer": 3.0,
     "help": 4.0,
-    "messages": 9.0,
+    "messages": 7.5,
     "web": 4.0,
     "docstrings": 25.0,
 }

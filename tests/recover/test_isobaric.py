@@ -142,7 +142,7 @@ def test_a_line_leaves_spikes_out_and_three_lines_find_corners() -> None:
         (changed(stress=np.full(len(CYCLE), 1e11)), "are columns swapped?"),
         (changed(strain=np.full(len(CYCLE), 0.02)), "No transformation found in `cycle` on"),
         (changed(strain=1e-5 * np.asarray(CYCLE["temperature"])), "No transformation found"),
-        (changed(strain=-np.asarray(CYCLE["strain"])), "turn the sign of the strain"),
+        (changed(strain=-np.asarray(CYCLE["strain"])), "change the sign of the strain"),
         (SAMPLE.cycle(STRESS, hottest=352.0), "no straight hot part (austenite) beyond it; heat"),
         (SAMPLE.cycle(STRESS, coldest=332.0), "no straight cold part (martensite) beyond it; cool"),
         (record(UP, 0.01 + 0.0 * UP, STRESS), "no full cycle: its temperature only rises"),

@@ -243,8 +243,8 @@ def test_noise_is_told_from_another_curve() -> None:
     [
         ((0.0, 1.0, 2.0), (0.0, 1.0, 2.0), "at least 6 rows"),
         (range(8), [3.0] * 8, "nothing rises"),
-        (range(8), [float(k) for k in range(8)], "holds no time constant"),
-        (range(8), range(7), "equally many"),
+        (range(8), [float(k) for k in range(8)], "fitted time constant"),
+        (range(8), range(7), "equal lengths"),
         ([0.0, 1.0, 1.0, 2.0, 3.0, 4.0], range(6), "must increase"),
         (range(6), [0.0, 1.0, math.inf, 1.0, 1.0, 1.0], "finite"),
     ],
@@ -257,9 +257,9 @@ def test_rises_that_are_refused(times: Sequence[float], values: Sequence[float],
 def test_tests_that_are_refused() -> None:
     with pytest.raises(DataError, match="at least 2 states"):
         winding_resistance([1.0], [1.0])
-    with pytest.raises(DataError, match="equally many"):
+    with pytest.raises(DataError, match="equal lengths"):
         winding_resistance([1.0, 2.0], [1.0])
-    with pytest.raises(DataError, match="hold no resistance"):
+    with pytest.raises(DataError, match="of the held rotor are 0 A"):
         winding_resistance([1.0, 2.0], [0.0, 0.0])
     with pytest.raises(DataError, match="above 0 ohm"):
         winding_resistance([1.0, 2.0], [-1.0, -2.0])

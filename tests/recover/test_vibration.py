@@ -107,7 +107,7 @@ def test_unequal_times_are_refused() -> None:
         natural_frequency(times[:900] + times[910:], values[:900] + values[910:])
     with pytest.raises(DataError, match="at least 16 rows"):
         natural_frequency(times[:15], values[:15])
-    with pytest.raises(DataError, match="equally many"):
+    with pytest.raises(DataError, match="equal lengths"):
         natural_frequency(times[1:], values)
     with pytest.raises(DataError, match="finite"):
         natural_frequency(times, [*values[1:], math.nan])

@@ -28,7 +28,7 @@ def check_columns(test: str, rows: str, fewest: int, **columns: Sequence[float])
     names = " and ".join(columns).replace("_", " ")
     if len(set(lengths)) > 1:
         listed = " and ".join(map(str, lengths))
-        raise DataError(f"The {names} of {test} must be equally many, but are {listed}.")
+        raise DataError(f"The {names} of {test} must have equal lengths, but have {listed}.")
     if lengths[0] < fewest:
         raise DataError(f"A fit of {test} needs at least {fewest} {rows}, but has {lengths[0]}.")
     if not all(math.isfinite(number) for column in columns.values() for number in column):

@@ -85,8 +85,8 @@ class SteadyRunning:
         found = fit_powers(self.speeds, behind, (1,)).coefficient(1)
         if found.value <= 0.0:
             raise DataError(
-                f"With R = {resistance:.4g} ohm steady running leaves no voltage behind R i: K is "
-                f"{found.value:.3g} V s/rad, not above 0; check R and the signs of the columns."
+                f"With R = {resistance:.4g} ohm the motor constant K is {found.value:.3g} V s/rad, but must be "
+                "above 0. Check R and the signs of the columns."
             )
         return found
 
@@ -103,7 +103,7 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
     """
     check_columns("a motor", "states", 2, voltages=voltages, currents=currents)
     if not any(currents):
-        raise DataError("All currents of the held rotor are 0 A: they hold no resistance.")
+        raise DataError("All currents of the held rotor are 0 A. Measure the resistance with a current.")
     resistance = fit_powers(currents, voltages, (1,)).coefficient(1)
     if resistance.value <= 0.0:
         raise DataError(
@@ -128,7 +128,7 @@ def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds:
     """
     check_columns("a motor", "states", 2, voltages=voltages, currents=currents, speeds=speeds)
     if 0.0 in speeds:
-        raise DataError("Steady speeds must not be 0 rad/s: a stopped motor shows no constant.")
+        raise DataError("Steady speeds must not be 0 rad/s: a stopped motor has no back-EMF.")
     signs = [math.copysign(1.0, speed) for speed in speeds]
     columns = [
         tuple(sign * number for sign, number in zip(signs, numbers, strict=True))
@@ -137,7 +137,7 @@ def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds:
     states = SteadyRunning(*columns)
     if len(set(states.speeds)) < 2:
         raise DataError(
-            f"All steady states run at {states.speeds[0]:.4g} rad/s, but a line of friction takes at least two speeds."
+            f"All steady states run at {states.speeds[0]:.4g} rad/s, but the friction needs at least two speeds."
         )
     return states
 
@@ -212,7 +212,7 @@ def estimate_motor_constants(
         DataError: steady running contradicts R, or the run-up is not slower than the current.
     """
     if current_rise is not None and inductance is not None:
-        raise ParameterError("Give `current_rise` or `inductance`, not both: each tells L.")
+        raise ParameterError("Give `current_rise` or `inductance`, not both: each determines L.")
     ohms = winding.resistance
     coil = MeasuredValue(inductance or 0.0) if current_rise is None else current_rise.tau
     inputs = (

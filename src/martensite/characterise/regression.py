@@ -255,12 +255,12 @@ def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence
         **dict.fromkeys(("ftol", "xtol", "gtol"), TOLERANCE),
     )
     if not found.success:
-        raise SolveError(f"A least-squares fit has not settled after {MOST_EVALUATIONS} steps.")
+        raise SolveError(f"A least-squares fit has not converged after {MOST_EVALUATIONS} steps.")
     freedom = len(found.fun) - len(start)
     variance = 2.0 * found.cost / freedom if freedom else math.nan
     upper = np.linalg.qr(found.jac, mode="r")
     if not np.abs(np.diag(upper)).min() > 0.0:
-        raise SolveError("A least-squares fit has not settled: a number makes no difference.")
+        raise SolveError("A least-squares fit has not converged: one parameter has no effect.")
     errors = np.sqrt(variance * np.sum(np.linalg.inv(upper) ** 2, axis=1))
     pairs = zip(found.x, errors, strict=True)
     estimates = tuple(MeasuredValue(float(value), float(error), freedom) for value, error in pairs)

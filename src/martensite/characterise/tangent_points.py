@@ -172,8 +172,8 @@ def _read_branch(cut: IsobaricCycle, way: str) -> BranchTangents:
     if strain < 0.0:
         raise DataError(
             f"The strain of `{cut.name}` is larger in austenite than in martensite, by "
-            f"{-strain:.3g}; elongation must count as positive: turn the sign of the strain, and "
-            "in compression that of the stress, too."
+            f"{-strain:.3g}. Elongation must be positive: change the sign of the strain and, in compression, "
+            "the sign of the stress."
         )
     return found
 
@@ -183,7 +183,7 @@ def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
     if cut.timed:
         raise DataError(
             f"Record `{cut.name}` transforms at a lower temperature on heating than on cooling; "
-            "its times run backwards, or its thermometer lags by more than the hysteresis."
+            "its times decrease, or its thermometer lags by more than the hysteresis."
         )
     remark = "The rows stand in reverse order: heating and cooling are exchanged."
     return replace(cut, heating=cut.cooling, cooling=cut.heating, remarks=(*cut.remarks, remark))

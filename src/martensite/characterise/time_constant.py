@@ -83,15 +83,12 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
     try:
         found = fit_residuals(residuals, (0.0, sign, _guess_time(at, shares)))
     except SolveError as error:
-        raise DataError(
-            f"A record of {span:.4g} s holds no time constant: no exponential fits best; record "
-            "until the values settle."
-        ) from error
+        raise DataError(f"No exponential fits the record of {span:.4g} s. Record until the values settle.") from error
     final, change, tau = found.estimates
     if not 0.0 < tau.value < 1.0:
         raise DataError(
-            f"A record of {span:.4g} s holds no time constant: the best fit has "
-            f"{span * tau.value:.4g} s; record until the values settle."
+            f"The fitted time constant, {span * tau.value:.4g} s, is longer than the record of {span:.4g} s. "
+            "Record until the values settle."
         )
     return Rise(
         tau.scaled(span),
@@ -125,6 +122,6 @@ def _lag_correlation(residuals: Sequence[float]) -> float:
 def _check_record(times: Sequence[float], values: Sequence[float]) -> None:
     check_columns("a time constant", "rows", LEAST_ROWS, times=times, values=values)
     if any(after <= before for before, after in pairwise(times)):
-        raise DataError("Times of a rise must increase from row to row, but do not.")
+        raise DataError("Times of a rise must increase from row to row.")
     if max(values) == min(values):
         raise DataError(f"All {len(values)} values are {values[0]:.6g}: nothing rises or falls.")

@@ -190,7 +190,7 @@ class BoxSearch:
     def found(self) -> BoxPoint:
         """Return the best so far."""
         if self.best is None:
-            raise SolveError("Nothing was judged.")
+            raise SolveError("No design was evaluated.")
         return self.best
 
     def scatter_points(

@@ -253,7 +253,7 @@ class FreeNumber:
             return np.array(self.choices)
         if self.spread or self.count is None:
             raise ParameterError(
-                f"Axis `{self.name}` has no levels for a grid; write how many, such as `:9` behind its range, or "
+                f"Axis `{self.name}` has no levels for a grid; append a count to its range, such as `:9`, or "
                 "choose another `--sample`."
             )
         return self.quantile(np.linspace(0.0, 1.0, self.count))

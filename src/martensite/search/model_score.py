@@ -81,8 +81,8 @@ def score_model(
     t, y, model = (np.asarray(row, np.float64) for row in (times, measured, modelled))
     if not 0 < t.size == y.size == model.size:
         raise DataError(
-            f"Times, measured and modelled values of `{output}` must be equally many, "
-            f"but are {t.size}, {y.size} and {model.size}."
+            f"Times, measured and modelled values of `{output}` must have equal lengths, "
+            f"but have {t.size}, {y.size} and {model.size}."
         )
     if not np.isfinite([t, y, model]).all():
         raise DataError(f"Measured and modelled values of `{output}` must be finite.")

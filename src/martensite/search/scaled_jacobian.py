@@ -69,7 +69,7 @@ def scale_parameters(
     given = units or ["1"] * len(names)
     if not 0 < len(names) == len(values) == len(scales) == len(given):
         raise ParameterError(
-            "Names, values, scales and units must be equally many, at least one, but are "
+            "Names, values, scales and units must have equal lengths of at least 1, but have "
             f"{len(names)}, {len(values)}, {len(scales)} and {len(given)}."
         )
     for name, scale in zip(names, scales, strict=True):

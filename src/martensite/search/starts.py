@@ -78,7 +78,7 @@ def find_starts(
     values = np.asarray(costs(points), np.float64)
     order = [k for k in np.argsort(values, kind="stable").tolist() if math.isfinite(values[k])]
     if not order:
-        raise SolveError(f"None of {count} points within the bounds could be run; narrow the bounds.")
+        raise SolveError(f"None of {count} points within the bounds could be simulated; narrow the bounds.")
     chosen = choose_apart(points, order, keep, apart)
     return tuple(Start(tuple(points[k].tolist()), float(values[k])) for k in chosen)
 
@@ -107,5 +107,5 @@ def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: 
         updating="deferred",
     )
     if not math.isfinite(float(found.fun)):
-        raise SolveError("No point within the bounds could be run; narrow the bounds.")
+        raise SolveError("No point within the bounds could be simulated; narrow the bounds.")
     return Start(tuple(found.x.tolist()), float(found.fun))

@@ -173,8 +173,8 @@ def require_residuals(residuals: Any) -> Vector:
     """
     errors = np.asarray(residuals, np.float64)
     if errors.ndim != 1 or not len(errors):
-        raise DataError(f"Residuals must be a row of numbers, but have the shape {errors.shape}.")
+        raise DataError(f"Residuals must have one dimension, but have the shape {errors.shape}.")
     if not np.isfinite(errors).all():
-        raise DataError("Residuals must be finite, but are not all; a run has failed.")
+        raise DataError("Some residuals are not finite: a run has failed.")
     largest = float(np.max(np.abs(errors)))
     return errors / largest if largest > 0.0 else errors

@@ -85,7 +85,7 @@ def simulate(
     """
     check_run(duration, tolerance, step, samples)
     if runtime == "cuda":
-        raise InputError("The runtime `cuda` makes batches; give `over`, or take the runtime `c`.")
+        raise InputError("The runtime `cuda` runs batches; give `over`, or use the runtime `c`.")
     if runtime not in RUNTIMES:
         raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
     waves = arrange_waveforms(system, waveform)

@@ -218,7 +218,7 @@ def compute_sensitivity(
     refused = find_refused(system, varied, runs)
     status = [Status.REFUSED if r else classify_step(s, 0.0) for r, s in zip(refused, residual.tolist(), strict=True)]
     if not over and status[0].failed:
-        raise SolveError(f"The run to be differentiated failed. {status[0].sentence}")
+        raise SolveError(f"The run failed, so it has no derivatives. {status[0].sentence}")
     lost, shown = [one.failed for one in status], slice(None) if over else 0
     column[lost] = slopes[lost] = np.nan
     named = {compiled.paths[row]: slopes[shown, :, i] for i, row in enumerate(rows)}
@@ -248,7 +248,7 @@ def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]])
     sizes = {path: values.size for path, values in varied.items()}
     if len(set(sizes.values())) != 1 or 0 in sizes.values():
         counts = ", ".join(f"`{path}` {size}" for path, size in sizes.items()) or "there is none"
-        raise InputError(f"Varied parameters must have equally many values, at least one: {counts}.")
+        raise InputError(f"Varied parameters must have equal numbers of values, at least one: {counts}.")
     for path, values in varied.items():
         for extreme in (float(values.min()), float(values.max())):
             leaves[path].declared.convert(leaves[path].owner, path, extreme)

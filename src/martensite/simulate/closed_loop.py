@@ -209,7 +209,7 @@ class _Walk:
         found |= {name: self.switched[self.names.index(name)] for name in ELECTRICAL}
         signal, memory = self.plan.drive(time, found, memory)
         if not math.isfinite(signal):
-            raise SolveError(f"The drive answered with {signal} at t = {time:.6g} s.")
+            raise SolveError(f"The drive returned {signal} at t = {time:.6g} s.")
         self.signals.append(signal)
         pieces = self.plan.pieces(signal)
         self.rows.append(self.observe(*self.walk.state, pieces[0][0]))

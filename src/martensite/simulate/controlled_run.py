@@ -165,7 +165,7 @@ class _ControlledWalk:
                 continue
             signal, self.memories[i] = drive(time, seen, self.memories[i]) if seen else (0.0, self.memories[i])
             if not math.isfinite(signal):
-                raise SolveError(f"A controller answered with {signal} at t = {time:.6g} s.")
+                raise SolveError(f"A controller returned {signal} at t = {time:.6g} s.")
             found.append(signal)
         return tuple(found)
 

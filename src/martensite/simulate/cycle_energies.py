@@ -70,7 +70,7 @@ def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair
     """Return the columns of force and coordinate."""
     if pairs is None:
         if not isinstance(result.system.mechanism, AbstractLoadLine):
-            raise InputError("Say by `pairs` which force of this mechanism works along which coordinate.")
+            raise InputError("Give `pairs`: which force of this mechanism works along which coordinate.")
         (port,) = result.system.actuators()
         return [(result.system.label(port, "force"), result.coordinate)]
     for name in (one for pair in pairs for one in pair):

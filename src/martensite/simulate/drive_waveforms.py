@@ -28,8 +28,8 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
         _require_drive(given)
         if len(names) != 1:
             raise InputError(
-                f"This system has {len(names)} drives ({', '.join(names)}); give a waveform "
-                f"to each by name, such as {{'{names[0]}': ...}}."
+                f"This system has {len(names)} drives ({', '.join(names)}). Give a waveform for each by name, "
+                f"such as {{'{names[0]}': ...}}."
             )
         return {names[0]: cast("Kind", given)}
     for name, one in given.items():

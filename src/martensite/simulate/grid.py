@@ -122,7 +122,7 @@ class TimeGrid:
                 raise InputError(f"{time:.6g} s is no sample of this run; the nearest is {self.times[place]:.6g} s.")
         first, last = places
         if first >= last:
-            raise InputError(f"The run goes on from {begin:.6g} s, but ends at {end:.6g} s; give a longer duration.")
+            raise InputError(f"The run continues at {begin:.6g} s, but ends at {end:.6g} s; give a longer duration.")
         a, b = sum(self.counts[:first]), sum(self.counts[:last])
         return TimeGrid(
             self.times[first : last + 1],

@@ -78,7 +78,7 @@ def require_search(given: Mapping[str, Any]) -> None:
     allowed = (AT, PERIOD) if given[AT] == CYCLE else (AT,)
     other = next((name for name in given if name not in allowed), None)
     if other is not None:
-        raise InputError(f"{WHERE} has `{other}` beside `at`; give either values or `at`.")
+        raise InputError(f"{WHERE} has `at` and `{other}`; give either `at` or values.")
 
 
 def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
@@ -149,7 +149,7 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
         if all(abs(a - b) <= 1e-12 * abs(a) for a, b in zip(forces, before, strict=True)):
             break
     else:
-        raise InputError(f"{WHERE} There are no forces at which the elements and the mechanism fit in that state.")
+        raise InputError(f"{WHERE} No forces balance the elements and the mechanism in that state.")
     for ((port, one), _), state in zip(rows, elements, strict=True):
         _check_phases(system, port, one, state)
     return State(tuple(elements), memory)
@@ -167,8 +167,8 @@ def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: floa
         return element.init_in(_find_fractions(port, element, own, known) if phases else known, force, warm)
     if phases:
         raise InputError(
-            f"{WHERE} Element `{element.registered_name}` is not the same all over: its phase state cannot be given; "
-            "take a lumped one, such as `wire`, or leave it out."
+            f"{WHERE} Element `{element.registered_name}` is not uniform, and has no single phase state. "
+            "Use a uniform element, such as `wire`, or leave the fractions out."
         )
     return element.init(floats, force, warm)
 

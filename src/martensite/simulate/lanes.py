@@ -143,7 +143,7 @@ class Lanes:
             return np.broadcast_to(given, self._shape)
         except ValueError:
             raise InputError(
-                f"Signals of one moment must spread to {self._shape} (drives, lanes), but their shape is {given.shape}."
+                f"Signals of one time must have the shape (drives, batch) = {self._shape}, but have {given.shape}."
             ) from None
 
     def _require(self, given: Numbers) -> None:
@@ -151,8 +151,8 @@ class Lanes:
         fits = given.ndim == 3 and all(a in (1, b) for a, b in zip(given.shape[1:], self._shape, strict=True))
         if not fits:
             raise InputError(
-                f"Signals must be of shape (steps, drives, lanes) = (steps, "
-                f"{self._shape[0]}, {self._shape[1]}), but theirs is {given.shape}."
+                f"Signals must have the shape (steps, drives, batch) = (steps, {self._shape[0]}, {self._shape[1]}), "
+                f"but have {given.shape}."
             )
 
 

@@ -34,7 +34,7 @@ def march_floats(
         rows = [observe(*walk.state, *sampled[0])]
     except ArithmeticError as error:
         raise SolveError(
-            f"The run fails at its start, 0 s: {error}; check for a length, width or range of 0."
+            f"The run fails at its start (0 s): {error}. Check for a length, width or range of 0."
         ) from None
     steps = zip(inputs, grid.lengths, strict=True)
     try:

@@ -57,7 +57,7 @@ class PathLeg:
         if self.hold is not None and self.hold not in CONTROLS:
             raise ParameterError(f"Argument `hold` of a leg is `{self.hold}`. {suggest_name(self.hold, CONTROLS)}")
         if self.hold is not None and self.control is not None:
-            raise ParameterError(f"A leg that is given its `{self.control}` holds nothing; leave `hold` out.")
+            raise ParameterError(f"A leg with a value of `{self.control}` holds nothing; leave `hold` out.")
         self._check_numbers()
 
     @property

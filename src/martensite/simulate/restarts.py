@@ -90,7 +90,7 @@ def list_samples(duration: float, samples: int, begin: float) -> list[float]:
         return whole
     if not begin < duration * (1.0 - SAME):
         raise InputError(
-            f"The run goes on from {begin:.6g} s, but ends at {duration:.6g} s, counted from 0; give a longer duration."
+            f"The run continues at {begin:.6g} s, but ends at {duration:.6g} s, counted from 0; give a longer duration."
         )
     return [begin, *whole[bisect_left(whole, begin + SAME * duration) :]]
 
@@ -107,7 +107,7 @@ def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
         if not 0.0 < time < times[-1] - hair:
             raise InputError(
                 f"A restart at {time:.6g} s is not within the run, which ends at {times[-1]:.6g} s; "
-                "its end is kept in any case."
+                "its final state is always saved."
             )
         if time <= times[0] + hair:
             continue
@@ -123,14 +123,14 @@ def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
         InputError: nothing was kept then; the sentence names the nearest time.
     """
     if not known:
-        raise InputError("No state was kept of that run: it failed, was a batch, or its controllers run outside.")
+        raise InputError("That run saved no state: it failed, was a batch, or had external controllers.")
     if at is None:
         return known[-1]
     nearest = min(known, key=lambda one: abs(one.time - at))
     if abs(nearest.time - at) > 1e-9 * max(abs(at), nearest.time):
         raise InputError(
-            f"No state was kept at {at:.6g} s; the nearest is that at {nearest.time:.6g} s. "
-            "A run keeps that at its end, and at what `restart` in its [run] says."
+            f"No state was saved at {at:.6g} s; the nearest is at {nearest.time:.6g} s. "
+            "A run saves its final state, and states at the times of `restart` in its [run]."
         )
     return nearest
 
@@ -146,8 +146,8 @@ def require_names(system: AbstractSystem, names: Sequence[str]) -> None:
     if list(names) != own:
         other = next((a for a, b in zip_longest(names, own) if a != b), None)
         raise InputError(
-            "That run was of another system: its state and that of this one differ"
-            f"{f' from `{other}` on' if other else ''}. Go on with the same elements, laws and mechanism."
+            "That run was of another system: the states differ"
+            f"{f' from `{other}` on' if other else ''}. Continue with the same elements, laws and mechanism."
         )
 
 

@@ -71,7 +71,7 @@ class _Search:
             length *= 2.0
         raise InputError(
             f"{WHERE} The system does not reach a steady state under the first values of its drives: in the last "
-            f"{0.25 * length:.4g} s what is judged still moved by {moved[-1]:.2g} times the least range that counts."
+            f"{0.25 * length:.4g} s the outputs still changed by {moved[-1]:.2g} times the smallest range that counts."
         )
 
     def find_cycle(self, period: float | None) -> Restart:

@@ -146,8 +146,8 @@ class Shooting:
             wait = 1 if self._leap() else min(2 * wait, 64)
             self._march(wait)
         raise SolveError(
-            f"The state does not repeat itself after {self.count} periods: it still changes by {self.left:.1e} of what "
-            "it does in one."
+            f"The state does not repeat after {self.count} periods: from period to period it still changes by "
+            f"{self.left:.1e} of its range."
         )
 
     def _march(self, periods: int) -> None:
@@ -208,7 +208,9 @@ def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
                 "themselves, such as `pwm` or `sine`."
             )
     if not periods:
-        raise InputError("All drives are constant, so they have no period; ask for the rest, or for the rotation.")
+        raise InputError(
+            "All drives are constant, so they have no period; compute the steady state or the rotation instead."
+        )
     longest = max(periods.values())
     for name, one in periods.items():
         if abs(longest / one - round(longest / one)) > 1e-9:
@@ -234,7 +236,7 @@ def build_period(
     first, both = rows
     second = both[len(first) :]
     if len(both) != 2 * len(first) or not np.allclose(first, second, rtol=1e-6, atol=1e-9 * np.abs(first).max()):
-        raise InputError(f"The drives do not repeat themselves after {period:.6g} s.")
+        raise InputError(f"The drives do not repeat after {period:.6g} s.")
     times = np.concatenate([[0.0], np.cumsum(first[:, -1])])
     signals = _read_signals(system, waveforms, times)
     return PeriodGrid(np.ascontiguousarray(first), times, signals)

@@ -114,7 +114,7 @@ def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapp
     if high is not None:
         return high
     if one.scenario is None or not np.isfinite(one.scenario.duration):
-        raise InputError("The start `hot` needs `high`, the drive under which the system rested before.")
+        raise InputError("The start `hot` needs `high`, the drive under which the system was in steady state before.")
     return one.highest(one.scenario.duration)
 
 

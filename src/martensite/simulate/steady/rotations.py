@@ -242,8 +242,8 @@ def spin_up(system: AbstractSystem, signals: Numbers) -> tuple[Numbers, int, flo
             return lanes.state[:, 0].copy(), angles[turned.index(most)], speed
         if abs(most) < TURN and abs(speed) <= abs(last):
             raise InputError(
-                "Nothing turns: no coordinate of this system goes on through whole turns under the held drives. Ask "
-                "for its rest, or for the cycle of its drives."
+                "Nothing turns: no coordinate of this system goes on through whole turns under the held drives. "
+                "Compute the steady state or the cycle of its drives instead."
             )
         last = speed
     raise SolveError(f"The rotor has no steady speed after {CHUNKS * CHUNK * dt:.3g} s under held drives.")
@@ -292,8 +292,8 @@ def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> No
         change = float(np.ptp(mean[name]))
         if change > JUDGED["temperature"]:
             raise SolveError(
-                f"Along this curve `{name}` changes by {change:.3g} K, and what transforms then depends on the way "
-                "there, which a curve leaps over. Follow a separate curve for each temperature."
+                f"Along this curve `{name}` changes by {change:.3g} K. The transformation then depends on the path, "
+                "which a curve does not follow. Compute a separate curve for each temperature."
             )
 
 

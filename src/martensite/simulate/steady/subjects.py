@@ -41,7 +41,7 @@ class Subject:
             if given.bench is not None:
                 raise InputError(
                     f"Scenario `{given.title}` has sensors or controllers; steady states need a plant. "
-                    "Of an ON/OFF loop ask for the cycle."
+                    "For an ON/OFF loop, compute the cycle."
                 )
             own = by_name(given.system, given.waveform if waveform is None else waveform)
             return cls(given.system, own, given.title, given)
@@ -70,8 +70,8 @@ class Subject:
             if name not in given:
                 if not isinstance(one, Constant):
                     raise InputError(
-                        f"Drive `{name}` changes in time (`{one.registered_name}`); say at which level it is held, or "
-                        "ask for the cycle."
+                        f"Drive `{name}` changes in time (`{one.registered_name}`); give the level at which it is "
+                        "held, or compute the cycle."
                     )
                 given[name] = one.value(0.0)
         return index_drives(self.system, given)
