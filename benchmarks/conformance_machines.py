@@ -344,7 +344,7 @@ MACHINES = [
     ),
     Machine(
         "FMU (FMI 2.0)",
-        "archive with sources and the library of one kind of machine",
+        "archive with sources and the library for one platform",
         lambda one: PlayedFmu(one).play()[0],
         lambda one: len(PlayedFmu(one).archive),
         lambda one: PlayedFmu(one).play()[1],

@@ -20,17 +20,17 @@ writes this table from [the numbers](benchmarks/machines.json) of one run.
 """
 
 FOOT = """
-- **kernels**: number of kernels that ran on 256 random inputs, including the ends of their ranges. Laws, elements,
-  mechanisms, heat losses and resistances each count in their first form. Then the largest difference to Python floats,
-  divided by the largest value of the output, and the kernel with this difference. C is compiled with `-O1` here. The
-  contract tests run all forms.
-- **whole steps**: number of systems, then the smallest and the largest difference of all outputs in {steps} steps
-  under random signals. 0 is equal to the last bit. Some targets omit systems that compile for minutes. The {count}
+- **kernels**: number of kernels that ran on 256 random inputs, including the ends of their ranges. Each law, element,
+  mechanism, heat loss and resistance counts with its first variant. The second value is the largest difference to
+  Python floats, divided by the largest value of the output; its kernel is in brackets. C is compiled with `-O1` here.
+  The contract tests run all variants.
+- **whole steps**: number of systems, and the smallest and the largest difference of all outputs in {steps} steps
+  under random signals. 0 means equal in every bit. Some targets omit systems that compile for minutes. The {count}
   systems are: {names}.
 - **size**: compressed size for the wire of README.md. The compressed files are
 {handed}
-- **step**: CPU time of one step of that wire, best of several rounds. C lanes run 256 lanes at once; the time is per
-  lane. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in Node.js, by wall
+- **step**: CPU time of one step of that wire, best of several rounds. *C lanes* runs 256 batch elements at once; the
+  time is per element. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in Node.js, by wall
   clock.
 
 ```{{warning}}

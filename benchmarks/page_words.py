@@ -47,12 +47,12 @@ PARTS = {
         """
 Problem A in steps of 20 ms, where every run has ten individual parameters, and the finger of `examples/finger.toml`
 with three laws. Base: C in batches, one thread, in the same table. *Runs per second, relative* is by wall clock. For
-the wire it is relative to the base in the largest batch, for the finger to the base. LSODA makes fewer runs, one
+the wire it is relative to the base in the largest batch, for the finger to the base. LSODA computes fewer runs, one
 after another. Errors of the finger are differences to the same runs as single runs.
 
 The last table compares the arithmetic of one core, measured by loops in C, with the arithmetic of a batch. Every
-operation counts as one, including elementary functions. Above 100 % of division, the compiler combined several
-divisions.
+operation counts as one, including elementary functions. Values above 100 % of division mean
+that the compiler combined several divisions.
 """,
         ("throughput",),
     ),

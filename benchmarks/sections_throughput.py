@@ -183,7 +183,7 @@ def roofline_table(options: Options, effort: Effort) -> Table:
         "Every operation counts as one, a sine too; divisions as written, before some share an "
         "inverse. States stay in the cache: memory is read and written once per run."
     )
-    return Table("Share of what the processor can do at most", rows, note)
+    return Table("Fraction of the peak performance of the processor", rows, note)
 
 
 @section
