@@ -30,8 +30,8 @@ FOOT = """
 - **size**: compressed size for the wire of README.md. The compressed files are
 {handed}
 - **step**: CPU time of one step of that wire, best of several rounds. *C lanes* runs 256 batch elements at once; the
-  time is per element. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in Node.js, by wall
-  clock.
+  time is per element. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in
+  Node.js, by wall clock.
 
 ```{{warning}}
 Use `float32` only for laws and for wires on a load line. If a step balances several unknowns (joints, fibres, several
