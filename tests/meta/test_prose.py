@@ -63,7 +63,7 @@ RULES = {
 LIMITS = {
     "README.md": 6.0,
     "CHANGELOG.md": 4.0,
-    "CONTRIBUTING.md": 28.0,
+    "CONTRIBUTING.md": 4.0,
     "paper": 2.0,
     "docs": 3.0,
     "docs/howto": 2.0,
