@@ -393,7 +393,7 @@ def bound_crossings(found: Result, name: str, alarm: Alarm) -> float:
     """Return the largest bound of a value at the times at which an alarm begins and ends."""
     last = found.times[-1]
     times = (min(alarm.first + lasting, last) for lasting in (0.0, alarm.duration))
-    return max(found.bound(f"at({name}, time={time!r} s)") or 0.0 for time in times)
+    return max(found.bound(f"at({name}, time={float(time)!r} s)") or 0.0 for time in times)
 
 
 def compare_alarm(

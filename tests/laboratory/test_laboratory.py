@@ -53,6 +53,13 @@ def test_the_accuracy_bounds_the_error(drive: str) -> None:
     assert found.true <= found.claimed <= 1e-3
 
 
+@needs_c
+def test_samples_of_a_fast_sine_are_not_read_from_too_few_points() -> None:
+    """In one step of this run the ripple of temperature has no term of the fourth order at the points around."""
+    found = try_case(58, 1e-4, "round sine")
+    assert found.true <= found.claimed <= 1e-4
+
+
 @pytest.mark.slow
 @needs_c
 @pytest.mark.parametrize("drive", DRIVES)

@@ -215,6 +215,7 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     column end;
     flags_of_lanes edge;
     EVERY(i) if (taken[i] && b->status[i] != OK) { /* it has no solution here, and ends where it began */
+        keep_waiting(m, b, i);
         tell(m, b, i);
         taken[i] = 0;
     }
@@ -234,7 +235,7 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
 #if LEDGER
     keep_ledger(m, b);
 #endif
-    keep_samples(m, b, taken, end);
+    keep_samples(m, b, taken, end, edge);
     EVERY(i) if (taken[i] && b->live[i]) {
         const double middle = b->time[i] + 0.5 * b->length[i];
         record_piece(m, b, i, 1.0, b->time[i], middle, b->one, b->half);
@@ -266,6 +267,7 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
         b->time[i] = t ? end[i] : b->time[i];
         b->fresh[i] = t;
     }
+    for (long k = 0; k < DRIVES; k++) BLEND(b->owed_before[k], taken, b->owed[k]);
     for (long k = 0; k < RATES; k++) BLEND(b->rate[k], taken, b->half[rates[k]]);
     for (long k = 0; k < SIZE; k++) {
         BLEND(b->node_state[0][k], taken, b->state[k]);

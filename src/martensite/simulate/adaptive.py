@@ -13,10 +13,13 @@ count. They end where a transformation starts or is complete, too, if the differ
 counts; a law says how far that is.
 
 Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the state at a sample,
-if its term of the fourth order is within the tolerance and it overshoots nothing; else a separate step goes from the
-last of these points to the sample. Steps need not end on edges of a drive either, since drives are integrated. The
-ripple of a drive that jumps or swings within a half step is its difference to the mean, and is bounded by the source;
-where it is above the tolerance, steps end on the edges.
+if its last term is within the tolerance and it overshoots nothing. Else the sample waits for the next step: the
+polynomial through both may have no kink. If that is not good enough either, a separate step goes from the last point
+before the sample to it.
+
+Steps need not end on edges of a drive either, since drives are integrated. The ripple of a drive that jumps or swings
+within a half step is its difference to the mean, and is bounded by the source; where it is above the tolerance, steps
+end on the edges.
 
 `martensite.simulate.marching_native` is the same march in C.
 """
@@ -25,7 +28,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import NamedTuple
 
 from martensite.base.status import Status
@@ -67,6 +70,9 @@ LEAST_FALL = 1e-9
 """Distance from a kink that counts as zero."""
 BETWEEN = 1.0
 """Last term of the interpolation as a share of the tolerance."""
+TRACED = 0.5
+"""Largest phase of the fastest tone in a half step that five points trace; a term of the fourth order may vanish
+by chance."""
 ROUNDING = 1e-12
 """Fraction of a number that counts as rounding."""
 CUBIC = 0.385
@@ -106,6 +112,18 @@ class StepTrial(NamedTuple):
     lapse: float
 
 
+class TakenStep(NamedTuple):
+    """A step that was taken."""
+
+    begin: float
+    """[s]"""
+    state: Row
+    """State at its start."""
+    owed: Sequence[float]
+    """Heat [J] of the step before that it made up for, by drive."""
+    trial: StepTrial
+
+
 class AdaptiveMarch(AbstractMarch):
     """A run with error control."""
 
@@ -135,6 +153,8 @@ class AdaptiveMarch(AbstractMarch):
         """True if the step is the one over a jump of a signal that prescribes a state."""
         self.split = False
         """True if a step before the next edge was split, in a run in parts."""
+        self.taken: TakenStep | None = None
+        """Last step."""
         self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
         self.power = 0.0
         """Temperature error [K] by the last ripple, per lapse [s] of its drive."""
@@ -145,6 +165,13 @@ class AdaptiveMarch(AbstractMarch):
 
     def advance(self) -> None:
         """Take one step, however often it has to be tried."""
+        try:
+            self._advance()
+        except ArithmeticError:
+            self._keep_waiting()
+            raise
+
+    def _advance(self) -> None:
         allowed = self._allow_length(min(self.length, self.duration - self.time))
         self.leaps = self.plan.compiled.follows and self._jumps()
         length = LEAP * allowed if self.leaps else self._before_kink(allowed)
@@ -160,6 +187,7 @@ class AdaptiveMarch(AbstractMarch):
                 break
             self.found.rejected += 1
             if length <= self.shortest:
+                self._keep_waiting()
                 self.found.status = Status.UNSOLVED
                 return
             if good:
@@ -208,7 +236,8 @@ class AdaptiveMarch(AbstractMarch):
             lapse = max(map(_find_lapse, halves))
             shorter = length if self.power * lapse <= allowed else self._to_edge(length)
             if not shorter < length:
-                return length, [self._feed_step(half, k) for k, half in enumerate(halves)]
+                first, last = halves
+                return length, [self._feed_step(first, self.owed), self._feed_step(last)]
             length = shorter
 
     def _to_edge(self, length: float) -> float:
@@ -228,11 +257,11 @@ class AdaptiveMarch(AbstractMarch):
             for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True)
         ]
 
-    def _feed_step(self, brought: Sequence[Moments | float], half: int) -> Row:
-        """Return the inputs of a step; the heat error of the step before goes into the first half."""
+    def _feed_step(self, brought: Sequence[Moments | float], owed: Sequence[float] = ()) -> Row:
+        """Return the inputs of a step; heat that the step before owes, if any, goes into its first half."""
         found: list[float] = []
-        for one, owed in zip(brought, self.owed, strict=True):
-            found += feed_step(one, 0.0 if half else owed) if isinstance(one, Moments) else (one,)
+        for one, heat in zip_longest(brought, owed, fillvalue=0.0):
+            found += feed_step(one, heat) if isinstance(one, Moments) else (one,)
         return tuple(found)
 
     def _whole(self, halves: Sequence[Row], length: float) -> Row:
@@ -432,7 +461,11 @@ class AdaptiveMarch(AbstractMarch):
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration
         nodes = [*self.nodes, *self._reach_ends(trial)]
-        self._keep_samples(end, trial, nodes)
+        begins_at_edge, hair = self.at_edge, STEP_TOLERANCE * length
+        self.at_edge = any(reader.edges(end - hair, end + hair) for reader in self.readers)
+        step = TakenStep(self.time, self.state, self.owed, trial)
+        self._keep_samples(end, step, nodes)
+        self.taken = step
         parts = 1 if self.plan.order == 4 else 2
         found.steps += parts
         found.longest = max(found.longest, length / parts)
@@ -442,14 +475,12 @@ class AdaptiveMarch(AbstractMarch):
         middle = self.time + 0.5 * length
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
         self.record_piece(SECOND, middle, end, trial.halves[1], trial.full)
-        if self.at_edge and not self.leaps:
+        if begins_at_edge and not self.leaps:
             self.after_edge = MOST_CHANGE * length
         if self.at_kink:
             self.after_kink = MOST_CHANGE * length
         self.at_kink = planned > 0.0
-        hair = STEP_TOLERANCE * length
-        self.at_edge = any(reader.edges(end - hair, end + hair) for reader in self.readers)
-        self.nodes = nodes[-1:] if self.at_edge or trial.lapse > 0.0 else nodes[-3:]
+        self.nodes = nodes[-1:] if self.at_edge or trial.lapse > 0.0 else nodes[-4:]
         self.rates = [trial.half[k] for k in self.plan.compiled.rates]
         self.state, self.owed, self.time = trial.full, list(trial.owed), end
         self.earlier_points, self.points = trial.points
@@ -462,7 +493,7 @@ class AdaptiveMarch(AbstractMarch):
             self.length = min(self.length, max(self.after_kink, grown))
         self.length = max(self.length, self.shortest)
         for reader in self.readers:
-            reader.forget(self.time)
+            reader.forget(step.begin)
         self.see(trial.seen)
 
     # ---------------------------------------------------------------- samples
@@ -472,30 +503,61 @@ class AdaptiveMarch(AbstractMarch):
         middle = self.functions["judge"](*trial.half, *self.signals(half))
         return [Node(half, trial.half, middle), Node(end, trial.full, trial.seen)]
 
-    def _keep_samples(self, end: float, trial: StepTrial, nodes: Sequence[Node]) -> None:
-        observe, times = self.functions["observe"], self.plan.times
+    def _keep_samples(self, end: float, step: TakenStep, nodes: Sequence[Node]) -> None:
+        """Keep the samples up to the end of a step [s], but for those that wait for the next step."""
+        times, trial = self.plan.times, step.trial
         hair = STEP_TOLERANCE * trial.length
-        smooth: bool | None = None
+        ends = self.at_edge or trial.lapse > 0.0 or end >= self.duration or self._leaves(trial.seen)
+        smooth: list[bool] | None = None
         while self.sample < len(times) and times[self.sample] <= end + hair:
             time = times[self.sample]
-            if time >= end - hair:
-                state = trial.full
-            else:
-                smooth = self._is_smooth(trial, nodes) if smooth is None else smooth
-                state = self._between(nodes, time) if smooth else None
-                state = self._step_aside(trial, time) if state is None else state
-            self.found.rows.append(observe(*state, *self.signals(time)))
-            self.sample += 1
+            earlier = time <= self.time
+            state = trial.full if time >= end - hair else None
+            if state is None:
+                smooth = smooth or self._find_smooth(trial, nodes)
+                state = self._between(nodes[-5:], time) if smooth[earlier] else None
+            if state is None:
+                if not (earlier or ends or time - self.time <= hair):
+                    return
+                state = self._step_aside((earlier and self.taken) or step, time, hair)
+            self._keep_row(state, time)
 
-    def _is_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> bool:
-        """Return whether the polynomial through the last five points is good enough in a step."""
-        if len(nodes) < 5 or trial.lapse > 0.0:
-            return False
+    def _keep_waiting(self) -> None:
+        """Keep the samples that wait for a step which cannot be taken."""
+        times = self.plan.times
+        while self.taken and self.sample < len(times) and times[self.sample] <= self.time:
+            time = times[self.sample]
+            self._keep_row(self._step_aside(self.taken, time, 0.0), time)
+
+    def _keep_row(self, state: Row, time: float) -> None:
+        self.found.rows.append(self.functions["observe"](*state, *self.signals(time)))
+        self.sample += 1
+
+    def _leaves(self, seen: Row) -> bool:
+        """Return whether what is judged is outside of the envelope."""
+        return self.plan.limits.find_exit(seen[self.convergence_scales :]) is not None
+
+    def _find_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> list[bool]:
+        """Return whether the polynomial through five points is good enough in a step, and in the one before.
+
+        Its own last term is small enough, or, where a sixth point is known, the one that would come next.
+        """
+        half, last = 0.5 * trial.length, self.last_half
+        traced = all(reader.fastest * max(half, last) <= TRACED for reader in self.readers)
+        if len(nodes) < 5 or trial.lapse > 0.0 or not traced:
+            return [False, False]
+        first, *_, fourth, end = (node.time for node in nodes[-5:])
+        way = end - first
+        reached = CUBIC * half**3 * (end - nodes[-4].time), CUBIC * last**3 * (fourth - first)
+        six = len(nodes) > 5
+        return [self._is_flat(nodes[-5:], far) or (six and self._is_flat(nodes, far * way)) for far in reached]
+
+    def _is_flat(self, nodes: Sequence[Node], reached: float) -> bool:
+        """Return whether the last term of the polynomial through some points is within the tolerance."""
         times = [node.time for node in nodes]
-        reached = CUBIC * (0.5 * trial.length) ** 3 * (times[4] - times[1])
         for k in range(self.convergence_scales):
-            fourth = divided_difference(times, [node.seen[k] for node in nodes])
-            if not abs(fourth) * reached <= BETWEEN * self.plan.tolerance * self._scale(k):
+            last = divided_difference(times, [node.seen[k] for node in nodes])
+            if not abs(last) * reached <= BETWEEN * self.plan.tolerance * self._scale(k):
                 return False
         return True
 
@@ -510,14 +572,14 @@ class AdaptiveMarch(AbstractMarch):
             found[k] = min(max(found[k], low), high)
         return tuple(found)
 
-    def _step_aside(self, trial: StepTrial, time: float) -> Row:
-        """Return the state after a step from the last half step."""
-        middle = self.time + 0.5 * trial.length
+    def _step_aside(self, step: TakenStep, time: float, hair: float) -> Row:
+        """Return the state after a step from the last half step, or this state itself within a hair [s]."""
+        trial, middle = step.trial, step.begin + 0.5 * step.trial.length
         name = "rosenbrock" if self.plan.order == 4 else "solve"
         late = name == "solve" and time >= middle
-        begin, state = (middle, trial.half) if late else (self.time, self.state)
-        if time - begin > STEP_TOLERANCE * trial.length:
-            inputs = self._feed_step(self._collect_inputs(begin, time), int(late))
+        begin, state = (middle, trial.half) if late else (step.begin, step.state)
+        if time - begin > hair:
+            inputs = self._feed_step(self._collect_inputs(begin, time), () if late else step.owed)
             found = self.functions[name](*state, *inputs, time - begin)
             if name == "solve" and not found[self.size] <= SOLVED:  # a straight line between states that were solved
                 share, ahead = (time - begin) / (0.5 * trial.length), trial.full if late else trial.half

@@ -5,21 +5,30 @@ INLINE double value_of(const march *m, const block *b, long k, long i, double ti
     return value_at(drive_of(m, b->now + k, k, i), time, b->now[k].cursor[i], before);
 }
 
-/* series or quotient of sinc and leaning, see reader.c */
-static void sincs(const column x, column sinc_x, column leaning_x) {
-    double most = 0.0;
-    EVERY(i) most = larger(most, fabs(x[i]));
+#define MOST_TURNS 64
+
+/* series or quotient of sinc, see reader.c */
+INLINE void sincs(const column x, column found) {
+    long far = 0;
     EACH(i) {
         const double z = x[i] * x[i];
-        sinc_x[i] = 1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) *
-                    (1.0 - z * (1.0 / 42.0) * (1.0 - z * (1.0 / 72.0))));
-        leaning_x[i] = x[i] * (1.0 / 3.0 - z * (1.0 / 30.0 - z * (1.0 / 840.0 - z * (1.0 / 45360.0))));
+        found[i] = 1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) *
+                   (1.0 - z * (1.0 / 42.0) * (1.0 - z * (1.0 / 72.0))));
     }
-    if (most < SERIES) return;
-    EVERY(i) if (!(fabs(x[i]) < SERIES)) {
-        sinc_x[i] = sinc(x[i]);
-        leaning_x[i] = leaning(x[i]);
+    EVERY(i) far |= !(fabs(x[i]) < SERIES);
+    if (!far) return;
+    EVERY(i) if (!(fabs(x[i]) < SERIES)) found[i] = sinc(x[i]);
+}
+
+INLINE void leanings(const column x, column found) {
+    long far = 0;
+    EACH(i) {
+        const double z = x[i] * x[i];
+        found[i] = x[i] * (1.0 / 3.0 - z * (1.0 / 30.0 - z * (1.0 / 840.0 - z * (1.0 / 45360.0))));
     }
+    EVERY(i) far |= !(fabs(x[i]) < SERIES);
+    if (!far) return;
+    EVERY(i) if (!(fabs(x[i]) < SERIES)) found[i] = leaning(x[i]);
 }
 
 /* moments of intervals in which no segment ends: of a parabola */
@@ -41,11 +50,11 @@ static void of_parabola(const drives_of_lanes *d, const column centre, const col
 }
 
 #if TONES > 0
-/* angles of tones in the middle of both halves of a step, turned from those at its start */
-static void turn(const drives_of_lanes *d, long j, const column length, column *one, column *two) {
-    column x, s, c, unused;
+/* angles of tones in the middle of both halves of a step and at its end, turned from those at its start */
+static void turn(const drives_of_lanes *d, long j, const column length, column *one, column *two, column *end) {
+    column x, s, c;
     EACH(i) x[i] = 0.25 * d->speed[j][i] * length[i];
-    sincs(x, s, unused);
+    sincs(x, s);
     EACH(i) {
         s[i] *= x[i];
         c[i] = sqrt(larger(1.0 - s[i] * s[i], 0.0));
@@ -59,6 +68,8 @@ static void turn(const drives_of_lanes *d, long j, const column length, column *
         one[1][i] = s1;
         two[0][i] = c1 * c2 - s1 * s2;
         two[1][i] = s1 * c2 + c1 * s2;
+        end[0][i] = two[0][i] * c[i] - two[1][i] * s[i];
+        end[1][i] = two[1][i] * c[i] + two[0][i] * s[i];
     }
 }
 
@@ -70,15 +81,17 @@ typedef struct {
 static void find_reaches(const drives_of_lanes *d, const column half, reaches *r) {
     for (long j = 0; j < TONES; j++) {
         EACH(i) r->reach[j][i] = d->speed[j][i] * half[i];
-        sincs(r->reach[j], r->share[j], r->lean[j]);
+        sincs(r->reach[j], r->share[j]);
+        leanings(r->reach[j], r->lean[j]);
         for (long l = 0; l <= j; l++) {
-            column apart, both, unused;
+            column apart, both;
             EACH(i) {
                 apart[i] = r->reach[j][i] - r->reach[l][i];
                 both[i] = r->reach[j][i] + r->reach[l][i];
+                r->near[j][l][i] = 1.0;
             }
-            sincs(apart, r->near[j][l], unused);
-            sincs(both, r->far[j][l], unused);
+            if (l < j) sincs(apart, r->near[j][l]);
+            sincs(both, r->far[j][l]);
         }
     }
 }
@@ -147,7 +160,7 @@ static void bring(const march *m, const drives_of_lanes *d, long k, long i, doub
 
 /* what a drive that heats brings in both halves of the steps, for lanes that ask */
 static void bring_halves(const march *m, block *b, long k, const flags_of_lanes asked) {
-    const drives_of_lanes *d = b->now + k;
+    drives_of_lanes *d = b->now + k;
     column one[MOMENTS], two[MOMENTS], half, middle, end, first, last;
     flags_of_lanes plain;
     EACH(i) {
@@ -158,7 +171,10 @@ static void bring_halves(const march *m, block *b, long k, const flags_of_lanes 
         end[i] = b->time[i] + b->length[i];
     }
     find_plain(d, end, plain);
-    EACH(i) plain[i] &= asked[i];
+    EACH(i) {
+        plain[i] &= asked[i];
+        d->ready[i] = asked[i] ? plain[i] : d->ready[i];
+    }
     if (any(plain)) {
         of_parabola(d, first, half, one);
         of_parabola(d, last, half, two);
@@ -166,7 +182,12 @@ static void bring_halves(const march *m, block *b, long k, const flags_of_lanes 
         column at_one[TONES][2], at_two[TONES][2];
         reaches r;
         find_reaches(d, half, &r);
-        for (long j = 0; j < TONES; j++) turn(d, j, b->length, at_one[j], at_two[j]);
+        for (long j = 0; j < TONES; j++) {
+            column at_end[2];
+            turn(d, j, b->length, at_one[j], at_two[j], at_end);
+            BLEND(d->last_cosine[j], plain, at_end[0]);
+            BLEND(d->last_sine[j], plain, at_end[1]);
+        }
         add_tones(d, at_one, &r, half, one);
         add_tones(d, at_two, &r, half, two);
 #endif
@@ -235,25 +256,46 @@ static void put_signals(const march *m, const block *b, const column time, int b
     for (long k = 0; k < DRIVES; k++)
         EVERY(i) x[k][i] = value_of(m, b, k, i, time[i], before);
 }
+/* the segment of a drive at a time */
+static void find_segment(const march *m, drives_of_lanes *d, long k, long i, double time) {
+    const drive *one = drive_of(m, d, k, i);
+    const long now = segment_at(one, time, d->cursor[i]);
+    d->cursor[i] = now;
+    d->start[i] = one->start[now];
+    d->level[i] = one->level[now];
+    d->slope[i] = one->slope[now];
+    d->bend[i] = one->bend[now];
+    d->following[i] = now + 1 < one->count ? one->start[now + 1] : HUGE_VAL;
+}
+
+/* angles of tones at the start of steps: those at the end of the last ones, or anew */
+static void find_angles(const block *b, drives_of_lanes *d) {
+    flags_of_lanes turned, anew;
+    EACH(i) {
+        turned[i] = b->fresh[i] & d->ready[i] & (d->turns[i] < MOST_TURNS);
+        anew[i] = b->fresh[i] & !turned[i];
+        d->turns[i] = anew[i] ? 0 : d->turns[i] + turned[i];
+    }
+    const unsigned long long some = any(anew);
+    for (long j = 0; j < TONES; j++) {
+        column cosine, sine;
+        BLEND(d->cosine[j], turned, d->last_cosine[j]);
+        BLEND(d->sine[j], turned, d->last_sine[j]);
+        if (!some) continue;
+        /* in loops of their own: no function of vectors gives both */
+        EACH(i) cosine[i] = cos(d->speed[j][i] * b->time[i] + d->phase[j][i]);
+        EACH(i) sine[i] = sin(d->speed[j][i] * b->time[i] + d->phase[j][i]);
+        BLEND(d->cosine[j], anew, cosine);
+        BLEND(d->sine[j], anew, sine);
+    }
+}
+
 /* where drives are at the start of steps */
 static void find_segments(const march *m, block *b) {
     if (!any(b->fresh)) return;
     for (long k = 0; k < DRIVES; k++) {
         drives_of_lanes *d = b->now + k;
-        EVERY(i) if (b->fresh[i]) {
-            const drive *one = drive_of(m, d, k, i);
-            const long now = segment_at(one, b->time[i], d->cursor[i]);
-            d->cursor[i] = now;
-            d->start[i] = one->start[now];
-            d->level[i] = one->level[now];
-            d->slope[i] = one->slope[now];
-            d->bend[i] = one->bend[now];
-            d->following[i] = now + 1 < one->count ? one->start[now + 1] : HUGE_VAL;
-        }
-        for (long j = 0; j < TONES && widths[k] > 1; j++) {
-            /* in loops of their own: no function of vectors gives both */
-            EACH(i) d->cosine[j][i] = cos(d->speed[j][i] * b->time[i] + d->phase[j][i]);
-            EACH(i) d->sine[j][i] = sin(d->speed[j][i] * b->time[i] + d->phase[j][i]);
-        }
+        EVERY(i) if (b->fresh[i]) find_segment(m, d, k, i, b->time[i]);
+        if (TONES > 0 && widths[k] > 1) find_angles(b, d);
     }
 }

@@ -45,12 +45,13 @@ static const long observed[SIZE + 1] = OBSERVED; /* whether outputs depend on a 
 typedef double column[LANES];
 typedef long long flags_of_lanes[LANES]; /* as wide as numbers */
 
-/* the segment of a drive in which steps begin, when the next one starts, and the tones, with their
-   angles where steps begin */
+/* The segment of a drive in which steps begin, when the next one starts, and the tones, with their angles where steps
+   begin. Where steps end the angles are turned from there, if `ready`, up to so many `turns` in a row. */
 typedef struct {
-    flags_of_lanes run, cursor;
+    flags_of_lanes run, cursor, ready, turns;
     column start, level, slope, bend, following;
     column amplitude[TONES + 1], speed[TONES + 1], phase[TONES + 1], cosine[TONES + 1], sine[TONES + 1];
+    column last_cosine[TONES + 1], last_sine[TONES + 1];
 } drives_of_lanes;
 
 /* steps to samples that no polynomial reaches; they are made when they fill all lanes */
@@ -80,6 +81,7 @@ typedef struct {
     /* start and middle of the last step, if there is no kink of a drive between them and now */
     column node_time[2], node_state[2][SIZE + 1], node_seen[2][JUDGED + 1];
     column older_time, older_seen[JUDGED + 1]; /* half a step before these, if `known` is 2 */
+    column owed_before[DRIVES + 1];            /* in the last step */
     drives_of_lanes now[DRIVES + 1];
     column one[DRIVES + 1][MOMENTS], two[DRIVES + 1][MOMENTS];
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];

@@ -50,7 +50,7 @@ RANGES = 11 + len(ACCOUNTS)
 SHARED = (
     *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
     *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
-    *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL"),
+    *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL", "TRACED"),
 )
 """Numbers of the march on floats, which the same march in C has under the same names."""
 FUSED = ("-ffp-contract=fast",)

@@ -147,7 +147,7 @@ static void load_run(const march *m, block *b, long i, long run) {
     for (long k = 0; k < RATES; k++) b->rate[k][i] = 0.0;
     for (long k = 0; k < DRIVES; k++) {
         b->now[k].run[i] = run;
-        b->now[k].cursor[i] = 0;
+        b->now[k].cursor[i] = b->now[k].ready[i] = 0;
         const drive *d = drive_of(m, b->now + k, k, i);
         b->owed[k][i] = 0.0;
         for (long j = 0; j < TONES; j++) {
@@ -240,8 +240,10 @@ long march_on(march *m, block *b, long begin) {
 
 long size_of_block(void) { return sizeof(block); }
 
-/* the time of one run; in a batch the number of runs that are done */
-double time_of(const block *b) { return LANES > 1 ? (double)b->done : b->time[0]; }
+/* the start of the last step of one run; in a batch the number of runs that are done */
+double time_of(const block *b) {
+    return LANES > 1 ? (double)b->done : b->known[0] ? b->node_time[0][0] : b->time[0];
+}
 
 void forget_cursors(block *b) {
     for (long k = 0; k < DRIVES; k++) b->now[k].cursor[0] = 0;

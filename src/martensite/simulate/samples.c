@@ -1,7 +1,7 @@
 /* Outputs at samples within steps: from a polynomial, or from a step aside. As on floats, a single run tests the
-   polynomial in all states, and uses no sixth point. */
+   polynomial in all states. */
 
-#define DEEPEST (LANES > 1 ? 2 : 1) /* earlier steps that a polynomial may use */
+#define DEEPEST 2 /* earlier steps that a polynomial may use */
 static const long rates[RATES + 1] = PLACES_OF_RATES;
 
 /* whether a number of the state is more than where a solve begins to look */
@@ -11,26 +11,33 @@ static long is_judged_state(long k) {
     return 1;
 }
 
-/* Whether the polynomial through the last five points is good enough in each step; the inverse
+/* Whether the polynomial through the last five points is good enough in each step, and in the step before; the inverse
    denominators of its weights. Its own last term is small enough, or, where a sixth point is known,
    the one that would come next. */
-static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, column *per) {
-    column reached, farther, over;
-    flags_of_lanes flat, flatter;
+static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, flags_of_lanes before, column *per) {
+    column reached[2], farther[2], over;
+    flags_of_lanes flat[2], flatter[2], resolved;
     EACH(i) {
         const double half = 0.5 * b->length[i], t2 = b->time[i], tail = b->older_time[i];
         const double t[5] = {b->node_time[0][i], b->node_time[1][i], t2, t2 + half, t2 + b->length[i]};
-        const double cubic = CUBIC * half * half * half, long_way = t[4] - tail;
-        reached[i] = cubic * (t[4] - t[1]);
-        farther[i] = cubic * (t[4] - t[1]) * (t[4] - t[0]);
+        const double last = t[1] - t[0], cubic = CUBIC * half * half * half, late = CUBIC * last * last * last;
+        reached[0][i] = cubic * (t[4] - t[1]);
+        reached[1][i] = late * (t[3] - t[0]);
+        farther[0][i] = reached[0][i] * (t[4] - t[0]);
+        farther[1][i] = reached[1][i] * (t[4] - t[0]);
         for (long j = 0; j < 5; j++) {
             double product = 1.0;
             for (long k = 0; k < 5; k++) product *= k == j ? 1.0 : t[j] - t[k];
             per[j][i] = 1.0 / product;
         }
-        over[i] = 1.0 / ((tail - t[0]) * (tail - t[1]) * (tail - t[2]) * (tail - t[3]) * -long_way);
-        flat[i] = flatter[i] = 1;
+        over[i] = 1.0 / ((tail - t[0]) * (tail - t[1]) * (tail - t[2]) * (tail - t[3]) * (tail - t[4]));
+        flat[0][i] = flatter[0][i] = flat[1][i] = flatter[1][i] = resolved[i] = 1;
     }
+    for (long k = 0; k < DRIVES; k++)
+        EVERY(i) {
+            const double longest = larger(0.5 * b->length[i], b->last_half[i]);
+            resolved[i] &= drive_of(m, b->now + k, k, i)->fastest * longest <= TRACED;
+        }
     for (long k = 0; k < JUDGED; k++)
         EACH(i) {
             const double t2 = b->time[i], tail = b->older_time[i];
@@ -40,37 +47,53 @@ static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, c
             const double fifth = a / (b->node_time[0][i] - tail) + c / (b->node_time[1][i] - tail) +
                                  d / (t2 - tail) + e / (t2 + 0.5 * b->length[i] - tail) +
                                  f / (t2 + b->length[i] - tail) + over[i] * b->older_seen[k][i];
-            const double allowed = BETWEEN * m->tolerance * b->scale[k][i];
-            flat[i] &= reached[i] * fabs(a + c + d + e + f) <= allowed;
-            flatter[i] &= farther[i] * fabs(fifth) <= allowed;
+            const double fourth = a + c + d + e + f, allowed = BETWEEN * m->tolerance * b->scale[k][i];
+            for (long j = 0; j < 2; j++) {
+                flat[j][i] &= reached[j][i] * fabs(fourth) <= allowed;
+                flatter[j][i] &= farther[j][i] * fabs(fifth) <= allowed;
+            }
         }
-    EACH(i) smooth[i] = (b->known[i] > 0) & !(b->lapse[i] > 0.0) &
-                        (flat[i] | (flatter[i] & (b->known[i] > 1)));
+    EACH(i) {
+        const long some = (b->known[i] > 0) & !(b->lapse[i] > 0.0) & resolved[i], more = b->known[i] > 1;
+        smooth[i] = some & (flat[0][i] | (flatter[0][i] & more));
+        before[i] = some & (flat[1][i] | (flatter[1][i] & more));
+    }
+}
+
+/* the lowest and highest of each state at the last five points, of observed states or `all` */
+static void find_bounds(const block *b, column *low, column *high, long all) {
+    for (long k = 0; k < SIZE; k++) {
+        if (!(all || observed[k])) continue;
+        EACH(i) {
+            const double at0 = b->node_state[0][k][i], at1 = b->node_state[1][k][i];
+            const double at2 = b->state[k][i], at3 = b->half[k][i], at4 = b->full[k][i];
+            low[k][i] = smaller(smaller(smaller(at0, at1), smaller(at2, at3)), at4);
+            high[k][i] = larger(larger(larger(at0, at1), larger(at2, at3)), at4);
+        }
+    }
 }
 
 /* states on it at times; those that overshoot what they go through are no longer smooth */
-static void interpolate(const block *b, const column time, const column *per, flags_of_lanes smooth,
-                        column *x, long all) {
+static void interpolate(const block *b, const column time, const column *per, const column *low, const column *high,
+                        flags_of_lanes smooth, column *x, long all) {
     column w[5];
     EACH(i) {
         const double t0 = time[i] - b->node_time[0][i], t1 = time[i] - b->node_time[1][i];
         const double t2 = time[i] - b->time[i], t3 = t2 - 0.5 * b->length[i], t4 = t2 - b->length[i];
-        const double low = t0 * t1, high = t3 * t4;
-        w[0][i] = per[0][i] * t1 * t2 * high;
-        w[1][i] = per[1][i] * t0 * t2 * high;
-        w[2][i] = per[2][i] * low * high;
-        w[3][i] = per[3][i] * low * t2 * t4;
-        w[4][i] = per[4][i] * low * t2 * t3;
+        const double early = t0 * t1, late = t3 * t4;
+        w[0][i] = per[0][i] * t1 * t2 * late;
+        w[1][i] = per[1][i] * t0 * t2 * late;
+        w[2][i] = per[2][i] * early * late;
+        w[3][i] = per[3][i] * early * t2 * t4;
+        w[4][i] = per[4][i] * early * t2 * t3;
     }
     for (long k = 0; k < SIZE; k++) {
         const long counts = is_judged_state(k);
         if (!(all || observed[k])) continue;
         EACH(i) {
-            const double at0 = b->node_state[0][k][i], at1 = b->node_state[1][k][i];
-            const double at2 = b->state[k][i], at3 = b->half[k][i], at4 = b->full[k][i];
-            const double least = smaller(smaller(smaller(at0, at1), smaller(at2, at3)), at4);
-            const double most = larger(larger(larger(at0, at1), larger(at2, at3)), at4);
-            const double sum = w[0][i] * at0 + w[1][i] * at1 + w[2][i] * at2 + w[3][i] * at3 + w[4][i] * at4;
+            const double sum = w[0][i] * b->node_state[0][k][i] + w[1][i] * b->node_state[1][k][i] +
+                               w[2][i] * b->state[k][i] + w[3][i] * b->half[k][i] + w[4][i] * b->full[k][i];
+            const double least = low[k][i], most = high[k][i];
             const double hair = ROUNDING * (fabs(least) + fabs(most));
             const long inside = (least - hair <= sum) & (sum <= most + hair);
             smooth[i] = smooth[i] && (inside || !counts);
@@ -142,70 +165,99 @@ static void finish_aside(const march *m, steps_aside *q) {
     q->count = 0;
 }
 
-/* a step to the next sample of a run from the start or the middle of the one taken, for later */
+/* a step to the next sample of a run from the start or the middle of the one taken, or of the one before, for later */
 static void put_aside(const march *m, block *b, long i, double time, long leaving) {
     steps_aside *q = &b->aside;
-    const double middle = b->time[i] + 0.5 * b->length[i];
+    const int now = time > b->time[i];
+    const double start = now ? b->time[i] : b->node_time[0][i];
+    const double middle = now ? start + 0.5 * b->length[i] : b->node_time[1][i];
     const int late = ORDER == 2 && time > middle;
-    const column *state = late ? b->half : b->state;
+    const column *first = now ? b->state : b->node_state[0], *second = now ? b->half : b->node_state[1];
+    const column *state = late ? second : first, *owed = now ? b->owed : b->owed_before;
     const long j = q->count++;
     q->run[j] = b->run[i];
     q->sample[j] = b->sample[i];
     q->leaving[j] = leaving;
-    q->begin[j] = late ? middle : b->time[i];
+    q->begin[j] = late ? middle : start;
     q->end[j] = time;
     for (long k = 0; k < CONSTANTS; k++) q->c[k][j] = b->c[k][i];
     for (long k = 0; k < SIZE; k++) q->x[k][j] = state[k][i];
 #if ORDER == 2
-    const column *ahead = late ? b->full : b->half;
-    const double share = (time - q->begin[j]) / (0.5 * b->length[i]);
+    const column *third = now ? b->full : b->state, *ahead = late ? third : second;
+    const double share = (time - q->begin[j]) / (middle - start);
     for (long k = 0; k < SIZE; k++) q->line[k][j] = state[k][i] + share * (ahead[k][i] - state[k][i]);
 #endif
     for (long k = 0; k < DRIVES; k++) {
-        q->owed[k][j] = late ? 0.0 : b->owed[k][i];
+        q->owed[k][j] = late ? 0.0 : owed[k][i];
         copy_lane(b->now + k, i, q->then + k, j);
+        if (!now) find_segment(m, q->then + k, k, j, start);
     }
     if (q->count == LANES) finish_aside(m, q);
 }
 
-/* outputs at the samples within the steps that were taken */
-static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end) {
-    column time, per[5], last, middle;
-    flags_of_lanes due, smooth, good, other;
+/* states of a march within a hair of a time, in the step taken or the one before; none if there are none */
+static const column *find_node(const block *b, long i, double time, double end) {
+    const double hair = STEP_TOLERANCE * b->length[i], middle = b->time[i] + 0.5 * b->length[i];
+    if (time >= end - hair) return b->full;
+    if ((LANES > 1 || ORDER == 2) && fabs(time - middle) <= hair) return b->half;
+    if (fabs(time - b->time[i]) <= hair) return b->state;
+    if ((LANES > 1 || ORDER == 2) && fabs(time - b->node_time[1][i]) <= hair) return b->node_state[1];
+    return 0;
+}
+
+/* Outputs at the samples within the steps that were taken. Those that no polynomial reaches wait for the next step, if
+   it may go on from this one, and otherwise for a step aside. */
+static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end,
+                         const flags_of_lanes edge) {
+    column time, per[5], last, low[SIZE + 1], high[SIZE + 1];
+    flags_of_lanes due, smooth, before, good, other, ends, waits = {0};
     long leaving = 0, found = 0;
-    for (long k = 0; k < ENVELOPE; k++) EVERY(i) leaving |= taken[i] & !is_inside(b, b->fine, k, i);
     EACH(i) {
         last[i] = taken[i] ? end[i] + STEP_TOLERANCE * b->length[i] : -1.0;
-        middle[i] = b->time[i] + 0.5 * b->length[i];
+        ends[i] = edge[i] | (b->lapse[i] > 0.0) | !(end[i] < m->duration);
     }
+    for (long k = 0; k < ENVELOPE; k++)
+        EVERY(i) {
+            const long outside = taken[i] & !is_inside(b, b->fine, k, i);
+            leaving |= outside;
+            ends[i] |= outside;
+        }
     for (;;) {
         EACH(i) {
-            due[i] = b->coming[i] <= last[i];
+            due[i] = (b->coming[i] <= last[i]) & !waits[i];
             time[i] = due[i] ? b->coming[i] : end[i];
         }
         if (!any(due)) return;
-        if (!found) find_smooth(m, b, smooth, per);
-        found = 1;
-        memcpy(good, smooth, sizeof good);
-        interpolate(b, time, per, good, b->x2, leaving || LANES == 1);
+        if (!found) {
+            find_smooth(m, b, smooth, before, per);
+            find_bounds(b, low, high, leaving || LANES == 1);
+            found = 1;
+        }
+        EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
+        interpolate(b, time, per, low, high, good, b->x2, leaving || LANES == 1);
         EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
         SOME(i, any(other)) {
-            const double hair = STEP_TOLERANCE * b->length[i];
-            const int ends = time[i] >= end[i] - hair;
-            const int halves = (LANES > 1 || ORDER == 2) && fabs(time[i] - middle[i]) <= hair;
-            if (ends || halves) {
-                for (long k = 0; k < SIZE; k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
+            const column *node = find_node(b, i, time[i], end[i]);
+            good[i] = node ? 1 : -1;
+            if (node) {
+                for (long k = 0; k < SIZE; k++) b->x2[k][i] = node[k][i];
+            } else if (time[i] > b->time[i] && !ends[i]) {
+                waits[i] = 1;
             } else {
                 put_aside(m, b, i, time[i], leaving);
-                good[i] = -1; /* it is kept later */
             }
         }
         EACH(i) other[i] = due[i] & (good[i] >= 0);
         const unsigned long long shown = any(other);
         if (shown) keep_rows(m, b, time, shown, leaving);
         EACH(i) {
-            b->sample[i] += due[i];
+            b->sample[i] += due[i] & !waits[i];
             b->coming[i] = m->times[b->sample[i]];
         }
     }
+}
+
+/* the samples that wait for a step which cannot be taken */
+static void keep_waiting(const march *m, block *b, long i) {
+    for (; b->coming[i] <= b->time[i]; b->coming[i] = m->times[++b->sample[i]]) put_aside(m, b, i, b->coming[i], 0);
 }
