@@ -6,6 +6,7 @@ Source of truth: records whose columns say what they are, and rigs of known numb
 from __future__ import annotations
 
 import json
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -34,8 +35,8 @@ def test_what_is_set_is_not_assumed() -> None:
     (free, assumed), (known, told) = (propose_scenarios(kind, [record], x) for x in ({}, given))
     assert [one.name for one in free] == ["a weight", "a bias spring"]
     assert [one.name for one in known] == ["a weight"]
-    assert any("element.diameter" in note for note in assumed)
-    assert not any("element.diameter" in note for note in told)
+    assert any("element.diameter" in note for note in assumed.sentences)
+    assert not any("element.diameter" in note for note in told.sentences)
     assert known[0].document["element"]["diameter"] == "0.3 mm"
 
 
@@ -86,15 +87,16 @@ def test_missing_samples_of_a_loop_are_passed_over() -> None:
     assert len(proposals[0].rows[0]) == 68
 
 
-def test_model_predicts_only_where_it_beats_every_naive_prediction() -> None:
-    one = HeldOutError("position", "m", 1.0, 1.0, 10.0, {"mean": 10.0, "first-order lag": 1.2}, "a", False, True, 9)
+def test_model_predicts_only_where_it_beats_every_rival() -> None:
+    rivals = {"mean": 10.0, "first-order lag": 1.2}
+    one = HeldOutError(1.0, 10.0, rivals, "position", "m", math.nan, "a", True, 9)
     (pooled,) = pool_errors([one])
-    assert not pooled.beats_naive
+    assert not pooled.beats_rivals
     assert not pooled.predicts
     (better,) = pool_errors([replace(one, rms=0.9)])
     assert better.predicts
-    (coarse,) = pool_errors([replace(one, rms=4.0, naive={"mean": 10.0})])
-    assert coarse.beats_naive
+    (coarse,) = pool_errors([replace(one, rms=4.0, rivals={"mean": 10.0})])
+    assert coarse.beats_rivals
     assert not coarse.predicts
 
 
@@ -130,7 +132,7 @@ def test_logs_alone_become_a_scenario_that_is_accepted_again(rig_logs: list[str]
 
 @pytest.mark.parametrize("stressed", [True, False])
 def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: bool) -> None:
-    """Below title lines: the raw file where it holds what the scenario follows, else the record as understood."""
+    """Below title lines, with jitter: the record as it was fitted is written beside the scenario."""
     loop, more = RECORDS["isobaric"].columns, ";100" if stressed else ""
     noise = 0.3 * np.random.default_rng(2).standard_normal(80)
     pairs = enumerate(zip(np.add(loop["temperature"], noise - 273.15), np.multiply(100.0, loop["strain"]), strict=True))
@@ -139,9 +141,9 @@ def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: 
     rows = [f"{k};{kelvin:.2f};{strain:.4f}{more}" for k, (kelvin, strain) in pairs]
     path.write_text("\n".join(["Report;7", "", head, *rows]))
     told = json.loads(FIT(str(path), "--json", "--save-scenario", str(kept)).stdout)
-    assert told["uncounted_noise"]["temperature"] == pytest.approx(0.3, rel=0.4)
+    assert any("scatters by 0.3" in note or "scatters by 0.2" in note for note in told["notes"])
     command = split(told["again"])
-    assert command[:3] == ["martensite", "fit", str(path if stressed else tmp_path / "kept_wire_100MPa.csv")]
+    assert command[:3] == ["martensite", "fit", str(tmp_path / "kept_wire_100MPa.csv")]
     command[command.index("--free") + 1] = "A_f"
     again = json.loads(FIT(*command[2:], "--hold-out", "none", "--json").stdout)
     assert again["scores"][0]["fit_percent"] > 85.0
@@ -159,8 +161,8 @@ def test_isobaric_files_become_a_law_that_predicts_the_level_left_out() -> None:
     files = [str(DATA / "flexinol_isobaric" / f"isobaric_{mpa}MPa.txt") for mpa in (50, 100, 172, 200)]
     model = model_logs(files)
     errors = {one.record: one for one in model.chosen.errors}
-    assert errors["isobaric_172MPa"].rms < 7e-4
-    assert errors["isobaric_172MPa"].own_zero
+    assert errors["isobaric_172MPa"].offset_rms < 7e-4
+    assert math.isfinite(errors["isobaric_172MPa"].offset_rms)
     assert model.predicts
 
 

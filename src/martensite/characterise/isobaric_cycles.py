@@ -18,6 +18,7 @@ from itertools import pairwise
 from typing import Any
 
 from martensite.base.errors import DataError, ParameterError
+from martensite.characterise.loop_paths import FULL, find_turns
 from martensite.signals.records import Record, not_finite, out_of_order
 
 FEWEST_ROWS = 20
@@ -26,8 +27,6 @@ FEWEST_IN_BRANCH = 8
 """Rows that a branch must have."""
 LEAST_RANGE = 5.0
 """Range of temperature below which nothing was heated [K]."""
-FULL = 0.8
-"""Least share of the temperature range of a record that a leg spans."""
 COLDEST, HOTTEST = 150.0, 1500.0
 """Temperatures outside which a column holds something else [K]."""
 LARGEST_STRAIN = 0.5
@@ -122,20 +121,7 @@ def find_turning_points(temperatures: Sequence[float]) -> list[int]:
     span = max(temperatures) - min(temperatures)
     if span < LEAST_RANGE:
         return []
-    least = FULL * span
-    turns: list[int] = []
-    rising: bool | None = None
-    low = high = 0
-    for row, kelvin in enumerate(temperatures):
-        low = row if kelvin < temperatures[low] else low
-        high = row if kelvin > temperatures[high] else high
-        if not rising and kelvin - temperatures[low] >= least:
-            turns.append(low)
-            rising, high = True, row
-        elif rising is not False and temperatures[high] - kelvin >= least:
-            turns.append(high)
-            rising, low = False, row
-    return [*turns, high if rising else low] if turns else []
+    return find_turns(temperatures, FULL * span)
 
 
 def _rows_in_time(record: Record) -> list[int]:

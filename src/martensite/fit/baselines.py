@@ -31,6 +31,8 @@ MEAN, CYCLE, LAG, LINE = "mean of training", "last cycle", "first-order lag", "s
 NEAREST, SCALING = "nearest record", "linear scaling"
 DRIVE = "drive"
 """Column of what drives, whatever it is called in a record."""
+HALF = 0.5
+"""Least part of the held-out rows for which there is a cycle before."""
 CYCLES = 2.0
 """Periods from which on a record is periodic."""
 
@@ -176,7 +178,7 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
         after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
         inside = (at >= times[0]) & (at <= times[-1]) & (times[after] - times[after - 1] <= near)
         found = np.where(np.isnan(found) & inside, np.interp(at, times, values), found)
-    return found if np.isfinite(found[one.kept_back]).any() else None
+    return found if np.isfinite(found[one.kept_back]).mean() > HALF else None
 
 
 # ---------------------------------------------------------------- the nearest record, or condition

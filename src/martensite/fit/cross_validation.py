@@ -1,8 +1,7 @@
-"""Cross-validation: held-out errors of a model, compared with predictions without a model.
+"""Cross-validation: held-out errors of a model, compared with those of its rivals.
 
 Every record is left out in turn and predicted from the others. If the others are insufficient, parts of the record are
-left out instead. A model is predictive only if these errors beat the best naive prediction by a margin and explain most
-of the variation.
+left out instead. `martensite.search.rivals` has the rule by which a model predicts.
 """
 
 from __future__ import annotations
@@ -15,42 +14,31 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.baselines import predict_naively
+from martensite.fit.descents import INTERRUPTED, OUT_OF_TIME
 from martensite.fit.experiment_kinds.base import AbstractExperimentKind
-from martensite.fit.fit import Fit, list_compared
-from martensite.fit.logs import ALL, choose_held_out
+from martensite.fit.fit import ComparedOutput, Fit, list_compared
+from martensite.fit.logs import ALL, AUTO, EACH, NONE, PARTS, choose_held_out
+from martensite.fit.path_places import measure_places
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
 from martensite.search.free_numbers import FreeNumber
+from martensite.search.rivals import Prediction
+from martensite.search.time_box import TimeBox
 
-BETTER = 0.8
-"""Error over that of the best naive prediction from which on a model is better."""
-EXPLAINED = 0.75
-"""Share of what varies that must be explained: 1 - error/standard deviation."""
 TAIL = 0.3
-"""Part of a single driven record that is kept back, its end."""
+"""Part of a single driven record that is held out, its end."""
 FOLD_EVALUATIONS = 40
 """Evaluations of one local search where a record is left out."""
 
 
 @dataclass(frozen=True)
-class OutputError:
+class OutputError(Prediction):
     """Errors in the held-out rows of one output, in SI."""
 
     output: str
     unit: str
-    rms: float
-    """Root-mean-square error of the prediction, with the fitted zero of the record if it has a separate zero."""
-    raw_rms: float
-    """With the mean zero of the records that were fitted, or none."""
-    spread: float
-    """Standard deviation of what was measured."""
-    naive: Mapping[str, float]
-    """Prediction without a model -> its error."""
-
-    @property
-    def fit_percent(self) -> float:
-        """100 % for a perfect prediction, 0 % for one that errs by as much as is measured to vary."""
-        return 100.0 * (1.0 - self.rms / self.spread) if self.spread > 0.0 else math.nan
+    offset_rms: float
+    """Error with an offset that was fitted to each held-out record; NaN if no offset was fitted."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +46,6 @@ class HeldOutError(OutputError):
     """Held-out error of one record."""
 
     record: str
-    own_zero: bool
-    """True if the zero of the record was fitted to it."""
     whole: bool
     """True if the whole record was left out."""
     samples: int
@@ -67,26 +53,11 @@ class HeldOutError(OutputError):
 
 @dataclass(frozen=True)
 class PooledError(OutputError):
-    """Over all records."""
-
-    @property
-    def best_naive(self) -> str:
-        """Return the naive prediction with the least error."""
-        return min(self.naive, key=self.naive.__getitem__)
-
-    @property
-    def beats_naive(self) -> bool:
-        """Return whether the error is clearly below that of all naive predictions."""
-        return self.rms < BETTER * self.naive[self.best_naive]
-
-    @property
-    def predicts(self) -> bool:
-        """Return whether the model is said to predict this output."""
-        return self.beats_naive and self.fit_percent >= 100.0 * EXPLAINED
+    """Held-out error over all records."""
 
 
 def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
-    """Return the errors of every output over all records; naive predictions that all records have."""
+    """Return the errors of every output over all records, with the rivals that all records have."""
     found: list[PooledError] = []
     for output in dict.fromkeys(one.output for one in errors):
         own = [one for one in errors if one.output == output]
@@ -95,46 +66,61 @@ def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
         def pool(values: Sequence[float], weights: Any = weights) -> float:
             return math.sqrt(float(np.average(np.square(values), weights=weights)))
 
-        shared = [name for name in own[0].naive if all(name in one.naive for one in own)]
-        naive = {name: pool([one.naive[name] for one in own]) for name in shared}
-        rms, raw, spread = (pool([getattr(one, n) for one in own]) for n in ("rms", "raw_rms", "spread"))
-        found.append(PooledError(output, own[0].unit, rms, raw, spread, naive))
+        shared = [name for name in own[0].rivals if all(name in one.rivals for one in own)]
+        rivals = {name: pool([one.rivals[name] for one in own]) for name in shared}
+        rms, spread, offset = (pool([getattr(one, n) for one in own]) for n in ("rms", "spread", "offset_rms"))
+        found.append(PooledError(rms, spread, rivals, output, own[0].unit, offset))
     return found
 
 
 def cross_validate(
-    whole: Fit, start: Sequence[FreeNumber], *, kind: AbstractExperimentKind, own_zero: bool
+    whole: Fit, start: Sequence[FreeNumber], *, kind: AbstractExperimentKind, box: TimeBox, hold_out: str = AUTO
 ) -> list[HeldOutError]:
-    """Return the held-out errors of a model that was fitted to all records.
+    """Return the held-out errors of a model that was fitted to all records; without those that time does not allow.
 
     Args:
         whole: the fit to all records, near which the searches begin.
         start: the free numbers as proposed, where they begin as well.
         kind: kind of the experiment.
-        own_zero: whether the zero of a left-out record is fitted to it.
+        box: limit of time.
+        hold_out: what is held out, as `choose_held_out` takes it.
+
+    Raises:
+        KeyboardInterrupt: the tests were interrupted.
+        InputError: `hold_out` is invalid.
     """
-    problem = whole.problem
     found: list[HeldOutError] = []
-    for fold in list_folds(problem, kind):
-        fit = _solve_fold(fold, whole, start)
-        found += list(_judge_fold(fit, fold, own_zero))
+    folds = list(list_folds(whole.problem, kind, hold_out))
+    for k, fold in enumerate(folds):
+        watch = box.limit(box.share + (1.0 - box.share) / (len(folds) - k))
+        begins = [whole.numbers]
+        begins += [] if kind.axis else [{free.name: free.start for free in start}]  # loops have one optimum nearby
+        fits = list[Fit]()
+        for one in begins:
+            fits.append(solve_problem(with_start(fold, one), most=FOLD_EVALUATIONS, inputs=False, tell=watch))
+            if fits[-1].reason == INTERRUPTED:
+                raise KeyboardInterrupt
+        if any(fit.reason == OUT_OF_TIME for fit in fits):  # it has seen the held-out data: the start was fitted to it
+            continue
+        found += _judge_fold(min(fits, key=lambda fit: fit.cost), fold, kind.given_start)
     return found
 
 
-def list_folds(problem: Problem, kind: AbstractExperimentKind) -> Iterator[Problem]:
-    """Yield the problem with every record left out in turn, or with stretches of all."""
-    names = [one.name for one in problem.experiments]
-    least = 3 if kind.axis else 2
-    if len(names) >= least:
+def list_folds(problem: Problem, kind: AbstractExperimentKind, hold_out: str = AUTO) -> Iterator[Problem]:
+    """Yield the problem with every record left out in turn, with parts of all, or with what is asked for."""
+    names, one = [one.name for one in problem.experiments], problem.experiments[0]
+    if hold_out == NONE:
+        return
+    if hold_out == EACH or (hold_out == AUTO and len(names) >= (3 if kind.axis else 2)):
         for name in names:
             yield _leave_out(problem, {name: ALL})
-        return
-    if kind.own_zero:
+    elif hold_out == AUTO and not kind.own_zero:
+        yield _leave_out(problem, {one.name: ((one.times[-1] - TAIL * (one.times[-1] - one.times[0]), math.inf),)})
+    else:
         rows = [one.times.tolist() for one in problem.experiments]
-        yield _leave_out(problem, dict(zip(names, choose_held_out("auto", names, rows), strict=True)))
-        return
-    one = problem.experiments[0]
-    yield _leave_out(problem, {one.name: ((one.times[-1] - TAIL * (one.times[-1] - one.times[0]), math.inf),)})
+        places = [measure_places(one) for one in problem.experiments]
+        rule = PARTS if hold_out == AUTO else hold_out
+        yield _leave_out(problem, dict(zip(names, choose_held_out(rule, names, rows, places), strict=True)))
 
 
 def _leave_out(problem: Problem, held: Mapping[str, Any]) -> Problem:
@@ -153,39 +139,47 @@ def with_start(problem: Problem, numbers: Mapping[str, float]) -> Problem:
     return replace(problem, free=tuple(map(move, problem.free)))
 
 
-def _solve_fold(fold: Problem, whole: Fit, start: Sequence[FreeNumber]) -> Fit:
-    begins = (whole.numbers, {free.name: free.start for free in start})
-    fits = [solve_problem(with_start(fold, one), most=FOLD_EVALUATIONS, inputs=False) for one in begins]
-    return min(fits, key=lambda fit: fit.cost)
-
-
-def _judge_fold(fit: Fit, fold: Problem, own_zero: bool) -> Iterator[HeldOutError]:
+def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutError]:
+    """Yield the errors of a fold; if the start of a record is given, what is fitted to it is part of the input."""
+    rows = list_compared(fit)
     training = [one for one in fold.experiments if not one.held_out]
-    for one in list_compared(fit):
-        rows = one.held
-        if not rows.any():
+    for one in rows:
+        held = one.held
+        if not held.any():
             continue
-        measured, whole = one.measured[rows], one.experiment.held_out
-        zeros = [x for name, x in fit.numbers.items() if name.startswith(f"offset.{one.output}@")]
-        raw = one.model if one.raw is None else one.raw + (0.0 if own_zero or not zeros else float(np.mean(zeros)))
-        own = own_zero and one.raw is not None
-        naive = {
-            name: _compute_rms(guess[rows] - measured, centred=own)
+        fitted = [x for x in rows if x.used.any() and x.output == one.output]
+        plain = one.model if one.raw is None or given_start else one.raw + _predict_zero(fit, fitted, one)
+        measured = one.measured[held]
+        rivals = {
+            name: _compute_rms(guess[held] - measured, centred=given_start)
             for name, guess in predict_naively(training, one.experiment, one.output).items()
         }
-        model = one.model if own else raw
         yield HeldOutError(
+            _compute_rms(plain[held] - measured),
+            float(np.std(measured)),
+            rivals,
             one.output,
             one.description.unit,
-            _compute_rms(model[rows] - measured),
-            _compute_rms(raw[rows] - measured),
-            float(np.std(measured)),
-            naive,
+            math.nan if one.raw is None or given_start else _compute_rms(one.model[held] - measured),
             one.record,
-            own,
-            whole,
-            int(rows.sum()),
+            one.experiment.held_out,
+            int(held.sum()),
         )
+
+
+def _predict_zero(fit: Fit, fitted: Sequence[ComparedOutput], one: ComparedOutput) -> float:
+    """Return the offset of a held-out record by those of the fitted ones.
+
+    It is their mean; or, if the smallest values of the fitted records agree better than their offsets, the offset
+    that gives the record the same smallest value.
+    """
+    zeros = [x for name, x in fit.numbers.items() if name.startswith(f"offset.{one.output}@")]
+    lows = [float(np.min(x.model)) for x in fitted]
+    if not zeros:
+        return 0.0
+    if len(lows) > 1 and np.std(lows) < np.std(zeros):
+        return float(np.mean(lows)) - float(np.min(one.raw))
+    return float(np.mean(zeros))
 
 
 def _compute_rms(errors: Any, centred: bool = False) -> float:

@@ -15,6 +15,7 @@ from martensite.search.least_squares import SETTLED, Descended, descend_squares
 
 RESUMED = "best so far"
 CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
+OUT_OF_TIME = "time box used up"
 BOUNDED = "stopped at bounds"
 POLISHES = 5
 """Number of restarts from an end that is not stationary."""

@@ -33,6 +33,7 @@ from martensite.fit.logs import (
     describe_untimed,
     read_logs,
 )
+from martensite.fit.path_places import measure_places
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
 from martensite.fit.solve import predict_each, solve_problem
@@ -214,10 +215,9 @@ def _build_experiments(
     found: Sequence[LoadedLog], task: FitTask, wanted: Sequence[ComparedColumn]
 ) -> tuple[list[Experiment], list[str]]:
     """Return one experiment per record, without steps, and what to say of its columns."""
-    held = _choose_held_out(found, task.hold_out)
     made: list[Experiment] = []
     notes: list[str] = []
-    for one, stretches in zip(found, held, strict=True):
+    for one in found:
         system, follows = one.scenario.system, one.scenario.follows
         columns, record, more = match_columns(one.record, system, wanted, follows)
         notes += [*more, *describe_gaps(one, columns.values())]
@@ -229,13 +229,14 @@ def _build_experiments(
                 one.scenario.waveform,
                 record,
                 columns,
-                held=stretches,
                 weights=dict.fromkeys(columns, one.log.weight),
                 lead=one.scenario.lead,
                 follows=follows,
                 groups=one.log.groups,
             )
         )
+    held = _choose_held_out(found, made, task.hold_out)
+    made = [replace(one, held=stretches) for one, stretches in zip(made, held, strict=True)]
     return made, [*notes, *describe_untimed(found)]
 
 
@@ -251,12 +252,15 @@ def _describe_held(
     ]
 
 
-def _choose_held_out(found: Sequence[LoadedLog], hold_out: str | Sequence[str]) -> list[Any]:
+def _choose_held_out(
+    found: Sequence[LoadedLog], made: Sequence[Experiment], hold_out: str | Sequence[str]
+) -> list[Any]:
     names, flags = [one.name for one in found], [one.log.held for one in found]
     if all(flags):
         raise InputError("All records are held out, and none is left to be fitted.")
     rule = NONE if any(flags) and hold_out == AUTO else hold_out
-    held = choose_held_out(rule, names, [one.record.times for one in found])
+    places = [measure_places(one) for one in made] if rule == AUTO else None
+    held = choose_held_out(rule, names, [one.times.tolist() for one in made], places)
     return [ALL if flag else one for flag, one in zip(flags, held, strict=True)]
 
 

@@ -1,13 +1,12 @@
 """From logs alone to a model: which experiment, which scenario, its numbers, and whether it predicts.
 
-The experiment is recognised, scenarios are proposed, each is fitted from several starts and judged by what it did not
-see. The one that predicts best is kept; of two that are alike, the one with fewer free numbers.
+The experiment is recognised, scenarios are proposed, each is fitted from several starts and tested on held-out data.
+The simplest one is kept unless a richer one predicts clearly better (`log_trials`).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,55 +14,44 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import DataError, ParameterError, SolveError
+from martensite.base.errors import DataError, SolveError
 from martensite.base.toml_text import as_toml
 from martensite.fit.api import build_task
 from martensite.fit.column_matching import read_columns
 from martensite.fit.column_noise import FollowedNoise, find_input_noise
-from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
-from martensite.fit.experiment_kinds.base import (
-    AbstractExperimentKind,
-    Proposal,
-    RecognisedExperiment,
-    propose_scenarios,
-    recognise_experiment,
-)
-from martensite.fit.experiment_kinds.driven import add_waist
+from martensite.fit.experiment_kinds.base import RecognisedExperiment, propose_scenarios, recognise_experiment
+from martensite.fit.experiment_kinds.loops import find_column
+from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LOADS
 from martensite.fit.fit import Fit
+from martensite.fit.log_evidence import (
+    AssumedMove,
+    ShiftedTemperature,
+    count_jitter,
+    list_dependent,
+    list_temperatures,
+    trace_assumptions,
+)
+from martensite.fit.log_trials import (
+    INTERRUPTION,
+    ModelTrials,
+    Stage,
+    TriedModel,
+    choose_model,
+    read_proposal,
+    rebuild_problem,
+)
 from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
-from martensite.fit.solve import solve_problem
 from martensite.logs.lab_files import LabFile
 from martensite.logs.reader import read_parts
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.overrides import change_document
-from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.scenario.scenario import read_scenario
+from martensite.search.time_box import TimeBox
 from martensite.signals.records import Record
 
-ALIKE = 1.05
-"""Ratio of held-out errors below which the model with fewer numbers is kept."""
-EVALUATIONS = 60
-"""Evaluations of one local search."""
-GOOD = 93.0
-"""Held-out fit [%] of a simple law beyond which rounder transformations are not tried."""
-TRANSFORMED = 0.05
-"""Least range of the martensite fraction in a fit that says something of a transformation."""
-
-Stage = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class TriedModel:
-    """A proposal, its fit to all records, and what it predicts."""
-
-    proposal: Proposal
-    fit: Fit
-    errors: tuple[HeldOutError, ...]
-
-    @cached_property
-    def pooled(self) -> list[PooledError]:
-        """Return the held-out errors by output; the first is what the experiment is about."""
-        return pool_errors(self.errors)
+TIME_BOX = 60.0
+"""Processor time of all trials [s]."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +67,10 @@ class LogModel:
     """Records as in the logs."""
     named: tuple[str, ...] | None = ()
     """Texts for `--as` that reproduce the reading of the logs; None if the files differ too much for it."""
+    stopped: str = ""
+    """`interruption` or `time box` if the trials ended early."""
+    moves: tuple[AssumedMove, ...] = ()
+    """How far the parameters move with each assumed value."""
 
     @property
     def fit(self) -> Fit:
@@ -88,7 +80,7 @@ class LogModel:
     @property
     def predicts(self) -> bool:
         """Return whether the model predicts the main output of the experiment, by held-out data."""
-        return self.chosen.pooled[0].predicts
+        return bool(self.chosen.pooled) and self.chosen.pooled[0].predicts
 
     @property
     def follows_logs(self) -> bool:
@@ -97,16 +89,29 @@ class LogModel:
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
         made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
         whole = all(need - made <= held[one.name] for need, one in zip(needed, self.chosen.proposal.rows, strict=True))
-        same = not self.experiment.kind.cuts_rows or all(
-            own.times[0] == one.times[0] and own["temperature"][0] == one["temperature"][0]
+        drive = self.experiment.drive or "temperature"
+        same = all(
+            len(own) == len(one) and (drive not in own.columns or np.array_equal(own[drive], one[drive]))
             for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
         )
         return whole and same and self.named is not None
 
     @cached_property
     def input_noise(self) -> tuple[list[FollowedNoise], list[str]]:
-        """Return the noise of what drives, which no interval counts, and sentences about it."""
+        """Return the noise of what drives, which no interval counts, and sentences; loops are smoothed instead."""
+        if self.experiment.kind.axis:
+            return [], []
         return find_input_noise(self.fit.problem)
+
+    @cached_property
+    def dependent(self) -> dict[str, tuple[str, ...]]:
+        """Return the parameters that depend on assumed values, with the paths of these values."""
+        return list_dependent(self.fit, self.moves)
+
+    @cached_property
+    def temperatures(self) -> list[ShiftedTemperature]:
+        """Return the transformation temperatures at zero stress and at each load."""
+        return list_temperatures(self.fit, self.moves)
 
     @property
     def time_constant(self) -> tuple[float, float, float] | None:
@@ -137,7 +142,7 @@ class LogModel:
 
     def write_scenario(self) -> str:
         """Return the scenario with the numbers found, as TOML."""
-        fit, places = self.fit, _read_proposal(self.chosen.proposal).places
+        fit, places = self.fit, read_proposal(self.chosen.proposal).places
         shared = [free for free in fit.problem.free if free.record is None]
         found = {
             places.path(leaf.path): exact_text(leaf.value, leaf.declared.unit)
@@ -191,6 +196,7 @@ def model_logs(
     overrides: Mapping[str, Any] | None = None,
     named: Mapping[str, str] | None = None,
     interval: float | None = None,
+    time_box: float = TIME_BOX,
     tell: Stage | None = None,
 ) -> LogModel:
     """Build a model of logs without a scenario: proposed, fitted, and judged by held-out data.
@@ -201,6 +207,7 @@ def model_logs(
         overrides: settings of the experiment, by dotted path, such as `element.diameter`.
         named: what columns of files are, by heading or number, where it is not to be guessed (`read_lab_file`).
         interval: time between rows [s] of files without times.
+        time_box: processor time [s].
         tell: told what is being done.
 
     Raises:
@@ -213,24 +220,23 @@ def model_logs(
     seen = recognise_experiment(records, experiment)
     moving, still = _part_still(records, seen.measured)
     notes += still
-    proposals, more = propose_scenarios(seen, moving, overrides or {})
-    notes += more
-    tried: list[TriedModel] = []
-    while proposals:
-        one = proposals.pop(0)
-        if tell is not None:
-            tell(f"{seen.name}: {one.name}")
-        try:
-            tried.append(_try_proposal(one, seen.kind))
-        except (SolveError, ParameterError) as error:
-            notes.append(f"Left out: {one.name}. {error}")
-        if tried and not proposals and seen.kind.shows_shape and one.spread:
-            best = _choose_model(tried)
-            if best.pooled[0].fit_percent < GOOD:
-                proposals.append(add_waist(best.proposal, best.fit.numbers))
-    if not tried:
-        raise SolveError(f"None of the proposed models can be run. {' '.join(notes)}")
-    return LogModel(seen, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), tuple(records), said)
+    words = {one.record.name: one.said for one in files}
+    proposals, known = propose_scenarios(seen, moving, overrides or {}, words)
+    notes += known.sentences
+    trials = ModelTrials(seen.kind, TimeBox(time_box), lambda text: tell(f"{seen.name}: {text}") if tell else None)
+    trials.run(proposals)
+    notes = list(dict.fromkeys([*notes, *trials.notes]))
+    best = choose_model(trials.tried)
+    if trials.stopped != INTERRUPTION:
+        best = replace(best, fit=count_jitter(best.fit, best.proposal.jitter))
+
+    def rebuild(path: str, text: str) -> Problem:
+        changed, _ = propose_scenarios(seen, moving, {**(overrides or {}), path: text}, words)
+        return rebuild_problem(changed, best)
+
+    moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, known.assumed, rebuild)
+    tried = tuple(trials.tried)
+    return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves))
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
@@ -240,63 +246,15 @@ def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[lis
         DataError: a column is missing in one of the records.
     """
     for one in records:
-        lost = next((name for name in measured if name not in one.columns), None)
+        lost = next((name for name in measured if not set(_list_alike(name)) & set(one.columns)), None)
         if lost is not None:
             raise DataError(f"Record `{one.name}` has no column `{lost}`, which others have; fit it apart.")
-    still = {one.name: name for one in records for name in measured if not np.nanstd(one[name]) > 0.0}
+    shown = {one.name: [find_column(one, name, _list_alike(name)) for name in measured] for one in records}
+    still = {one.name: name for one in records for name in shown[one.name] if not np.nanstd(one[name]) > 0.0}
     notes = [f"`{column}` never changes in `{name}`, which is left out." for name, column in still.items()]
     return [one for one in records if one.name not in still], notes
 
 
-def _read_proposal(proposal: Proposal) -> Scenario:
-    return read_scenario(proposal.text, log=proposal.rows[0])
-
-
-def _try_proposal(proposal: Proposal, kind: AbstractExperimentKind) -> TriedModel:
-    scenario = _read_proposal(proposal)
-    task = build_task(scenario, list(proposal.rows), list(proposal.free))
-    task = task.with_changes(each=list(proposal.each), hold_out="none", columns=list(proposal.columns))
-    problem = task.arrange(check=False).problem
-    fit = _solve_from_starts(problem, proposal)
-    fit = replace(fit, scenario=scenario)
-    errors = cross_validate(fit, problem.free, kind=kind, own_zero=kind.own_zero and bool(proposal.each))
-    return TriedModel(proposal, fit, tuple(errors))
-
-
-def _solve_from_starts(problem: Problem, proposal: Proposal) -> Fit:
-    """Return the best of several local searches at whose end something transforms, if there is one."""
-    fits: list[Fit] = []
-    most = EVALUATIONS if proposal.spread else 2 * EVALUATIONS  # loops are cheap
-    for start in ({}, *proposal.others):
-        try:
-            begun = with_start(problem, start)
-            fits.append(solve_problem(begun, starts=0 if fits else proposal.spread, most=most, inputs=False))
-        except SolveError:
-            continue
-    if not fits:
-        raise SolveError(f"Every run of the proposal `{proposal.name}` fails.")
-    moving = [fit for fit in fits if find_transformed(fit) > TRANSFORMED]
-    return min(moving or fits, key=lambda fit: fit.cost)
-
-
-def find_transformed(fit: Fit) -> float:
-    """Return the largest range of the martensite fraction in a fitted record."""
-    most = 0.0
-    for k, one in enumerate(fit.problem.experiments):
-        system = fit.system(k)
-        runner = one.runner(
-            fit.problem.step, [system.label(port, "martensite_fraction") for port in system.actuators()]
-        )
-        run = runner.run_one(np.array(runner.compiled.values(system)))
-        most = max(most, 0.0 if run is None else float(np.ptp(run, axis=0).max()))
-    return most
-
-
-def _choose_model(tried: Sequence[TriedModel]) -> TriedModel:
-    """Return the model with the least held-out error; of those that are alike the one with the fewest numbers."""
-
-    def error(one: TriedModel) -> float:
-        return one.pooled[0].rms if one.pooled else math.inf
-
-    least = min(map(error, tried))
-    return min((one for one in tried if error(one) <= ALIKE * least), key=lambda one: len(one.fit.problem.free))
+def _list_alike(name: str) -> tuple[str, ...]:
+    """Return the columns of which one is enough: strain or position, stress or force, or the column alone."""
+    return next((tuple(group) for group in (DEFORMATIONS, LOADS) if name in group), (name,))

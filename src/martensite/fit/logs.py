@@ -2,8 +2,9 @@
 
 Held-out data of a fit, which test its predictions.
 
-auto     3 or more records: the middle one of the list, whole; fewer: four stretches of each,
-the fifth, tenth, fifteenth and last of twenty equally long ones
+auto     3 or more records: the middle one of the list, whole; fewer: four stretches of each cycle,
+the fifth, tenth, fifteenth and last of twenty that are equally long along its path (`path_places`)
+parts    such stretches of each record, however many there are
 none     nothing
 each     every record, or every specimen of a group `specimen`, in turn: from fits to all others
 25 %     the last quarter of each record (any share below 100 %)
@@ -18,6 +19,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import DataError, InputError, require_known
 from martensite.fit.experiment import ALL
 from martensite.fit.free_parameters import split_list
@@ -29,7 +32,7 @@ from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 
 Stretches = tuple[tuple[float, float], ...]
-AUTO, NONE, EACH = "auto", "none", "each"
+AUTO, PARTS, NONE, EACH = "auto", "parts", "none", "each"
 MANY_RECORDS = 3
 """Records from which on a whole one is kept back."""
 STRETCHES, KEPT = 20, (4, 9, 14, 19)
@@ -149,7 +152,10 @@ def check_matching(logs: Sequence[Source], scenarios: Sequence[Model]) -> list[M
 
 
 def choose_held_out(
-    hold_out: str | Sequence[str], names: Sequence[str], times: Sequence[Sequence[float]]
+    hold_out: str | Sequence[str],
+    names: Sequence[str],
+    times: Sequence[Sequence[float]],
+    places: Sequence[Any] | None = None,
 ) -> list[Stretches]:
     """Return the held-out stretches of time of every record.
 
@@ -157,14 +163,16 @@ def choose_held_out(
         hold_out: see above.
         names: of the records.
         times: of their rows [s].
+        places: of their rows on the path of a cycle, from 0 to 1; in proportion to time if left out.
 
     Raises:
         InputError: an invalid fraction, an unknown record, or no data left to fit.
     """
-    if hold_out == AUTO:
-        if len(names) >= MANY_RECORDS:
+    if hold_out in (AUTO, PARTS):
+        if hold_out == AUTO and len(names) >= MANY_RECORDS:
             return [ALL if k == len(names) // 2 else () for k in range(len(names))]
-        return [_choose_stretches(rows) for rows in times]
+        even = [(np.asarray(rows) - rows[0]) / ((rows[-1] - rows[0]) or 1.0) for rows in times]
+        return [_choose_stretches(*pair) for pair in zip(times, places or even, strict=True)]
     if hold_out == EACH and len(names) < 2:
         raise InputError("There is only one record, so no data are left for the fit.")
     if hold_out in (NONE, EACH):
@@ -184,9 +192,11 @@ def _choose_named(asked: Sequence[str], names: Sequence[str]) -> list[Stretches]
     return [ALL if name in asked else () for name in names]
 
 
-def _choose_stretches(times: Sequence[float]) -> Stretches:
-    first, length = times[0], times[-1] - times[0]
-    return tuple((first + k / STRETCHES * length, first + (k + 1) / STRETCHES * length) for k in KEPT)
+def _choose_stretches(times: Sequence[float], places: Any) -> Stretches:
+    """Return the times between which rows lie in the held-out parts of a path."""
+    held = np.isin(np.minimum(np.asarray(places) * STRETCHES, STRETCHES - 1).astype(int), KEPT)
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]])))
+    return tuple((times[first], times[after - 1]) for first, after in ends.reshape(-1, 2).tolist())
 
 
 def read_share(text: str) -> float:

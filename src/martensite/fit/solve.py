@@ -30,6 +30,7 @@ from martensite.fit.descents import (
     CONVERGED,
     INTERRUPTED,
     MOST_EVALUATIONS,
+    OUT_OF_TIME,
     RESUMED,
     ROUNDING,
     run_descents,
@@ -47,6 +48,7 @@ from martensite.search.coordinate_search import search_coordinates
 from martensite.search.least_squares import descend_squares
 from martensite.search.quantity_text import format_quantity, join_phrases
 from martensite.search.starts import evolve_start, find_starts
+from martensite.search.time_box import OutOfTimeError
 
 METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
@@ -108,11 +110,11 @@ def solve_problem(
         watch.resume()
         reason = _run_search(watch, method, chosen, starts, seed, most)
         reason = _judge_end(watch, chosen, reason, most)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as end:
         if watch.best is None:
             raise
         accept_interrupt()
-        reason = INTERRUPTED
+        reason = OUT_OF_TIME if isinstance(end, OutOfTimeError) else INTERRUPTED
     watch.save()
     if watch.best is None:
         raise SolveError(
@@ -123,7 +125,7 @@ def solve_problem(
     if plain is None:
         raise SolveError("The run at the best point fails when it is repeated.")
     end = _CorrectedEnd(training, np.array(watch.best), plain)
-    if inputs and reason != INTERRUPTED:
+    if inputs and reason not in (INTERRUPTED, OUT_OF_TIME):
         end = _correct_end(end, chosen)
     return Fit(
         end.problem,
@@ -181,7 +183,7 @@ def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Probl
         levers = np.sum((jacobian @ np.linalg.pinv(jacobian)).diagonal()[:count])
         before = scale
         scale = max(math.sqrt(float(residuals[:count] @ residuals[:count]) / max(count - levers, 1.0)), ROUNDING)
-        if fit.reason == INTERRUPTED or abs(scale - before) <= BALANCED * before:
+        if fit.reason in (INTERRUPTED, OUT_OF_TIME) or abs(scale - before) <= BALANCED * before:
             break
     return replace(problem, prior_scale=scale)
 
@@ -202,7 +204,7 @@ def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = N
     for whole in dict.fromkeys(wholes):
         names = [one.name for one, of in zip(problem.experiments, wholes, strict=True) if of == whole]
         fit = solve_problem(problem.hold_out(names), **how, tell=tell, inputs=False)
-        if fit.reason == INTERRUPTED:
+        if fit.reason in (INTERRUPTED, OUT_OF_TIME):
             break
         found += fit.kept
     return tuple(found)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +80,8 @@ class LabFile:
     """True if complete headings were read by their meaning, such as `Load [N]` as `force`."""
     labels: tuple[str, ...] = ()
     """Cells above the headings, one per column."""
+    said: Mapping[str, str] = field(default_factory=dict[str, str])
+    """Entries in the lines above the table: lower-case word -> text next to it."""
     exact: bool = False
     """True if all headings are complete and the file was read exactly."""
 
@@ -203,7 +205,7 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     titled = len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
     timed, start = times is not None or interval is not None, times.start if times else None
     parts = tuple(listed), left, tuple(notes)
-    return LabFile(path, raw.form, record, *parts, timed, start, titled, labels=raw.labels)
+    return LabFile(path, raw.form, record, *parts, timed, start, titled, labels=raw.labels, said=raw.said)
 
 
 def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:

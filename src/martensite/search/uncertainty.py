@@ -82,8 +82,22 @@ class Uncertainty:
 
     def widened(self, name: str, level: float = LEVEL) -> Interval:
         """Return the confidence interval of a parameter from as many samples as are independent."""
-        spare = max(int(self.effective) - self.rank, 1) if self.freedom > 0 else 0
-        return self._about(name, level, min(spare, self.freedom), self.widening)
+        return self._about(name, level, self._spare, self.widening)
+
+    def half_width(self, gradient: Any, level: float = LEVEL) -> float:
+        """Return half of the widened interval of a quantity, from its derivatives (n,) by the parameters in SI."""
+        moving = np.flatnonzero(gradient)
+        some = np.array(self.covariance)[np.ix_(moving, moving)]
+        if self.freedom < 1 or not np.isfinite(some).all():
+            return math.inf
+        part = np.asarray(gradient)[moving]
+        variance = max(float(part @ some @ part), 0.0)
+        return student_quantile(level, min(self._spare, _MANY)) * math.sqrt(variance) * self.widening
+
+    @property
+    def _spare(self) -> int:
+        """Return the independent samples to spare."""
+        return min(max(int(self.effective) - self.rank, 1) if self.freedom > 0 else 0, self.freedom)
 
     def confounded(self, limit: float = CONFOUNDED) -> list[tuple[str, str, float]]:
         """Return the pairs of parameters with a stronger correlation, the strongest first."""

@@ -64,8 +64,8 @@ def check_proposals(kind: AbstractExperimentKind) -> None:
 def check_assumptions(kind: AbstractExperimentKind) -> None:
     """A value that is given is used and not assumed."""
     found, records = _recognise(kind)
-    _, notes = propose_scenarios(found, records, {})
-    given = dict(match for note in notes for match in ASSUMED.findall(note))
+    _, known = propose_scenarios(found, records, {})
+    given = dict(match for note in known.sentences for match in ASSUMED.findall(note))
     _, again = propose_scenarios(found, records, given)
-    ignored = [path for path in given if any(f"`{path}` is assumed" in note for note in again)]
+    ignored = [path for path in given if any(f"`{path}` is assumed" in note for note in again.sentences)]
     require_condition(not ignored, f"`{', '.join(ignored)}` is assumed although it is given")

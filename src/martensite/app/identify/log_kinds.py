@@ -94,8 +94,8 @@ def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> Pr
         DataError: the experiment cannot be told, or something indispensable is missing.
     """
     experiment = recognise_experiment(records)
-    proposals, notes = propose_scenarios(experiment, records, settings)
-    return ProposedModels(experiment, proposals, tuple(dict.fromkeys(notes)))
+    proposals, known = propose_scenarios(experiment, records, settings)
+    return ProposedModels(experiment, proposals, tuple(dict.fromkeys(known.sentences)))
 
 
 def describe_proposal(one: Proposal) -> JsonTable:

@@ -6,6 +6,7 @@ their `order`; the first that recognises the logs is taken.
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
@@ -16,7 +17,7 @@ from martensite.base.errors import DataError
 from martensite.base.registry import Registry
 from martensite.base.toml_text import as_toml
 from martensite.fit.experiment_kinds.survey import LogSurvey
-from martensite.fit.experiment_kinds.values import Document, write_value
+from martensite.fit.experiment_kinds.values import SLOPE, Document, write_value
 from martensite.scenario.overrides import change_document
 from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
@@ -43,6 +44,8 @@ class Proposal:
     """Further starts: free parameter -> value in SI."""
     spread: int = 0
     """Local searches that begin at the best of many points over the bounds."""
+    jitter: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Record -> standard error of its drive after smoothing [SI]."""
 
     @property
     def text(self) -> str:
@@ -57,13 +60,38 @@ class Assumptions:
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Values by dotted path that the user gives instead."""
     sentences: list[str] = field(default_factory=list[str])
+    said: Mapping[str, Mapping[str, str]] = field(default_factory=dict[str, Mapping[str, str]])
+    """Record -> entries in the lines above its table: lower-case word -> text next to it."""
+    jitter: dict[str, float] = field(default_factory=dict[str, float])
+    """Record -> standard error of its drive after smoothing [SI]."""
+    assumed: dict[str, float] = field(default_factory=dict[str, float])
+    """Path -> assumed value [SI]."""
 
     def take(self, path: str, unit: str, value: float, effect: str) -> float:
         """Return the given value [SI] of a path; otherwise the assumed one, and note it with its effect."""
         if path in self.settings:
-            return units.parse_quantity(str(self.settings[path]), unit)
+            return self.settle(path, unit, value)
+        self.assumed[path] = value
         self.sentences.append(f"`{path}` is assumed to be {write_value(value, unit)}: {effect}.")
         return value
+
+    def settle(self, path: str, unit: str, value: float) -> float:
+        """Return the given value [SI] of a path, or one that changes nothing."""
+        return units.parse_quantity(str(self.settings[path]), unit) if path in self.settings else value
+
+    def take_slope(self, name: str, alone: str) -> float:
+        """Return the given Clausius–Clapeyron slope [Pa/K]; otherwise the assumed one, since there is one `alone`."""
+        effect = f"with one {alone} only, temperatures at zero stress follow from it"
+        return self.take(f"element.law.{name}", "Pa/K", SLOPE, effect)
+
+    def find_said(self, record: Record, words: Sequence[str], pattern: re.Pattern[str]) -> float | None:
+        """Return the number that the file of a record gives for a quantity above its table, and note the words."""
+        for key, text in self.said.get(record.name, {}).items():
+            found = pattern.search(text)
+            if found is not None and any(word in key for word in words):
+                self.sentences.append(f"`{record.name}`: its file says `{key}`: `{text}`.")
+                return float(found[1].replace(",", "."))
+        return None
 
     def find_diameter(self, matters: bool) -> float:
         """Return the diameter of the element [m]: the given one, or 1 mm."""
@@ -119,8 +147,8 @@ class AbstractExperimentKind:
     """True if each record may have its own zero or start."""
     shows_shape: ClassVar[bool] = False
     """True if the records show the shape of the transformation, so that rounder laws are tried."""
-    cuts_rows: ClassVar[bool] = False
-    """True if a record is compared from a later row on."""
+    given_start: ClassVar[bool] = False
+    """True if the state in which a record begins is part of the input, so that it is fitted to a held-out record."""
 
     @abstractmethod
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
@@ -128,7 +156,7 @@ class AbstractExperimentKind:
 
     @abstractmethod
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-        """Yield scenarios that may explain the records, those with many free parameters first."""
+        """Yield scenarios that may explain the records, the simplest first."""
 
     @abstractmethod
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
@@ -175,20 +203,24 @@ def recognise_experiment(records: Sequence[Record], asked: str | None = None) ->
 
 
 def propose_scenarios(
-    found: RecognisedExperiment, records: Sequence[Record], settings: Mapping[str, Any]
-) -> tuple[list[Proposal], list[str]]:
-    """Return the scenarios that may explain the records of an experiment, and sentences about assumptions.
+    found: RecognisedExperiment,
+    records: Sequence[Record],
+    settings: Mapping[str, Any],
+    said: Mapping[str, Mapping[str, str]] | None = None,
+) -> tuple[list[Proposal], Assumptions]:
+    """Return the scenarios that may explain the records of an experiment, and what they assume.
 
     Args:
         found: the experiment.
         records: in SI.
         settings: values by dotted path, which replace assumptions.
+        said: entries in the lines above the tables, by record.
 
     Raises:
         DataError: indispensable data are missing; one sentence asks for them.
     """
-    known = Assumptions(settings)
-    proposals = list(found.kind.propose(found, records, known))
+    known = Assumptions(settings, said=said or {})
+    proposals = [replace(one, jitter=known.jitter) for one in found.kind.propose(found, records, known)]
     if settings:
         proposals = [replace(one, document=change_document(one.document, settings)) for one in proposals]
-    return proposals, known.sentences
+    return proposals, known

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from martensite.characterise.loop_paths import LoopPath
 from martensite.characterise.time_constant import fit_rise
 from martensite.fit.drive_lag import DriveLag
 from martensite.fit.experiment_kinds.base import (
@@ -20,9 +21,9 @@ from martensite.fit.experiment_kinds.base import (
     RecognisedExperiment,
 )
 from martensite.fit.experiment_kinds.driven import FILM, ORDER, WIDTH, DrivenElement, describe_element
-from martensite.fit.experiment_kinds.loops import ROWS
+from martensite.fit.experiment_kinds.loops import keep_measured, reduce_rows
 from martensite.fit.experiment_kinds.survey import LogSurvey
-from martensite.fit.experiment_kinds.values import make_record, thin_rows
+from martensite.fit.experiment_kinds.values import make_record
 from martensite.scenario.overrides import change_document
 from martensite.signals.records import Record
 
@@ -38,7 +39,7 @@ class Cooling(AbstractExperimentKind):
     meaning = "left to cool without a drive"
     needs = "a temperature that falls, and times"
     own_zero = True
-    cuts_rows = True
+    given_start = True
 
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
         """Return the experiment if the temperature falls, and neither a drive nor a shape varies."""
@@ -95,8 +96,9 @@ class Cooling(AbstractExperimentKind):
 
 def _cut_hot(record: Record) -> Record:
     """Return a record from the time at which its temperature begins to fall, with times counted from there."""
-    kept = thin_rows(record, ("temperature",), 4 * ROWS)
+    kept = keep_measured(record, ("temperature",))
     kelvin = np.asarray(kept["temperature"])
     first = int(np.flatnonzero(kelvin >= kelvin.max() - 0.02 * np.ptp(kelvin))[-1])
-    found = {name: column[first:] for name, column in kept.columns.items()}
-    return replace(kept, columns=found | {"time": [t - found["time"][0] for t in found["time"]]})
+    times = np.asarray(kept.times)
+    kept = reduce_rows(kept, LoopPath(times, (0, len(times) - 1), 0.0, 0), "temperature", first)
+    return replace(kept, columns=kept.columns | {"time": [t - kept.times[0] for t in kept.times]})

@@ -120,7 +120,7 @@ class AbstractDrivenKind(AbstractExperimentKind):
     def propose_driven(
         self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
     ) -> Iterator[Proposal]:
-        """Yield scenarios that may explain the records, those with many free parameters first."""
+        """Yield scenarios that may explain the records, the simplest first."""
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
         """Yield other cadences, steps, slow ramps, and a measured temperature."""

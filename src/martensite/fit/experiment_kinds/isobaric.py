@@ -21,8 +21,8 @@ from martensite.fit.experiment_kinds.base import (
     Proposal,
     RecognisedExperiment,
 )
-from martensite.fit.experiment_kinds.loops import ROUNDNESS, ROWS, SLOPES, read_machine, with_law
-from martensite.fit.experiment_kinds.survey import LogSurvey
+from martensite.fit.experiment_kinds.loops import ROUNDNESS, SLOPES, find_column, read_loop, read_machine, with_law
+from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
 from martensite.fit.experiment_kinds.values import (
     LAGOUDAS,
     SLOPE,
@@ -30,7 +30,6 @@ from martensite.fit.experiment_kinds.values import (
     Document,
     make_loop,
     make_record,
-    thin_rows,
     with_column,
     write_value,
     write_values,
@@ -78,8 +77,6 @@ class Isobaric(AbstractExperimentKind):
             known.sentences.append(
                 "Every record counts strain from its own smallest value: each has a zero of its own."
             )
-        if levels == 1:
-            known.sentences.append(f"One load only: C_A and C_M are assumed to be {SLOPE / 1e6:g} MPa/K.")
         size = f'section = "{write_value(section, "m^2")}"'
         names = {"title": "Isobaric loops", "control": "stress", "wide": write_value(width, "m"), "long": "100 mm"}
         base = read_machine(xi=0.0, size=size, **names)
@@ -87,7 +84,10 @@ class Isobaric(AbstractExperimentKind):
         kelvin = [t for one in rows for t in one["temperature"]]
         if np.mean([one["temperature"][0] for one in rows]) <= 0.5 * (max(kelvin) + min(kelvin)):  # begins cold
             base["drive"]["waveform"]["from"] = write_value(max(kelvin) + 20.0, "K")
-        yield from _vary_loop_laws(rows, base, _guess_temperatures(rows), levels, zeroed or levels == 1)
+        guess = _guess_temperatures(rows)
+        if levels == 1:
+            guess |= {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
+        yield from _vary_loop_laws(rows, base, guess, levels, zeroed or levels == 1)
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
         """Yield further loads."""
@@ -109,8 +109,9 @@ class Isobaric(AbstractExperimentKind):
 
 
 def _read_loop(record: Record, column: str, section: float, known: Assumptions) -> Record:
-    """Return a loop with few rows, its strain, and its mean stress [Pa]."""
-    thin = thin_rows(record, (column, "temperature"), ROWS)
+    """Return the fitted rows of a loop, its strain, and its mean stress [Pa]."""
+    column = find_column(record, column, DEFORMATIONS)
+    thin = read_loop(record, "temperature", column, known)
     if column != "strain":
         effect = "strain and everything in it is counted from this length"
         strain = np.asarray(thin[column], float) / known.take("element.length", "m", 0.1, effect)
@@ -158,14 +159,18 @@ def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
 def _vary_loop_laws(
     rows: Sequence[Record], base: Document, guess: Mapping[str, float], levels: int, zeroed: bool
 ) -> Iterator[Proposal]:
-    """Lagoudas with a waist, with curved surfaces, and without both; Liang–Rogers."""
+    """Liang–Rogers, then Lagoudas: plain, with a waist, and with curved surfaces.
+
+    Where moduli do not show, at one load or with a zero for each record, Liang–Rogers has one modulus.
+    """
     stroke = max(float(np.ptp(one["strain"])) for one in rows)
     sigma = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
     top, apart = guess["A_f"] + 10.0, max(guess["A_f"] - guess["M_s"], 3.0)
     wide = max(guess["A_f"] - guess["A_s"], 4.0), max(guess["M_s"] - guess["M_f"], 4.0)
     shared = {"E_A": "70 GPa", "E_M": "30 GPa"} | write_values("Pa/K", C_A=guess["C_A"], C_M=guess["C_M"])
+    elastic = levels > 2 and not zeroed
     common = SLOPES if levels > 1 else ()
-    common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if levels > 2 and not zeroed else ()
+    common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if elastic else ()
 
     def build_proposal(name: str, law: Document, free: Sequence[str], widen: float) -> Proposal:
         above, below = (widen * w for w in wide)
@@ -188,12 +193,12 @@ def _vary_loop_laws(
         strain = ("H_min=0.001..0.15",)
     strain += ("alpha_A=-2e-5..4e-5 1/K", "alpha_M=-2e-5..4e-5 1/K")
     strain += () if zeroed else (f"T_ref={min(kelvin):.5g}..{max(kelvin):.5g} K",)
+    modulus = {"modulus": "mixture" if elastic else "austenite", "Theta": "0 Pa/K"}
+    simple = {"kind": "liang-rogers", "eps_L": 0.8 * stroke} | modulus
+    yield build_proposal("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)
+    yield build_proposal("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
     waist = {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8, "n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
     yield build_proposal("lagoudas with a waist", surface | waist, (*strain, *WAIST), 2.0)
     if levels > 2:
         curved = surface | waist | {"surfaces": "curved", "widening_f": "0.05 K/MPa", "widening_r": "0.05 K/MPa"}
         yield build_proposal("lagoudas with a waist and curved surfaces", curved, (*strain, *WAIST, *CURVES), 1.0)
-    yield build_proposal("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
-    if zeroed:
-        simple = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": 0.8 * stroke, "Theta": "0 Pa/K"}
-        yield build_proposal("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from martensite.base import units
+from martensite.characterise.loop_paths import trace_loop
 from martensite.fit.experiment_kinds.base import (
     EXPERIMENT_KINDS,
     AbstractExperimentKind,
@@ -17,21 +18,26 @@ from martensite.fit.experiment_kinds.base import (
     Proposal,
     RecognisedExperiment,
 )
-from martensite.fit.experiment_kinds.loops import ROUNDNESS, ROWS, SLOPES, read_machine, with_law
-from martensite.fit.experiment_kinds.survey import LogSurvey
+from martensite.fit.experiment_kinds.loops import ROUNDNESS, SLOPES, find_column, read_loop, read_machine, with_law
+from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LOADS, LogSurvey
 from martensite.fit.experiment_kinds.values import (
     ROOM,
     SLOPE,
     Document,
     make_loop,
     make_record,
-    thin_rows,
     with_column,
     write_value,
     write_values,
 )
 from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
+
+CELSIUS = re.compile(r"(-?\d+(?:[.,]\d+)?)[ _]?(?:deg ?|°)?C\b")
+TEMPERATURE_WORDS = ("temp", "chamber", "ofen", "kammer")
+"""Beginnings or parts of words for the temperature of a test in the lines above a table."""
+ELASTIC = 0.05, 0.4
+"""Stresses over that of the plateau between which the first loading is elastic."""
 
 
 @EXPERIMENT_KINDS.register("isothermal")
@@ -56,16 +62,10 @@ class Isothermal(AbstractExperimentKind):
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
         """Yield laws for loops of strain at constant temperatures; the machine prescribes the strain."""
         load, shape = found.measured
-        width = known.find_diameter(load == "force")
-        rows, length = [thin_rows(one, found.measured, 2 * ROWS) for one in records], 0.1
-        if shape != "strain":
-            length = known.take("element.length", "m", 0.1, "strain and moduli are counted from it")
-            rows = [with_column(r, "strain", "1", np.asarray(r[shape]) / length) for r in rows]
-        if load == "force":
-            rows = [with_column(r, "stress", "Pa", np.asarray(r["force"]) / (math.pi / 4.0 * width**2)) for r in rows]
-        rows = [with_column(r, "temperature", "K", _find_temperature(r, known)) for r in rows]
+        rows = [_read_test(one, load, shape, known) for one in records]
         if len({round(one["temperature"][0]) for one in rows}) < 2:
-            known.sentences.append("One temperature only: C_A and C_M are assumed to be 7.5 MPa/K.")
+            _ = [known.take_slope(name, "temperature") for name in ("C_A", "C_M")]
+        length, width = known.settle("element.length", "m", 0.1), known.settle("element.diameter", "m", 1e-3)
         size, names = f'gauge_length = "{write_value(length, "m")}"', write_values("m", wide=width, long=length)
         title, xi = "Loops at constant temperature", float(_stays_drawn(rows))
         base = read_machine(title=title, control="strain", xi=xi, size=size, **names)
@@ -89,12 +89,29 @@ def _stays_drawn(rows: Sequence[Record]) -> bool:
     return left > 0.4 * reach and all(min(one["stress"][len(one) // 2 :]) < 0.1 * max(one["stress"]) for one in rows)
 
 
+def _read_test(record: Record, load: str, shape: str, known: Assumptions) -> Record:
+    """Return the fitted rows of a tensile test with strain, stress, and its mean temperature."""
+    load, shape = find_column(record, load, LOADS), find_column(record, shape, DEFORMATIONS)
+    rows = read_loop(record, shape, load, known)
+    if shape != "strain":
+        length = known.take("element.length", "m", 0.1, "strain and moduli are counted from it")
+        rows = with_column(rows, "strain", "1", np.asarray(rows[shape]) / length)
+    if load == "force":
+        section = math.pi / 4.0 * known.find_diameter(True) ** 2
+        rows = with_column(rows, "stress", "Pa", np.asarray(rows["force"]) / section)
+    return with_column(rows, "temperature", "K", _find_temperature(rows, known))
+
+
 def _find_temperature(record: Record, known: Assumptions) -> float:
-    """Return the temperature of a loop [K]: its mean, that of its name, or the one assumed."""
+    """Return the temperature of a test [K]: its mean, what its file says, its name says, or the assumed one."""
     if "temperature" in record.columns:
         return float(np.nanmean(record["temperature"]))
-    named = re.search(r"(\d+(?:\.\d+)?)[ _]?(?:deg)?C\b", record.name)
+    said = known.find_said(record, TEMPERATURE_WORDS, CELSIUS)
+    if said is not None:
+        return said + 273.15
+    named = CELSIUS.search(record.name)
     if named is not None:
+        known.sentences.append(f"The name of `{record.name}` is taken to say that it was tested at {named[1]} degC.")
         return float(named[1]) + 273.15
     effect = "plateaus shift by some 7 MPa for every kelvin"
     return known.take("environment.temperature", "K", units.parse_quantity(ROOM, "K"), effect)
@@ -104,7 +121,8 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
     """Brinson where the strain stays, Liang–Rogers and Lagoudas where it comes back."""
     strain, stress = (np.concatenate([one[name] for one in rows]) for name in ("strain", "stress"))
     kelvin = float(np.mean([one["temperature"][0] for one in rows]))
-    high, soft = float(np.percentile(stress[strain > 0.4 * strain.max()], 50.0)), _find_first_slope(rows)
+    high = float(np.percentile(stress[strain > 0.4 * strain.max()], 50.0))
+    soft = _find_first_slope(rows, high)
     eps = max(0.6 * float(np.ptp(strain)), 0.005)
     moduli = (f"E_A={soft / 6e9:.4g}..{min(6.0 * soft / 1e9, 299.0):.4g} GPa", "E_M=2..200 GPa")
     shared = write_values("Pa", E_A=soft, E_M=max(0.5 * soft, 3e9)) | {"C_A": "7.5 MPa/K", "C_M": "7.5 MPa/K"}
@@ -136,13 +154,14 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
     yield build_proposal(cold | surface, (*order, *moduli, "H_sat=0.002..0.19", *slopes, *ROUNDNESS))
 
 
-def _find_first_slope(rows: Sequence[Record]) -> float:
-    """Return the stiffness of the first eighth of the way up [Pa]."""
+def _find_first_slope(rows: Sequence[Record], high: float) -> float:
+    """Return the stiffness of the lower part of the way to a plateau stress, while it is first loaded [Pa]."""
     found: list[float] = []
     for one in rows:
         strain, stress = np.asarray(one["strain"]), np.asarray(one["stress"])
-        first = slice(0, max(int(np.argmax(strain)) // 8, 4))
-        if np.ptp(strain[first]) > 0.0:
-            found.append(float(np.polyfit(strain[first], stress[first], 1)[0]))
+        last = trace_loop(strain).turns[1] + 1
+        part = np.flatnonzero((stress[:last] > ELASTIC[0] * high) & (stress[:last] < ELASTIC[1] * high))
+        if len(part) > 2 and np.ptp(strain[part]) > 0.0:
+            found.append(float(np.polyfit(strain[part], stress[part], 1)[0]))
     good = [slope for slope in found if 1e9 < slope < 2e11]
     return float(np.median(good)) if good else 40e9

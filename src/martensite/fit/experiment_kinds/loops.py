@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
+from dataclasses import replace
 
-from martensite.fit.experiment_kinds.values import Document
+import numpy as np
 
-ROWS = 160
-"""Rows of a loop that are compared: a law without rates depends on turning points only."""
+from martensite.characterise.loop_paths import LoopPath, measure_arc, trace_loop
+from martensite.fit.experiment_kinds.base import Assumptions
+from martensite.fit.experiment_kinds.values import Document, with_column
+from martensite.search.quantity_text import format_change
+from martensite.signals.records import Record
+
+MOST_ROWS = 2000
+"""Rows of a loop that are compared; more are averaged along its path."""
+CYCLES = 3
+"""Cycles of a repeated loop that are fitted: the last ones."""
 MACHINE = """
 title = "{title}"
 element = {{ kind = "wire", material = "flexinol-90", diameter = "{wide}", length = "{long}", initial_fraction = {xi} }}
@@ -28,3 +38,65 @@ def read_machine(**entries: object) -> Document:
 def with_law(base: Document, law: Document) -> Document:
     """Return a scenario with another law of its element."""
     return base | {"element": base["element"] | {"law": law}}
+
+
+def read_loop(record: Record, drive: str, shown: str, known: Assumptions) -> Record:
+    """Return the rows of a loop that a fit compares: jitter of its drive smoothed, turning points kept, all rows used.
+
+    Of a loop that is repeated many times the last cycles are taken. What was done is noted.
+
+    Args:
+        record: in SI.
+        drive: column that drives the loop.
+        shown: measured column.
+        known: told what was done.
+    """
+    whole = keep_measured(record, (drive, shown))
+    path = trace_loop(whole[drive])
+    if path.scatter:
+        known.jitter[record.name] = path.error
+        known.sentences.append(
+            f"`{drive}` of `{record.name}` scatters by {format_change(path.scatter, record.units[drive], 2)} from row "
+            f"to row. It is smoothed along each leg, over at least {path.window} rows."
+        )
+    first, count = _choose_first(path)
+    if first:
+        known.sentences.append(
+            f"`{record.name}` holds {count} cycles. Cycles {count - CYCLES + 1} to {count} are fitted."
+        )
+    return reduce_rows(with_column(whole, drive, record.units[drive], path.drive), path, shown, first)
+
+
+def find_column(record: Record, wanted: str, alike: Sequence[str]) -> str:
+    """Return the wanted column, or the first other one of its group that a record has."""
+    return wanted if wanted in record.columns else next(name for name in alike if name in record.columns)
+
+
+def keep_measured(record: Record, needed: Sequence[str]) -> Record:
+    """Return the rows of a record in which all needed columns are finite."""
+    rows = np.flatnonzero(np.all([np.isfinite(record[name]) for name in needed], axis=0))
+    return replace(record, columns={name: [column[k] for k in rows] for name, column in record.columns.items()})
+
+
+def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> Record:
+    """Return a record from a row on, in at most about `MOST_ROWS` rows.
+
+    More rows are averaged in pieces of about equal length along the path; turning points are pieces of their own.
+    """
+    rows = len(record)
+    if rows - first <= MOST_ROWS:
+        edges = np.arange(first, rows + 1)
+    else:
+        arc = measure_arc(path, record[shown])[first:]
+        turns = [row + after for row in path.turns if row >= first for after in (0, 1)]
+        edges = np.unique([*(first + np.searchsorted(arc, np.linspace(0.0, arc[-1], MOST_ROWS))), *turns, rows])
+    means = {n: np.add.reduceat(np.asarray(x, float), edges[:-1]) / np.diff(edges) for n, x in record.columns.items()}
+    return replace(record, columns={name: column.tolist() for name, column in means.items()})
+
+
+def _choose_first(path: LoopPath) -> tuple[int, int]:
+    """Return the row at which the fitted cycles begin, and the number of all cycles."""
+    cycles = path.cycles
+    if len(cycles) <= CYCLES or not path.is_repeated:
+        return 0, len(cycles)
+    return cycles[-CYCLES][0], len(cycles)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -37,24 +37,17 @@ Document = dict[str, Any]
 def write_value(value: float, unit: str) -> str:
     """Return a value [SI] as a scenario takes it, in a readable unit."""
     if unit == "K":
-        return f"{value - 273.15:.5g} degC"
+        return f"{value - 273.15:.8g} degC"
     if unit == "1":
-        return f"{value:.5g}"
+        return f"{value:.8g}"
     large = {"m": ("mm", 1e-3), "m^2": ("mm^2", 1e-6), "Pa": ("MPa", 1e6), "Pa/K": ("MPa/K", 1e6)}
     words, factor = large.get(unit, (unit, 1.0))
-    return f"{value / factor:.5g} {words}"
+    return f"{value / factor:.8g} {words}"
 
 
 def write_values(unit: str, **values: float) -> Document:
     """Return values [SI] of one unit by name, as a scenario takes them."""
     return {name: write_value(value, unit) for name, value in values.items()}
-
-
-def thin_rows(record: Record, needed: Sequence[str], most: int) -> Record:
-    """Return a record with at most `most` rows, in all of which the needed columns are finite."""
-    whole = np.flatnonzero(np.all([np.isfinite(record[name]) for name in needed], axis=0))
-    kept = whole[np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).round().astype(int))]
-    return replace(record, columns={name: [column[k] for k in kept] for name, column in record.columns.items()})
 
 
 def with_column(record: Record, name: str, unit: str, values: Any) -> Record:

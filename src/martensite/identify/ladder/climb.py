@@ -46,8 +46,8 @@ from martensite.identify.ladder.record_tests import (
 )
 from martensite.identify.ladder.regimes import set_apart
 from martensite.identify.ladder.rungs import LINEAR, list_neighbours, list_rungs, write_linear
-from martensite.identify.ladder.time_box import TimeBox, measure_processor_time
 from martensite.search.quantity_text import format_number
+from martensite.search.time_box import TimeBox, measure_processor_time
 from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 

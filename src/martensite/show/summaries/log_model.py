@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
-from martensite.fit.cross_validation import BETTER, EXPLAINED, HeldOutError, PooledError
+from martensite.fit.cross_validation import HeldOutError, PooledError
 from martensite.fit.experiment_kinds.base import FitEvidence
 from martensite.fit.fit import list_compared
 from martensite.fit.fit_verdicts import format_error
-from martensite.fit.log_models import LogModel, TriedModel
+from martensite.fit.log_models import LogModel
+from martensite.fit.log_trials import CLEARLY, TriedModel
 from martensite.search.quantity_text import format_change, format_quantity, join_phrases
+from martensite.search.rivals import BETTER, EXPLAINED
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
 
-HELD_OUT = ("record", "output", "rms", "raw_rms", "own_zero", "whole", "fit_percent")
+HELD_OUT = ("record", "output", "rms", "offset_rms", "whole", "fit_percent")
 """Entries of a held-out error in machine-readable output."""
 
 
@@ -30,11 +33,13 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
     samples = sum(int(row.used.sum()) for row in rows)
     blocks: list[Block] = [
         _make_verdict(model),
-        _tabulate_errors(model.chosen.errors),
+        *([_tabulate_errors(model.chosen.errors)] if model.chosen.errors else []),
         Heading("The model"),
         Sentence(_describe_choice(model)),
         _tabulate_numbers(model),
-        Sentence(f"{len(fit.problem.free)} numbers, {samples} measured values. Search: {fit.reason}."),
+        *_tabulate_temperatures(model),
+        Sentence(f"{len(fit.problem.free)} parameters, {samples} measured values. Search: {fit.reason}."),
+        *([Sentence(f"The trials ended early because of the {model.stopped}.")] if model.stopped else []),
         *_list_input_noise(model),
         Heading("Assumed and done"),
         BulletList(model.notes or ("Nothing.",)),
@@ -49,58 +54,65 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
 
 def _make_verdict(model: LogModel) -> Notice:
     items = [_describe_output(one, model.chosen.errors) for one in model.chosen.pooled]
+    if not model.chosen.pooled:
+        return Notice("The model was not tested on held-out data", items, True)
     word = "predicts" if model.predicts else "does not predict"
-    return Notice(f"By what it was not fitted to, the model {word}", items, not model.predicts)
+    return Notice(f"On held-out data the model {word}", items, not model.predicts)
 
 
 def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
     own = [x for x in errors if x.output == one.output]
-    size, naive = (format_error(one.output, x, one.unit) for x in (one.rms, one.naive[one.best_naive]))
     what = "each record left out in turn" if own[0].whole else "held-out rows of the same records"
-    said = f"`{one.output}`: rms error {size} in {what} ({one.fit_percent:.0f} % fit)"
+    said = f"`{one.output}`: rms error {format_error(one.output, one.rms, one.unit)} in {what}"
+    if math.isfinite(one.offset_rms):
+        fitted = format_error(one.output, one.offset_rms, one.unit)
+        said += f", {fitted} with an offset fitted to each held-out record"
+    said += f" ({one.fit_percent:.0f} % fit)"
+    rival = format_error(one.output, one.rivals[one.best_rival], one.unit)
     if one.predicts:
-        said += f"; the best prediction without a model ({one.best_naive}) errs by {naive}."
-    elif not one.beats_naive:
-        said += f"; does not predict better than the {one.best_naive}, which errs by {naive}."
-    else:
-        said += f": better than the {one.best_naive} ({naive}), but less than {100.0 * EXPLAINED:.0f} % is explained."
-    if own[0].own_zero:
-        raw, what = format_error(one.output, one.raw_rms, one.unit), "start" if one.output == "temperature" else "zero"
-        said += f" The {what} of each record was fitted to it; without, the raw error is {raw}."
-    return said
+        return f"{said}; the best rival ({one.best_rival}) errs by {rival}."
+    if not one.beats_rivals:
+        return f"{said}. The {one.best_rival} needs no model and errs by {rival}."
+    return f"{said}; better than the best rival ({one.best_rival}, {rival}), but below {100.0 * EXPLAINED:.0f} % fit."
 
 
 def _tabulate_errors(errors: Sequence[HeldOutError]) -> DataTable:
-    names = list(dict.fromkeys(name for one in errors for name in one.naive))
-    head = ("left out", "output", "rms error", "raw", "fit", *names)
+    names = list(dict.fromkeys(name for one in errors for name in one.rivals))
+    offset = any(math.isfinite(one.offset_rms) for one in errors)
+    head = ("held out", "output", "rms error", *(["with offset"] if offset else []), "fit", *names)
     rows = [
         (
             one.record + ("" if one.whole else " (part)"),
             one.output,
             format_error(one.output, one.rms, one.unit),
-            format_error(one.output, one.raw_rms, one.unit) if one.own_zero else "",
+            *([format_error(one.output, one.offset_rms, one.unit)] if offset else []),
             f"{one.fit_percent:.1f} %",
-            *(format_error(one.output, one.naive[n], one.unit) if n in one.naive else "" for n in names),
+            *(format_error(one.output, one.rivals[n], one.unit) if n in one.rivals else "" for n in names),
         )
         for one in errors
     ]
     note = (
-        f"A model predicts if its error is below {BETTER:g} of the best column on the right, which need no "
-        f"model, and at least {100.0 * EXPLAINED:.0f} % fit."
+        f"A model predicts if its error is below {BETTER:g} of the error of every rival on the right, and its fit is "
+        f"at least {100.0 * EXPLAINED:.0f} %."
     )
     return DataTable(head, rows, right=tuple(range(2, len(head))), note=note)
 
 
 def _describe_choice(model: LogModel) -> str:
     def error(one: TriedModel) -> str:
+        count = f"{len(one.fit.problem.free)} parameters"
+        if not one.pooled:
+            return f"{one.proposal.name} (not tested, {count})"
         first = one.pooled[0]
-        size = format_error(first.output, first.rms, first.unit)
-        return f"{one.proposal.name} ({size}, {len(one.fit.problem.free)} numbers)"
+        return f"{one.proposal.name} ({format_error(first.output, first.rms, first.unit)}, {count})"
 
     chosen = model.chosen.proposal.name
     if len(model.tried) == 1:
         return f"Model: {chosen}."
-    return f"Chosen by its held-out error: {chosen}. Tried: {', '.join(map(error, model.tried))}."
+    return (
+        f"Chosen: {chosen}. A model with more parameters must reduce the held-out error to {CLEARLY:g}. "
+        f"Tried: {', '.join(map(error, model.tried))}."
+    )
 
 
 def _tabulate_numbers(model: LogModel) -> DataTable:
@@ -112,14 +124,42 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
         why = fit.undetermined.get(free.name, "")
         if not why and free.name in weak:
             why = "not apart from others"
+        if free.name in model.dependent:
+            why = _name_assumed(model.dependent[free.name])
         known = math.isfinite(high - low)
         shown = f"{format_quantity(low, free.unit)} to {format_quantity(high, free.unit)}" if known else ""
-        rows.append((free.name, format_quantity(fit[free.name], free.unit), shown, f"no: {why}" if why else "yes"))
+        rows.append((free.name, format_quantity(fit[free.name], free.unit), shown, _mark_determined(why)))
     if model.time_constant is not None:
         tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
         rows.insert(0, ("time constant", tau, f"{low} to {high}", "yes"))
     note = "Intervals hold for this model and are widened for autocorrelated residuals."
-    return DataTable(("number", "value", "95 % interval", "determined"), rows, right=(1,), note=note)
+    return DataTable(("parameter", "value", "95 % interval", "determined"), rows, right=(1,), note=note)
+
+
+def _name_assumed(paths: Sequence[str]) -> str:
+    """Return `per assumed length, C_A` for the paths of assumed values."""
+    return f"per assumed {', '.join(path.rpartition('.')[2] for path in paths)}"
+
+
+def _mark_determined(why: str) -> str:
+    if not why:
+        return "yes"
+    return why if why.startswith("per assumed") else f"no: {why}"
+
+
+def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
+    """Yield the transformation temperatures at zero stress and at each load."""
+    found = model.temperatures
+    rows: list[tuple[str, ...]] = []
+    for stress in dict.fromkeys(one.stress for one in found):
+        own = [one for one in found if one.stress == stress]
+        paths = list(dict.fromkeys(path for one in own for path in one.assumed))
+        cells = [f"{format_quantity(one.value, 'K')} ± {format_change(one.half_width, 'K', 2)}" for one in own]
+        rows.append((f"{stress / 1e6:g} MPa", *cells, _name_assumed(paths) if paths else "yes"))
+    if rows:
+        names = [one.name for one in found if one.stress == found[0].stress]
+        note = "± is half of the 95 % interval, which holds for this law."
+        yield DataTable(("at", *names, "determined"), rows, right=tuple(range(1, 5)), note=note)
 
 
 def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
@@ -155,12 +195,17 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         "predicts": model.predicts,
         "model": model.chosen.proposal.name,
         "held_out": [
-            {name: getattr(one, name) for name in HELD_OUT} | {"naive": dict(one.naive)} for one in model.chosen.errors
+            {name: getattr(one, name) for name in HELD_OUT} | {"rivals": dict(one.rivals)}
+            for one in model.chosen.errors
         ],
-        "tried": [{"model": one.proposal.name, "rms": one.pooled[0].rms} for one in model.tried],
+        "tried": [
+            {"model": one.proposal.name, "rms": one.pooled[0].rms if one.pooled else None} for one in model.tried
+        ],
         "numbers": fit.numbers,
         "time_constant": model.time_constant,
         "undetermined": fit.undetermined,
+        "per_assumed": {name: list(paths) for name, paths in model.dependent.items()},
+        "temperatures": [asdict(one) for one in model.temperatures],
         "uncounted_noise": {one.column: one.sigma for one in model.input_noise[0]},
         "notes": list(model.notes),
         "next": list_next_records(model),

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from threading import Event, Thread
+
+
+class OutOfTimeError(KeyboardInterrupt):
+    """End of a search whose time box is used up; the search keeps its best result as after Ctrl-C."""
 
 
 class TimeBox:
@@ -20,6 +24,16 @@ class TimeBox:
     def share(self) -> float:
         """Return the used fraction of the time box."""
         return min((measure_processor_time() - self._begun) / self._seconds, 1.0)
+
+    def limit(self, part: float) -> Callable[[object], None]:
+        """Return a function that raises `OutOfTimeError` once a part of the box is used."""
+
+        def check(note: object) -> None:
+            del note
+            if self.share >= part:
+                raise OutOfTimeError
+
+        return check
 
     @contextmanager
     def watched(self, part: float) -> Generator[None]:

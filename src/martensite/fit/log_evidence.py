@@ -1,0 +1,195 @@
+"""Evidence behind the parameters of a model of logs: which depend on assumptions, and temperatures at each load.
+
+A parameter depends on an assumed value if it moves by more than half of its 95 % interval while that value changes by
+a tenth, or by 10 K. With residuals r and their Jacobian J it moves by
+
+    Δp = -J⁺ (r(changed) - r(assumed))
+
+in proportion to a change that is `SMALL` of that, so that it is linear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError
+from martensite.characterise.loop_paths import trace_loop
+from martensite.fit.drive_lag import find_drive
+from martensite.fit.fit import Fit
+from martensite.fit.problem import Problem
+
+CHANGE, WARMER = 0.1, 10.0
+"""Relative change of an assumed value, and change of an assumed temperature [K]."""
+SMALL = 0.01
+"""Part of these changes that is computed."""
+CANCEL = 0.02
+"""Part of two opposite changes of a temperature below which their sum is none."""
+SHIFTED = {"A_s": "C_A", "A_f": "C_A", "M_s": "C_M", "M_f": "C_M"}
+"""Transformation temperature -> the slope of its line."""
+Rebuild = Callable[[str, str], Problem]
+"""Path and changed value, as text -> the problem of the chosen model under that assumption."""
+
+
+@dataclass(frozen=True)
+class ShiftedTemperature:
+    """A transformation temperature at one stress."""
+
+    name: str
+    stress: float
+    """[Pa]"""
+    value: float
+    """[K]"""
+    half_width: float
+    """Half of its 95 % interval [K]; infinite if it is not determined."""
+    assumed: tuple[str, ...] = ()
+    """Paths of assumed values on which it depends."""
+
+
+@dataclass(frozen=True)
+class AssumedMove:
+    """Change of an assumed value, and the resulting change of the free parameters as shares of their ranges."""
+
+    path: str
+    move: Any
+
+
+def trace_assumptions(fit: Fit, assumed: Mapping[str, float], rebuild: Rebuild) -> list[AssumedMove]:
+    """Return how far the parameters of a fit move with each assumed value."""
+    found: list[AssumedMove] = []
+    for path, value in assumed.items():
+        warm = path.endswith("temperature")
+        try:
+            text = (
+                f"{value + SMALL * WARMER} K" if warm else f"{(1.0 + SMALL * CHANGE) * value} {_find_unit(path, fit)}"
+            )
+            changed = rebuild(path, text).evaluate(fit.values)
+        except MartensiteError:
+            continue
+        before = fit.evaluation.residuals
+        if changed is not None and len(changed.residuals) == len(before):
+            step = np.linalg.lstsq(fit.evaluation.jacobian, changed.residuals - before, rcond=1e-10)[0]
+            found.append(AssumedMove(path, -step / SMALL))
+    return found
+
+
+def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
+    """Return a fit whose intervals also hold the error that smoothing leaves in what drives its loops.
+
+    Each leg of a loop is taken to be off by its own amount, whose standard deviation is known.
+
+    Args:
+        fit: the fit.
+        jitter: record -> standard deviation of that amount [SI].
+    """
+    problem, found = fit.problem, fit.uncertainty
+    sizes = np.array([free.slope(u) for free, u in _pair_free(fit)])
+    extra = np.zeros((len(sizes), len(sizes)))
+    places = np.cumsum([0, *(int(used.sum()) for used in problem.used)])
+    for k, one in enumerate(problem.experiments):
+        if error := jitter.get(one.record.name, 0.0):
+            for change in _shift_legs(fit, k, error):
+                whole = np.zeros(len(fit.evaluation.residuals))
+                whole[places[k] : places[k + 1]] = change
+                move = sizes * np.linalg.lstsq(fit.evaluation.jacobian, whole, rcond=1e-10)[0]
+                extra += np.outer(move, move)
+    if not extra.any() or not np.isfinite(found.errors).all():
+        return fit
+    whole = np.array(found.covariance) + extra / found.widening**2
+    errors = np.sqrt(whole.diagonal())
+    wider = replace(
+        found, errors=tuple(map(float, errors)), correlation=tuple(map(tuple, whole / np.outer(errors, errors)))
+    )
+    made = replace(fit)
+    made.__dict__["uncertainty"] = wider
+    return made
+
+
+def _shift_legs(fit: Fit, k: int, error: float) -> Iterator[Any]:
+    """Yield the changes of the residuals of a record, (rows,), where a leg of its drive is off."""
+    one = fit.problem.experiments[k]
+    drive = find_drive(one)
+    values = np.array(one.followed(drive).values)
+    ratio = fit.problem.scale(one.outputs[0])
+    alone = replace(fit.problem, experiments=(one,))
+    before = alone.evaluate(fit.values)
+    for first, last in trace_loop(values).legs:
+        moved = values.copy()
+        moved[first : last + 1] += error
+        after = replace(alone, experiments=(one.with_inputs({drive: moved}),)).evaluate(fit.values)
+        if before is not None and after is not None:
+            yield (after.residuals - before.residuals) * alone.scale(one.outputs[0]) / ratio
+
+
+def list_dependent(fit: Fit, moves: Sequence[AssumedMove]) -> dict[str, tuple[str, ...]]:
+    """Return the free parameters that depend on assumed values, with the paths of these values."""
+    found: dict[str, tuple[str, ...]] = {}
+    for i, free in enumerate(fit.problem.free):
+        low, high = fit.uncertainty.widened(free.name)
+        slope = abs(free.slope(fit.values[i]))
+        paths = tuple(one.path for one in moves if abs(one.move[i]) * slope > 0.5 * (high - low))
+        if paths:
+            found[free.name] = paths
+    return found
+
+
+def list_temperatures(fit: Fit, moves: Sequence[AssumedMove]) -> list[ShiftedTemperature]:
+    """Return the transformation temperatures at zero stress and at each load, for a law with straight lines."""
+    values = _read_law(fit, fit.values)
+    if not set(SHIFTED) | set(SHIFTED.values()) <= values.keys() or any(
+        values.get(name) for name in ("curvature_f", "curvature_r", "widening_f", "widening_r")
+    ):
+        return []
+    loads = {round(float(np.mean(one.record["stress"])), -4) for one in fit.problem.experiments if _is_isobaric(one)}
+    slopes = _differentiate_law(fit)
+    found: list[ShiftedTemperature] = []
+    for stress in (0.0, *sorted(loads)):
+        for name, slope in SHIFTED.items():
+            rate = values[slope]
+            gradient = slopes[name] - stress / rate**2 * slopes[slope]
+            half = fit.uncertainty.half_width(gradient / np.array([x.slope(u) for x, u in _pair_free(fit)]))
+            changes = [(one.path, gradient @ one.move, _own(one, slope, stress, rate)) for one in moves]
+            least = [max(half, CANCEL * abs(own)) for _, _, own in changes]
+            paths = tuple(path for (path, by, own), x in zip(changes, least, strict=True) if abs(by + own) > x)
+            found.append(ShiftedTemperature(name, stress, values[name] + stress / rate, half, paths))
+    return found
+
+
+def _own(one: AssumedMove, slope: str, stress: float, rate: float) -> float:
+    """Return the direct change of a temperature with an assumed slope of its line [K]."""
+    return -CHANGE * stress / rate if one.path.endswith(slope) else 0.0
+
+
+def _is_isobaric(one: Any) -> bool:
+    return "stress" in one.record.columns and "stress" not in one.outputs
+
+
+def _pair_free(fit: Fit) -> list[tuple[Any, float]]:
+    return list(zip(fit.problem.free, fit.values, strict=True))
+
+
+def _read_law(fit: Fit, point: Sequence[float]) -> dict[str, float]:
+    """Return the parameters of the law at a point, by their last names [SI]."""
+    leaves = fit.problem.system(0, point).leaves()
+    return {leaf.path.rpartition(".")[2]: float(leaf.value) for leaf in leaves if ".law." in f".{leaf.path}"}
+
+
+def _differentiate_law(fit: Fit) -> dict[str, Any]:
+    """Return the derivatives of the parameters of the law by the places of the free parameters."""
+    base, small = _read_law(fit, fit.values), 1e-6
+    rows: list[dict[str, float]] = []
+    for i in range(len(fit.values)):
+        step = small if fit.values[i] < 0.5 else -small
+        moved = _read_law(fit, [u + step * (k == i) for k, u in enumerate(fit.values)])
+        rows.append({name: (moved[name] - base[name]) / step for name in base})
+    return {name: np.array([row[name] for row in rows]) for name in base}
+
+
+def _find_unit(path: str, fit: Fit) -> str:
+    """Return the SI unit of a path of the scenario."""
+    last = path.rpartition(".")[2]
+    found = next((x.declared.unit for x in fit.system().leaves() if x.path.rpartition(".")[2] == last), "1")
+    return found

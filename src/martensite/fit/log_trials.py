@@ -1,0 +1,271 @@
+"""Trials of proposed models: each is fitted to all records, tested on held-out data, and simplified.
+
+The simplest law comes first. A law with more parameters replaces it only if its held-out error is clearly smaller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from martensite.base.errors import ParameterError, SolveError
+from martensite.base.interrupts import accept_interrupt
+from martensite.characterise.loop_paths import estimate_scatter, smooth_legs, trace_loop
+from martensite.fit.api import build_task
+from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
+from martensite.fit.descents import INTERRUPTED, OUT_OF_TIME
+from martensite.fit.drive_lag import find_drive
+from martensite.fit.experiment_kinds.base import AbstractExperimentKind, Proposal
+from martensite.fit.experiment_kinds.driven import add_waist
+from martensite.fit.fit import Fit
+from martensite.fit.logs import AUTO
+from martensite.fit.problem import Problem
+from martensite.fit.solve import solve_problem
+from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.search.quantity_text import list_names
+from martensite.search.time_box import OutOfTimeError, TimeBox
+
+CLEARLY = 0.85
+"""Ratio of held-out errors below which a model with more parameters replaces a simpler one."""
+FLOOR = 1.1
+"""Held-out error over the scatter of the rows below which no richer law is tried."""
+EXCELLENT = 99.0
+"""Held-out fit [%] of loops from which on no richer law is tried."""
+CONFUSED = 0.995
+"""Size of a correlation from which on one of two parameters is fixed."""
+EVALUATIONS = 60
+"""Evaluations of one local search."""
+GOOD = 93.0
+"""Held-out fit [%] of a simple law beyond which rounder transformations are not tried."""
+TRANSFORMED = 0.05
+"""Least range of the martensite fraction in a fit that says something of a transformation."""
+ENOUGH = 0.6
+"""Used part of the time box from which on no further proposal is tried."""
+ALWAYS_FREE = ("A_s", "A_f", "M_s", "M_f", "eps_L", "H_min", "H_sat", "sigma_s", "sigma_f")
+"""Parameters that no simplification fixes."""
+INTERRUPTION, BOX = "interruption", "time box"
+"""Reasons for an early end of the trials."""
+
+Stage = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class TriedModel:
+    """A proposal, its fit to all records, and what it predicts."""
+
+    proposal: Proposal
+    fit: Fit
+    errors: tuple[HeldOutError, ...]
+
+    @cached_property
+    def pooled(self) -> list[PooledError]:
+        """Return the held-out errors by output; the first is what the experiment is about. Empty if not tested."""
+        return pool_errors(self.errors)
+
+    @property
+    def error(self) -> float:
+        """Return the held-out error of the first output [SI]; infinite if it was not tested."""
+        return self.pooled[0].rms if self.pooled else math.inf
+
+
+@dataclass
+class ModelTrials:
+    """Trials of proposals within a time box."""
+
+    kind: AbstractExperimentKind
+    box: TimeBox
+    tell: Stage
+    starts: int | None = None
+    """Further local searches, from the best of many points; as the proposal has it if None."""
+    hold_out: str = AUTO
+    tried: list[TriedModel] = field(default_factory=list[TriedModel])
+    notes: list[str] = field(default_factory=list[str])
+    stopped: str = ""
+    """Reason for an early end; empty without one."""
+
+    def run(self, proposals: Sequence[Proposal]) -> None:
+        """Try proposals, the simplest first, until one errs by no more than the scatter, or time is up.
+
+        Raises:
+            SolveError: no proposal can be run.
+        """
+        waiting = list(proposals)
+        while waiting and not self.stopped:
+            self._try_next(waiting.pop(0))
+            if self._is_enough():
+                break
+            if not waiting and self.tried and (more := self._propose_rounder()):
+                waiting.append(more)
+        if self.stopped and waiting:
+            names = list_names([one.name for one in waiting])
+            self.notes.append(f"Not tried, because of the {self.stopped}: {names} (`--time-box`).")
+        if not self.tried:
+            raise SolveError(f"None of the proposed models can be run. {' '.join(self.notes)}")
+
+    def _try_next(self, proposal: Proposal) -> None:
+        """Try a proposal, then the same with fewer parameters if some are not determined."""
+        try:
+            found = self._try_proposal(proposal)
+            self.tried.append(found)
+            simpler = None if self.stopped else simplify_proposal(found)
+            if simpler is not None:
+                self.tried.append(self._try_proposal(simpler))
+        except (SolveError, ParameterError) as error:
+            self.notes.append(f"Left out: {proposal.name}. {error}")
+        except OutOfTimeError:
+            self.stopped = BOX
+        except KeyboardInterrupt:
+            accept_interrupt()
+            self.stopped = INTERRUPTION
+            if not self.tried:
+                raise
+        if self.box.share >= ENOUGH:
+            self.stopped = self.stopped or BOX
+
+    def _try_proposal(self, proposal: Proposal) -> TriedModel:
+        self.tell(proposal.name)
+        scenario = read_proposal(proposal)
+        problem = arrange_proposal(proposal, scenario)
+        fit = replace(self._solve_from_starts(problem, proposal), scenario=scenario)
+        if fit.reason == INTERRUPTED:
+            self.stopped = INTERRUPTION
+            return TriedModel(proposal, fit, ())
+        try:
+            errors = cross_validate(fit, problem.free, kind=self.kind, hold_out=self.hold_out, box=self.box)
+        except KeyboardInterrupt:
+            accept_interrupt()
+            self.stopped, errors = INTERRUPTION, []
+        return TriedModel(proposal, fit, tuple(errors))
+
+    def _solve_from_starts(self, problem: Problem, proposal: Proposal) -> Fit:
+        """Return the best of several local searches at whose end something transforms, if there is one."""
+        fits: list[Fit] = []
+        spread = proposal.spread if self.starts is None else self.starts
+        most = EVALUATIONS if spread else 2 * EVALUATIONS  # loops are cheap
+        watch = self.box.limit(self.box.share + 0.5 * (1.0 - self.box.share))
+        for start in ({}, *proposal.others):
+            try:
+                begun = with_start(problem, start)
+                more = 0 if fits else spread
+                fits.append(solve_problem(begun, starts=more, most=most, inputs=False, tell=watch))
+            except SolveError:
+                continue
+            if fits[-1].reason in (INTERRUPTED, OUT_OF_TIME):
+                break
+        if not fits:
+            raise SolveError(f"Every run of the proposal `{proposal.name}` fails.")
+        moving = [fit for fit in fits if find_transformed(fit) > TRANSFORMED]
+        return min(moving or fits, key=lambda fit: fit.cost)
+
+    def _is_enough(self) -> bool:
+        """Return whether the best model errs by little, or by no more than the rows scatter."""
+        if not self.tried or not self.tried[-1].pooled:
+            return False
+        best = choose_model(self.tried)
+        pooled = best.pooled[0]
+        good = bool(self.kind.axis) and pooled.predicts and pooled.fit_percent >= EXCELLENT
+        return good or best.error <= FLOOR * measure_scatter(best)
+
+    def _propose_rounder(self) -> Proposal | None:
+        """Return the best proposal of a driven element with rounder transformations, if it errs too much."""
+        best = choose_model(self.tried)
+        if not (self.kind.shows_shape and best.proposal.spread and best.pooled):
+            return None
+        return add_waist(best.proposal, best.fit.numbers) if best.pooled[0].fit_percent < GOOD else None
+
+
+def read_proposal(proposal: Proposal) -> Scenario:
+    """Return the scenario of a proposal, with the first of its records."""
+    return read_scenario(proposal.text, log=proposal.rows[0])
+
+
+def arrange_proposal(proposal: Proposal, scenario: Scenario) -> Problem:
+    """Return the problem of a proposal with nothing held out."""
+    task = build_task(scenario, list(proposal.rows), list(proposal.free))
+    task = task.with_changes(each=list(proposal.each), hold_out="none", columns=list(proposal.columns))
+    return task.arrange(check=False).problem
+
+
+def rebuild_problem(proposals: Sequence[Proposal], model: TriedModel) -> Problem:
+    """Return the problem of a model with the document and rows that it has among other proposals.
+
+    Raises:
+        SolveError: the proposals do not hold its law.
+    """
+    name = model.proposal.name
+    alike = [one for one in proposals if name == one.name or name.startswith(f"{one.name}, ")]
+    if not alike:
+        raise SolveError(f"There is no other proposal of `{name}`.")
+    same = max(alike, key=lambda one: len(one.name))
+    if name.endswith("with a waist") and not same.name.endswith("with a waist"):
+        same = add_waist(same, model.fit.numbers)
+    made = replace(same, free=model.proposal.free, each=model.proposal.each)
+    return replace(arrange_proposal(made, read_proposal(made)), free=model.fit.problem.free)
+
+
+def choose_model(tried: Sequence[TriedModel]) -> TriedModel:
+    """Return the simplest model, unless one with more parameters has a clearly smaller held-out error."""
+    ranked = sorted(tried, key=lambda one: (len(one.fit.problem.free), one.error))
+    best = ranked[0]
+    for one in ranked[1:]:
+        if one.error < CLEARLY * best.error:
+            best = one
+    return best
+
+
+def measure_scatter(model: TriedModel) -> float:
+    """Return the root-mean-square scatter of the first measured output [SI], with the jitter of its drive."""
+    squares: list[float] = []
+    for one in model.fit.problem.experiments:
+        y = one.measured[:, 0]
+        y = y[np.isfinite(y)]
+        squares.append(estimate_scatter(y) ** 2)
+        error = model.proposal.jitter.get(one.record.name, 0.0)
+        if error:
+            path = trace_loop(np.asarray(one.record[one.follows[find_drive(one)]])[one.rows])
+            steps = np.diff(path.drive)
+            slopes = np.diff(smooth_legs(y, path.turns)[0])[steps != 0.0] / steps[steps != 0.0]
+            squares[-1] += error**2 * float(np.mean(slopes**2))
+    return math.sqrt(float(np.mean(squares)))
+
+
+def simplify_proposal(tried: TriedModel) -> Proposal | None:
+    """Return the proposal without the parameters that its records do not determine, which keep their start values.
+
+    These are on a bound, without an interval, or confused with another parameter. None if all are determined, or if
+    the element is driven: there they set the scale of others.
+    """
+    proposal = tried.proposal
+    needless = set(_list_needless(tried.fit))
+    kept = tuple(text for text in proposal.free if text.partition("=")[0].strip() not in needless)
+    if proposal.spread or len(kept) == len(proposal.free):
+        return None
+    fixed = len(proposal.free) - len(kept)
+    again = {name: value for name, value in tried.fit.numbers.items() if name not in needless}
+    return replace(proposal, name=f"{proposal.name}, {fixed} fixed", free=kept, others=(again,))
+
+
+def _list_needless(fit: Fit) -> Iterator[str]:
+    numbers = [free.name for free in fit.problem.free if free.record is None]
+    can = [name for name in numbers if name.partition("-")[0] not in ALWAYS_FREE]
+    yield from (name for name in can if name in fit.undetermined)
+    for one, other, _ in fit.uncertainty.confounded(CONFUSED):
+        if found := next((name for name in (other, one) if name in can), None):
+            yield found
+
+
+def find_transformed(fit: Fit) -> float:
+    """Return the largest range of the martensite fraction in a fitted record."""
+    most = 0.0
+    for k, one in enumerate(fit.problem.experiments):
+        system = fit.system(k)
+        runner = one.runner(
+            fit.problem.step, [system.label(port, "martensite_fraction") for port in system.actuators()]
+        )
+        run = runner.run_one(np.array(runner.compiled.values(system)))
+        most = max(most, 0.0 if run is None else float(np.ptp(run, axis=0).max()))
+    return most

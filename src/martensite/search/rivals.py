@@ -1,0 +1,50 @@
+"""Rule by which a model predicts: one meaning for all fits and for black-box models.
+
+A model predicts an output if its error on held-out data is clearly below the error of every rival, which is a
+prediction without a model, and if it explains most of the variation:
+
+    error < BETTER · least error of a rival,    1 - error/spread ≥ EXPLAINED
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+BETTER = 0.8
+"""Error over the least error of a rival below which a model is better."""
+EXPLAINED = 0.75
+"""Least part of the variation that a model explains, 1 - error/standard deviation."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Held-out error of a model beside those of its rivals, all in one unit."""
+
+    rms: float
+    """Root-mean-square error with nothing fitted to the held-out data."""
+    spread: float
+    """Standard deviation of the measured values."""
+    rivals: Mapping[str, float]
+    """Prediction without a model -> its root-mean-square error."""
+
+    @property
+    def fit_percent(self) -> float:
+        """Return 100 % for a perfect prediction, and 0 % for an error as large as the variation."""
+        return 100.0 * (1.0 - self.rms / self.spread) if self.spread > 0.0 else math.nan
+
+    @property
+    def best_rival(self) -> str:
+        """Return the rival with the least error; empty without rivals."""
+        return min(self.rivals, key=self.rivals.__getitem__, default="")
+
+    @property
+    def beats_rivals(self) -> bool:
+        """Return whether the error is clearly below the error of every rival."""
+        return all(self.rms < BETTER * error for error in self.rivals.values())
+
+    @property
+    def predicts(self) -> bool:
+        """Return whether the model predicts this output."""
+        return self.beats_rivals and self.fit_percent >= 100.0 * EXPLAINED

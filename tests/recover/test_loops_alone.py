@@ -1,0 +1,139 @@
+"""Loops fitted without a scenario: number of cycles, jitter, assumed values, hold-out.
+
+Source of truth: loops computed here from cosines and straight lines with the given parameters.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from martensite.fit.experiment import Experiment
+from martensite.fit.log_models import LogModel, model_logs
+from martensite.fit.logs import choose_held_out
+from martensite.fit.path_places import measure_places
+from martensite.scenario.scenario import read_scenario
+from martensite.signals.records import Record
+
+TRUE = {"A_s": 110.0, "A_f": 130.0, "M_s": 120.0, "M_f": 90.0}
+"""Transformation temperatures at 200 MPa [degC]."""
+EPS = 0.038
+
+
+def fall(celsius: Any, low: float, high: float) -> Any:
+    """Cosine from 1 below a strip to 0 above it."""
+    return 0.5 + 0.5 * np.cos(np.pi * np.clip((celsius - low) / (high - low), 0.0, 1.0))
+
+
+def isobaric(cycles: int, jitter: float = 0.0, width: float = 1.0) -> Record:
+    """Cycles at 200 MPa of 260 rows; the strips are `width` times as wide about their middles."""
+    chance = np.random.default_rng(3)
+    way = np.arange(130) / 130.0
+    up, down = 35.0 + 265.0 * way, 300.0 - 265.0 * way
+    strips = [(TRUE[a], TRUE[b]) for a, b in (("A_s", "A_f"), ("M_f", "M_s"))]
+    ends = [(0.5 * (a + b) - 0.5 * width * (b - a), 0.5 * (a + b) + 0.5 * width * (b - a)) for a, b in strips]
+    celsius = np.tile(np.concatenate([up, down]), cycles)
+    strain = np.tile(EPS * np.concatenate([fall(up, *ends[0]), fall(down, *ends[1])]), cycles)
+    columns = {
+        "time": np.arange(float(len(celsius))),
+        "temperature": celsius + 273.15 + jitter * chance.standard_normal(len(celsius)),
+        "strain": strain + 5e-5 * chance.standard_normal(len(celsius)),
+        "stress": np.full(len(celsius), 200e6),
+    }
+    units = {"time": "s", "temperature": "K", "strain": "1", "stress": "Pa"}
+    return Record(f"loop_{cycles}", {name: x.tolist() for name, x in columns.items()}, units, interval=1.0)
+
+
+def superelastic(repeat: int = 1) -> Record:
+    """Loops at 30 degC: E_A 60 GPa, E_M 30 GPa, eps_L 4 %, plateaus 300 to 340 and 180 to 140 MPa."""
+    stress = 400.0 * np.concatenate([np.arange(121), np.arange(119, -1, -1)]) / 120.0
+    up = np.clip((stress[:121] - 300.0) / 40.0, 0.0, 1.0)
+    xi = np.concatenate([up, np.clip((stress[121:] - 140.0) / 40.0, 0.0, 1.0)])
+    strain = np.tile(stress / (60e3 - 30e3 * xi) + 0.04 * xi, repeat)
+    noise = 0.5 * np.random.default_rng(3).standard_normal(len(strain))
+    columns = {"strain": strain, "stress": 1e6 * (np.tile(stress, repeat) + noise)}
+    whole = {"time": np.arange(float(len(strain))), **columns}
+    units = {"time": "s", "strain": "1", "stress": "Pa"}
+    return Record(f"se_{repeat}_30C", {name: x.tolist() for name, x in whole.items()}, units, interval=1.0)
+
+
+def check_temperatures(model: LogModel) -> None:
+    """The intervals at 200 MPa hold the true temperatures."""
+    found = {one.name: one for one in model.temperatures if one.stress > 0.0}
+    for name, celsius in TRUE.items():
+        assert abs(found[name].value - 273.15 - celsius) <= 2.0 * found[name].half_width, name
+        assert not found[name].assumed
+
+
+@pytest.mark.parametrize("cycles", [1, 20])
+def test_equal_cycles_give_the_parameters_of_one(cycles: int) -> None:
+    record = isobaric(cycles)
+    model = model_logs(record)
+    assert model.chosen.proposal.name == "liang-rogers"
+    assert model.predicts
+    check_temperatures(model)
+    assert max(one.half_width for one in model.temperatures) < 0.2
+    zeros = [one for one in model.temperatures if one.stress == 0.0]
+    assert all("element.law." in path for one in zeros for path in one.assumed)
+    assert all(one.assumed for one in zeros)
+    truth = isobaric(1)
+    (again,) = model.predict_record(truth).values()
+    clean = np.concatenate(
+        [
+            EPS * fall(np.asarray(truth["temperature"][s]) - 273.15, *e)
+            for s, e in ((slice(0, 130), (110.0, 130.0)), (slice(130, 260), (90.0, 120.0)))
+        ]
+    )
+    assert float(np.sqrt(np.mean((again - clean) ** 2))) < 5e-5
+    assert any("Cycles 18 to 20 are fitted" in note for note in model.notes) == (cycles == 20)
+
+
+def test_jitter_of_the_temperature_is_in_the_intervals() -> None:
+    model = model_logs(isobaric(1, jitter=4.0))
+    check_temperatures(model)
+    assert min(one.half_width for one in model.temperatures) > 0.5
+    assert any("smoothed along each leg" in note for note in model.notes)
+
+
+def test_given_length_of_a_tensile_test_changes_no_strain() -> None:
+    record, given = superelastic(), {"element.length": "40 mm"}
+    free, known = model_logs(record), model_logs(record, overrides=given)
+    assert free.fit.numbers == pytest.approx(known.fit.numbers, rel=1e-6)
+    assert free.fit["E_A"] == pytest.approx(60e9, rel=0.01)
+    assert free.fit["E_M"] == pytest.approx(30e9, rel=0.01)
+    assert "E_A" not in free.dependent
+
+
+def test_assumed_section_is_named_at_the_moduli() -> None:
+    record = superelastic(4)
+    columns = {name: x for name, x in record.columns.items() if name != "stress"}
+    columns["force"] = (np.asarray(record["stress"]) * np.pi / 4.0 * 0.5e-3**2).tolist()
+    made = Record("test_30C", columns, {"time": "s", "strain": "1", "force": "N"}, interval=1.0)
+    model = model_logs(made)
+    assert "element.diameter" in model.dependent["E_A"]
+    assert model.fit["E_A"] == pytest.approx(15e9, rel=0.01)  # by the assumed 1 mm
+
+
+SHARP = """
+element = { kind = "wire", material = "flexinol-90", diameter = "1 mm", length = "100 mm", initial_fraction = 0, \
+law = { kind = "liang-rogers", eps_L = 0.04 } }
+mechanism = { kind = "testing-machine", control = "stress", section = "0.7854 mm^2" }
+signals = { command = { kind = "log", column = "stress" } }
+drive = { kind = "temperature", waveform = { kind = "log" } }
+run = { step = "1e3 s" }
+"""
+
+
+def test_held_out_stretch_never_holds_a_whole_transformation() -> None:
+    """Strips of 2 K in a range of 265 K, which stretches of time can hold whole."""
+    record = isobaric(1, width=0.1)
+    scenario = read_scenario(SHARP, log=record)
+    follows = dict(scenario.follows)
+    one = Experiment("log", scenario.system, scenario.waveform, record, {"strain": "strain"}, follows=follows)
+    (held,) = choose_held_out("auto", ["log"], [one.times.tolist()], [measure_places(one)])
+    assert held
+    for first, last in held:
+        rows = (one.times >= first) & (one.times <= last)
+        assert float(np.ptp(one.measured[rows, 0])) < 0.6 * EPS
