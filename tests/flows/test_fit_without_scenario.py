@@ -150,9 +150,24 @@ def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: 
 
 
 def test_options_of_a_scenario_are_refused_without_one(rig_logs: list[str]) -> None:
-    assert "needs --scenario" in FIT.refused(rig_logs[0], "--hold-out", "none")
+    assert "needs --scenario" in FIT.refused(rig_logs[0], "--each", "offset")
     assert "needs --scenario" in FIT.refused(rig_logs[0], "--profile", "A_s")
     assert "Did you mean" in FIT.refused(rig_logs[0], "--experiment", "blocked-forces")
+
+
+def test_search_options_hold_without_a_scenario(tmp_path: Path) -> None:
+    """Source of truth: what is asked for."""
+    loop, path = RECORDS["isobaric"].columns, tmp_path / "wire_100MPa.csv"
+    rows = zip(np.add(loop["temperature"], -273.15), np.multiply(100.0, loop["strain"]), strict=True)
+    path.write_text("\n".join(["temperature [degC],strain [%]", *(f"{t:.2f},{x:.5f}" for t, x in rows)]))
+    words = ("--fix", "eps_L=4 %", "--free", "M_f-M_s=-90..-2 K", "--starts", "1", "--hold-out", "25 %")
+    found = json.loads(FIT(str(path), *words, "--time-box", "4 s", "--json").stdout)
+    assert "eps_L" not in found["numbers"]
+    assert -90.0 <= found["numbers"]["M_f-M_s"] <= -2.0
+    assert not found["held_out"][0]["whole"]
+    assert "free parameter" in FIT.refused(str(path), "--fix", "eps_l")
+    assert "record to hold out" in FIT.refused(str(path), "--hold-out", "nothing")
+    assert "no effect with --scenario" in FIT.refused(str(path), "--fix", "A_s", "--scenario", "x.toml")
 
 
 @pytest.mark.slow

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
-from typer import Option
+from typer import Exit, Option
 
 from martensite.base.errors import InputError
+from martensite.base.interrupts import InterruptError, rescue_answer
+from martensite.cli.fit_best import tell_best
 from martensite.cli.options import Text
 from martensite.cli.outputs import check_absent, check_ending, check_folder
 from martensite.cli.progress import show_spinner
 
 if TYPE_CHECKING:
     from martensite.fit.log_models import LogModel
+    from martensite.fit.problem import Problem
+    from martensite.fit.search_monitor import SearchNote
 
-NEEDLESS = ("each", "hold_out", "column", "noise", "method", "loss", "starts", "step")
+NEEDLESS = ("each", "column", "noise", "method", "loss", "step")
 """Options that require a scenario file."""
 
 
@@ -62,40 +66,55 @@ class ModelOptions:
             check_absent(path, force)
 
 
+def fit_alone(
+    logs: Sequence[str],
+    options: ModelOptions,
+    settings: Sequence[str],
+    search: Mapping[str, Any],
+    files: tuple[Path | None, Path | None],
+    json: bool,
+) -> NoReturn:
+    """Make a model of logs without a scenario, print it, write report and material, and end with the exit code."""
+    latest: dict[str, Any] = {}
+
+    def keep(problem: Problem, note: SearchNote) -> None:
+        latest.update(problem=problem, note=note)
+
+    report, material = files
+    whole = {**search, "keep": keep}
+    with rescue_answer(lambda: tell_best(latest, None, json)):
+        model = fit_log_model(logs, options, settings, search=whole, report=report, material=material, json=json)
+    if model.stopped == "interruption":
+        raise Exit(InterruptError.exit_code)
+    raise Exit(0 if model.predicts else 1)
+
+
 def fit_log_model(
     logs: Sequence[str],
     options: ModelOptions,
     settings: Sequence[str],
     *,
-    named: Sequence[str] = (),
-    interval: float | None = None,
+    search: Mapping[str, Any],
     report: Path | None = None,
     material: Path | None = None,
     json: bool = False,
-) -> bool:
-    """Make a model of logs and print its page; whether it predicts."""
+) -> LogModel:
+    """Make a model of logs and print its page; `search` are further arguments of `model_logs`."""
     from martensite.fit.log_models import model_logs
-    from martensite.logs.reader import parse_named
     from martensite.scenario.overrides import read_settings
     from martensite.show.pages import write_page
     from martensite.show.summaries.log_model import summarise_log_model
     from martensite.show.terminal import print_summary
 
     with show_spinner("recognising, fitting, leaving out"):
-        model = model_logs(
-            list(logs),
-            experiment=options.experiment,
-            overrides=read_settings(list(settings)),
-            named=parse_named(named),
-            interval=interval,
-        )
+        model = model_logs(list(logs), experiment=options.experiment, overrides=read_settings(list(settings)), **search)
     scenario, command = options.find_scenario_file(report), ""
     written: list[Path] = []
     if scenario is not None:
         scenario.write_text(model.write_scenario(), encoding="utf-8")
         tables = [] if model.follows_logs else write_records(model, scenario)
         written += [scenario, *tables]
-        command = write_command(model, tables or logs, scenario, None if tables else interval)
+        command = write_command(model, tables or logs, scenario, None if tables else search.get("interval"))
     summary = summarise_log_model(model, command)
     if material is not None:
         from martensite.fit.material_files import write_material
@@ -105,7 +124,7 @@ def fit_log_model(
     if report is not None:
         written += write_page(summary, report)
     print_summary(summary, json, written)
-    return model.predicts
+    return model
 
 
 def write_records(model: LogModel, scenario: Path) -> list[Path]:

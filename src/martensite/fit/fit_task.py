@@ -17,7 +17,7 @@ from martensite.base.errors import InputError
 from martensite.base.parameters import find_paths
 from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
 from martensite.fit.condition_tables import INPUTS, is_condition_table
-from martensite.fit.descents import INTERRUPTED, MOST_EVALUATIONS
+from martensite.fit.descents import INTERRUPTED, MOST_EVALUATIONS, OUT_OF_TIME
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import FIT_FORMS, is_nuisance, read_ranges
@@ -168,7 +168,7 @@ class ArrangedFit:
         """
         fit = solve_problem(self.problem, **vars(self.search), tell=tell, state=state)
         first, _ = next(iter(self.models.values()))
-        if fit.reason == INTERRUPTED:
+        if fit.reason in (INTERRUPTED, OUT_OF_TIME):
             return replace(fit, scenario=first, notes=self.notes)
         if first.follows:
             refuse_swapped(fit, self.models)

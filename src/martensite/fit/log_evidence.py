@@ -26,6 +26,8 @@ CHANGE, WARMER = 0.1, 10.0
 """Relative change of an assumed value, and change of an assumed temperature [K]."""
 SMALL = 0.01
 """Part of these changes that is computed."""
+STEP = 1e-6
+"""Step of finite differences, as a share of a search range."""
 CANCEL = 0.02
 """Part of two opposite changes of a temperature below which their sum is none."""
 SHIFTED = {"A_s": "C_A", "A_f": "C_A", "M_s": "C_M", "M_f": "C_M"}
@@ -179,13 +181,20 @@ def _read_law(fit: Fit, point: Sequence[float]) -> dict[str, float]:
 
 def _differentiate_law(fit: Fit) -> dict[str, Any]:
     """Return the derivatives of the parameters of the law by the places of the free parameters."""
-    base, small = _read_law(fit, fit.values), 1e-6
-    rows: list[dict[str, float]] = []
-    for i in range(len(fit.values)):
-        step = small if fit.values[i] < 0.5 else -small
-        moved = _read_law(fit, [u + step * (k == i) for k, u in enumerate(fit.values)])
-        rows.append({name: (moved[name] - base[name]) / step for name in base})
+    base = _read_law(fit, fit.values)
+    rows = [_move_law(fit, i, base) for i in range(len(fit.values))]
     return {name: np.array([row[name] for row in rows]) for name in base}
+
+
+def _move_law(fit: Fit, i: int, base: Mapping[str, float]) -> dict[str, float]:
+    """Return the derivatives by one place, on the side on which the law keeps its order; 0 if there is none."""
+    for step in (STEP, -STEP):
+        try:
+            moved = _read_law(fit, [u + step * (k == i) for k, u in enumerate(fit.values)])
+        except MartensiteError:
+            continue
+        return {name: (moved[name] - base[name]) / step for name in base}
+    return dict.fromkeys(base, 0.0)
 
 
 def _find_unit(path: str, fit: Fit) -> str:

@@ -33,6 +33,7 @@ from martensite.fit.log_evidence import (
 )
 from martensite.fit.log_trials import (
     INTERRUPTION,
+    Keep,
     ModelTrials,
     Stage,
     TriedModel,
@@ -40,8 +41,9 @@ from martensite.fit.log_trials import (
     read_proposal,
     rebuild_problem,
 )
-from martensite.fit.logs import Source
+from martensite.fit.logs import AUTO, Source
 from martensite.fit.problem import Problem
+from martensite.fit.proposal_changes import change_proposals
 from martensite.logs.lab_files import LabFile
 from martensite.logs.reader import read_parts
 from martensite.scenario.exact_text import exact_text
@@ -196,8 +198,13 @@ def model_logs(
     overrides: Mapping[str, Any] | None = None,
     named: Mapping[str, str] | None = None,
     interval: float | None = None,
+    free: Sequence[str] = (),
+    fixed: Sequence[str] = (),
+    hold_out: str = AUTO,
+    starts: int | None = None,
     time_box: float = TIME_BOX,
     tell: Stage | None = None,
+    keep: Keep | None = None,
 ) -> LogModel:
     """Build a model of logs without a scenario: proposed, fitted, and judged by held-out data.
 
@@ -207,11 +214,17 @@ def model_logs(
         overrides: settings of the experiment, by dotted path, such as `element.diameter`.
         named: what columns of files are, by heading or number, where it is not to be guessed (`read_lab_file`).
         interval: time between rows [s] of files without times.
+        free: texts of free parameters, such as `C_A=5..12 MPa/K`, instead of those proposed.
+        fixed: names of parameters that are not free, each with `=VALUE` if the value is known.
+        hold_out: held-out data, as in `fit_logs`; by default each record in turn, or parts of one or two.
+        starts: further local searches; as proposed if left out.
         time_box: processor time [s].
         tell: told what is being done.
+        keep: told of every evaluation: the problem, and the best so far.
 
     Raises:
         DataError: logs that cannot be read, or recognised, or lack what is indispensable.
+        InputError: a free or fixed parameter, or what is held out, is unknown.
         SolveError: no proposal can be run.
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
@@ -223,7 +236,13 @@ def model_logs(
     words = {one.record.name: one.said for one in files}
     proposals, known = propose_scenarios(seen, moving, overrides or {}, words)
     notes += known.sentences
-    trials = ModelTrials(seen.kind, TimeBox(time_box), lambda text: tell(f"{seen.name}: {text}") if tell else None)
+    proposals = change_proposals(proposals, free, fixed)
+
+    def announce(text: str) -> None:
+        if tell is not None:
+            tell(f"{seen.name}: {text}")
+
+    trials = ModelTrials(seen.kind, TimeBox(time_box), announce, starts, hold_out, keep)
     trials.run(proposals)
     notes = list(dict.fromkeys([*notes, *trials.notes]))
     best = choose_model(trials.tried)
@@ -232,7 +251,7 @@ def model_logs(
 
     def rebuild(path: str, text: str) -> Problem:
         changed, _ = propose_scenarios(seen, moving, {**(overrides or {}), path: text}, words)
-        return rebuild_problem(changed, best)
+        return rebuild_problem(change_proposals(changed, free, fixed), best)
 
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, known.assumed, rebuild)
     tried = tuple(trials.tried)

@@ -24,6 +24,7 @@ from martensite.fit.experiment_kinds.driven import add_waist
 from martensite.fit.fit import Fit
 from martensite.fit.logs import AUTO
 from martensite.fit.problem import Problem
+from martensite.fit.search_monitor import SearchNote
 from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.search.quantity_text import list_names
@@ -51,6 +52,7 @@ INTERRUPTION, BOX = "interruption", "time box"
 """Reasons for an early end of the trials."""
 
 Stage = Callable[[str], None]
+Keep = Callable[[Problem, SearchNote], None]
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,8 @@ class ModelTrials:
     starts: int | None = None
     """Further local searches, from the best of many points; as the proposal has it if None."""
     hold_out: str = AUTO
+    keep: Keep | None = None
+    """Told of every evaluation: the problem, and the best so far."""
     tried: list[TriedModel] = field(default_factory=list[TriedModel])
     notes: list[str] = field(default_factory=list[str])
     stopped: str = ""
@@ -146,7 +150,13 @@ class ModelTrials:
         fits: list[Fit] = []
         spread = proposal.spread if self.starts is None else self.starts
         most = EVALUATIONS if spread else 2 * EVALUATIONS  # loops are cheap
-        watch = self.box.limit(self.box.share + 0.5 * (1.0 - self.box.share))
+        limit = self.box.limit(self.box.share + 0.5 * (1.0 - self.box.share))
+
+        def watch(note: SearchNote) -> None:
+            if self.keep is not None and math.isfinite(note.cost):
+                self.keep(problem, note)
+            limit(note)
+
         for start in ({}, *proposal.others):
             try:
                 begun = with_start(problem, start)

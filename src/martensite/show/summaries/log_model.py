@@ -55,7 +55,7 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
 def _make_verdict(model: LogModel) -> Notice:
     items = [_describe_output(one, model.chosen.errors) for one in model.chosen.pooled]
     if not model.chosen.pooled:
-        return Notice("The model was not tested on held-out data", items, True)
+        return Notice("The model was not tested", ["No held-out data were predicted."], True)
     word = "predicts" if model.predicts else "does not predict"
     return Notice(f"On held-out data the model {word}", items, not model.predicts)
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
-from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,10 +14,10 @@ import typer
 from typer import Argument, Option
 
 from martensite.base.errors import InputError, UnknownNameError
-from martensite.base.formats import write_quantity
 from martensite.base.interrupts import InterruptError, accept_interrupt, rescue_answer
 from martensite.cli.commands.fit import fit
-from martensite.cli.fit_log_model import ModelOptions, fit_log_model
+from martensite.cli.fit_best import tell_best, tell_state
+from martensite.cli.fit_log_model import ModelOptions, fit_alone
 from martensite.cli.options import (
     Force,
     Imports,
@@ -28,11 +27,13 @@ from martensite.cli.options import (
     Text,
     Texts,
     import_modules,
+    read_positive,
     read_quantity,
     spread_options,
 )
 from martensite.cli.outputs import check_absent, check_ending, check_folder
 from martensite.cli.progress import show_search, show_spinner
+from martensite.search.time_box import TimeBox
 
 if TYPE_CHECKING:
     from martensite.base.summary import Summary
@@ -91,6 +92,19 @@ class FitOptions:
         None
     )
     step: Annotated[Text, Option(help='Maximum time step, e.g. "0.5 s" [default: set by the tolerance].')] = None
+    fix: Annotated[
+        Texts,
+        Option(
+            metavar="NAME[=VALUE]",
+            help='Parameter that is not free, without --scenario, e.g. "E_A=60 GPa"; repeatable.',
+        ),
+    ] = None
+    time_box: Annotated[
+        Text,
+        Option(
+            metavar="TIME", help='Limit of CPU time, e.g. "30 s" [default: 60 s without --scenario, otherwise none].'
+        ),
+    ] = None
     interval: Annotated[Text, Option(help='Time between rows of logs without a time column, e.g. "0.1 s".')] = None
     named: NamedColumns = None
 
@@ -129,10 +143,26 @@ class FitOptions:
         return self if found is None else replace(self, scenario=found[0], free=found[1])
 
     def is_alone(self, logs: Sequence[str]) -> bool:
-        """Return whether neither scenario nor free numbers nor a fit file say what is fitted."""
+        """Return whether neither a scenario nor a fit file tells what is fitted."""
         from martensite.fit.fit_file import is_fit_file
 
-        return not self.scenario and not self.free and not any(map(is_fit_file, logs))
+        return not self.scenario and not any(map(is_fit_file, logs))
+
+    def list_search(self) -> dict[str, Any]:
+        """Return the arguments of `model_logs` that are given."""
+        from martensite.fit.free_parameters import split_list
+        from martensite.logs.reader import parse_named
+
+        given = {
+            "named": parse_named(self.named or ()),
+            "interval": read_quantity("interval", self.interval, "s"),
+            "free": [one for text in self.free or () for one in split_list(text)],
+            "fixed": list(self.fix or ()),
+            "hold_out": "each" if self.hold_out == "each in turn" else self.hold_out,
+            "starts": self.starts,
+            "time_box": read_positive("time-box", self.time_box, "s"),
+        }
+        return {name: value for name, value in given.items() if value is not None}
 
     def _make_task(self, logs: Sequence[str]) -> FitTask:
         from martensite.fit.api import build_task
@@ -248,11 +278,11 @@ def fit_logs(
 ) -> None:
     """Fit parameters of a scenario to logs (default command).
 
-    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and tested on held-out
+    Without --scenario the logs are recognised, and a scenario is proposed, fitted and tested on held-out
     data; the exit code is 1 if it does not predict them. Logs of `martensite hardware` include their scenario.
 
     Waveforms of kind `log` make the scenario follow the log. All other columns that the scenario computes are
-    compared. Ctrl-C or SIGTERM ends the search, keeps the best result and gives exit code 1.
+    compared. Ctrl-C or SIGTERM ends the search, prints the best result and gives exit code 130.
     """
     import_modules(modules)
     extras.check_files(force)
@@ -260,46 +290,26 @@ def fit_logs(
     if options.is_alone(logs):
         extras.refuse_without_scenario()
         models.check(options, extras.report, force)
-        seconds, named = read_quantity("interval", options.interval, "s"), options.named or ()
-        files = {"report": extras.report, "material": extras.out}
-        predicts = fit_log_model(logs, models, settings or [], named=named, interval=seconds, **files, json=json)
-        raise typer.Exit(0 if predicts else 1)
+        fit_alone(logs, models, settings or [], options.list_search(), (extras.report, extras.out), json)
     models.refuse_beside_scenario()
+    if options.fix:
+        raise InputError("Option `--fix` has no effect with --scenario: leave the name out of --free, and use --set.")
     latest: dict[str, Any] = {}
-    with rescue_answer(lambda: _tell_best(latest, extras.resume, json)):
-        whole = run_fit(options.read_task(logs, settings), extras, json, latest)
+    seconds = read_positive("time-box", options.time_box, "s")
+    with rescue_answer(lambda: tell_best(latest, extras.resume, json)):
+        whole = run_fit(options.read_task(logs, settings), extras, json, latest, seconds)
     if not whole:
         raise typer.Exit(InterruptError.exit_code)
 
 
-def _tell_best(latest: dict[str, Any], resume: Path | None, json: bool) -> str:
-    """Print the best numbers so far; the sentence with which an interrupted fit ends."""
-    state = _tell_state(resume)
-    if not latest:
-        return f"Interrupted; nothing was found yet{state}."
-    problem, note = latest["problem"], latest["note"]
-    numbers = problem.numbers(note.values)
-    if json:
-        typer.echo(dumps({"reason": "interrupted", "cost": note.cost, "numbers": numbers}))
-    else:
-        units = {free.name: free.unit for free in problem.free}
-        best = ", ".join(f"{name} = {write_quantity(x, units[name])}" for name, x in numbers.items())
-        typer.echo(f"Best so far: {best}")
-    return f"Interrupted; these numbers are not judged{state}."
+def run_fit(
+    task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any] | None = None, seconds: float | None = None
+) -> bool:
+    """Run a task and print its result; False if it was interrupted.
 
-
-def _tell_state(path: Path | None) -> str:
-    """Describe how to resume an interrupted search."""
-    if path is None or not path.exists():
-        return ""
-    return f"; the search goes on from `{path}` with --resume {path}"
-
-
-def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any] | None = None) -> bool:
-    """Do what a task says and show what there is of it; False if it was interrupted.
-
-    `latest` is told the problem and the best so far.
+    `latest` is told the problem and the best so far; `seconds` limit the processor time.
     """
+    check = TimeBox(seconds).limit(1.0) if seconds else None
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
         for module in ("scipy.optimize", "scipy.stats", "scipy.stats.qmc"):
@@ -314,6 +324,8 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any]
                 latest.update(problem=training, note=note)
             if tell is not None:
                 tell(note)
+            if check is not None:
+                check(note)
 
         fit = arranged.solve(remember, extras.resume)
     profiles, posterior = _walk_profiles(fit, names), None
@@ -330,7 +342,7 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any]
     if not whole:
         typer.echo("interrupted: profiles or samples are missing", err=True)
     if fit.reason == "interrupted":
-        typer.echo(f"interrupted: this is the best so far{_tell_state(extras.resume)}", err=True)
+        typer.echo(f"interrupted: this is the best so far{tell_state(extras.resume)}", err=True)
     return whole and fit.reason != "interrupted"
 
 
