@@ -6,7 +6,7 @@ Truth: the function itself, called again, and the garbage collector.
 import gc
 from weakref import ref
 
-from martensite.base.remembered import remember
+from martensite.base.remember_results import remember
 
 
 class Part:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from rig_cases import draw_rig
 
-from martensite.fit.cross_validation import BETTER, EXPLAINED
 from martensite.fit.drive_lag import fit_drive_lag
 from martensite.fit.log_models import model_logs
+from martensite.search.rivals import BETTER, EXPLAINED
 
 
 def judge_rig(seed: int, records: int = 3) -> tuple[float, bool]:

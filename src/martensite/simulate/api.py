@@ -13,7 +13,7 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
-from martensite.base.remembered import remember
+from martensite.base.remember_results import remember
 from martensite.base.status import Status
 from martensite.kernels import floats
 from martensite.simulate.accuracy import RunEngine, Tell, choose_rows, choose_samples, march_to, require_budget
@@ -122,8 +122,8 @@ def simulate(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
-    told = _Told(waveform, RunTrace(system, engine, plan, found, relay), start, kept, notes, accuracy)
-    return _build_result(system, plan, found, told)
+    context = _RunContext(waveform, RunTrace(system, engine, plan, found, relay), start, kept, notes, accuracy)
+    return _build_result(system, plan, found, context)
 
 
 def _in_discrete_time(
@@ -169,7 +169,7 @@ def _in_discrete_time(
             f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "
             f"{len(whole.times):,} stored samples."
         )
-    return _build_result(system, plan, found, _Told(waveform, trace, start, kept, notes))
+    return _build_result(system, plan, found, _RunContext(waveform, trace, start, kept, notes))
 
 
 def _march_grid(
@@ -216,7 +216,7 @@ def longest_step(system: AbstractSystem) -> float:
     return min([*constants, system.mechanism.first_step()])
 
 
-class _Told(NamedTuple):
+class _RunContext(NamedTuple):
     """Parts of a result that do not come from its march."""
 
     waveform: Waveforms
@@ -227,7 +227,7 @@ class _Told(NamedTuple):
     accuracy: float | None = None
 
 
-def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, told: _Told) -> Result:
+def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, context: _RunContext) -> Result:
     names, rows, book = name_outputs(system), found.require().rows, plan.compiled.book
     notes, heat, work, unknown = list[str](), None, None, list[str]()
     if plan.step is None and not system.sample_time():
@@ -238,15 +238,15 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, told:
         notes.append(describe_exit(system, found.time, found.place, found.value))
     return Result(
         system,
-        told.waveform,
+        context.waveform,
         np.array(plan.times[: len(rows)], float),
         dict(zip(names, np.array(rows, float).T.copy(), strict=False)),
         found.status,
         found.status_time,
         found.steps,
         found.longest,
-        told.accuracy,
-        notes=[*notes, *told.notes],
+        context.accuracy,
+        notes=[*notes, *context.notes],
         judged=judge_limits,
         profiles=profiles_of(len(names), rows),
         runtime=found.used,
@@ -255,9 +255,9 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, told:
         work=work,
         unbalanced=unknown,
         ripple=found.ripple,
-        trace=told.trace,
-        begin=partial(describe_start, told.start),
-        restarts=told.restarts,
+        trace=context.trace,
+        begin=partial(describe_start, context.start),
+        restarts=context.restarts,
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.parameters import Keyed, values_at
-from martensite.base.remembered import remember
+from martensite.base.remember_results import remember
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import Expr
 from martensite.kernels.nested import NestedShape, flatten_numbers

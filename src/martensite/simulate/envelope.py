@@ -15,7 +15,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.base.formats import typeset_unit
-from martensite.base.remembered import remember
+from martensite.base.remember_results import remember
 from martensite.simulate.compiled import ENVELOPE
 from martensite.simulate.marching import Exit, Row, RunLimits
 from martensite.simulate.track import Track
