@@ -19,6 +19,7 @@ from benchmarks import (  # noqa: F401  (enter theirs)
     app,
     conformance,
     page,
+    sections_calls,
     sections_chains,
     sections_cuda,
     sections_elements,

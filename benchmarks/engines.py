@@ -65,7 +65,7 @@ PEERS = {
     "diffrax-forward": "benchmarks.peers.diffrax_rate",
     "diffrax": "benchmarks.peers.diffrax_rate",
 }
-OURS = dict.fromkeys(("ours", "ours-c", "ours-march", "ours-simd"), "benchmarks.ours")
+OURS = dict.fromkeys(("ours", "ours-c", "ours-call", "ours-march", "ours-simd"), "benchmarks.ours")
 WHERE = OURS | PEERS
 
 
