@@ -7,7 +7,8 @@ that made them; words and verdicts are those of `claims.toml`, which may be chan
 
 A study whose figure takes minutes has it beside them, in `figure.svg`, written by the same command.
 
-Compile as users do, without `MARTENSITE_CFLAGS`: searches may end elsewhere where rounding differs.
+Everything is compiled with optimisation, by the usual compiler. Compile without `MARTENSITE_CFLAGS`: searches may end
+elsewhere where rounding differs.
 
 A test compares fingerprints, and two quick studies with what is computed; the pages of the documentation, for which
 all parts are computed that do not wander, warn of every number that has become another. Slow tests compute the others.
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -158,4 +160,5 @@ def main(names: list[str]) -> None:
 
 
 if __name__ == "__main__":
+    os.environ["MARTENSITE_QUICK_C"] = "off"
     main(sys.argv[1:])
