@@ -50,8 +50,10 @@ def _show(app: Any, page: nodes.document) -> None:
 
 
 def _find_caption(image: nodes.Node) -> nodes.paragraph | None:
-    """Return the paragraph after a drawing that begins with `Figure:`."""
-    for box in (image, *_above(image)):
+    """Return the paragraph after a drawing, or after the cell that drew it, that begins with `Figure:`."""
+    boxes = [box for box in (image, *_above(image)) if isinstance(box, nodes.Element)]
+    cells = [box for box in boxes if box.get("nb_element") == "cell_code"]
+    for box in cells or boxes:
         following = box.next_node(descend=False, siblings=True)
         if isinstance(following, nodes.paragraph) and following.astext().startswith(CAPTION):
             return following

@@ -41,7 +41,9 @@ SVG("<svg xmlns='http://www.w3.org/2000/svg'/>")
 ```
 
 ```{code-cell} ipython3
-SVG("<svg xmlns='http://www.w3.org/2000/svg'><path/></svg>")
+from IPython.display import display
+display(SVG("<svg xmlns='http://www.w3.org/2000/svg'><path/></svg>"))
+print("Text between the drawing and its caption.")
 ```
 
 Figure: A caption below.
