@@ -2,11 +2,15 @@
 
 Sphinx copies all headings of all pages and every name of the reference, for each page anew, and then drops
 what is no title: a third of what it does besides running the cells. Here they are dropped once. The tree opens
-at the page alone: whole, it was a sixth of all that there is to hand out.
+at the page alone: whole, it was a sixth of all that there is to hand out. Sphinx omits the captions of lists below
+the first page; here each caption stands above the first page of its list.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from html import escape
 from typing import Any
 
 from docutils import nodes
@@ -34,11 +38,28 @@ def _prepare_titles(app: Any, page: str, template: str, context: dict[str, Any],
         if options.get("titles_only"):
             env.tocs, options["collapse"] = short, True
         try:
-            return make_tree(**options)
+            return _add_captions(make_tree(**options), app, page)
         finally:
             env.tocs = full
 
     context["toctree"] = make_short_tree
+
+
+def find_groups(app: Any) -> Iterator[tuple[str, str]]:
+    """Yield caption and first page of each captioned list of pages below the first page."""
+    for page, contents in app.env.tocs.items():
+        for one in contents.findall(addnodes.toctree) if page != app.config.root_doc else ():
+            if one.get("caption") and one["entries"]:
+                yield one["caption"], one["entries"][0][1]
+
+
+def _add_captions(tree: str, app: Any, page: str) -> str:
+    """Return a tree with the captions of its groups."""
+    for caption, first in find_groups(app):
+        target = "#" if first == page else app.builder.get_relative_uri(page, first)
+        entry = rf'(?=<li class="[^"]*"><a class="[^"]*" href="{re.escape(target)}">)'
+        tree = re.sub(entry, f'<li class="menu-group">{escape(caption)}</li>', tree, count=1)
+    return tree
 
 
 def _shorten_once(app: Any) -> dict[str, nodes.bullet_list]:
