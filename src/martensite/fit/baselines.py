@@ -4,7 +4,7 @@
     last cycle          of a periodic record: what was fitted in the cycle before
     first-order lag     a + b x, where x is the drive (squared, for volts and amperes) behind a lag
     straight line       a + b x, where x is a strain, force or position that is prescribed
-    nearest record      of temperatures: the record whose load is nearest, at the same place of its loop
+    nearest record      of temperatures: the loop under the nearest load; others of loops as in `loop_rivals`
     linear scaling      from the nearest record, or condition, in proportion to what drives
 
 All are made of rows that were fitted. Temperatures and times are not scaled but taken over from the nearest.
@@ -14,21 +14,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from martensite.fit.condition_runs import ConditionExperiment
-from martensite.fit.drive_lag import LAGS, find_drive, find_period, fit_drive_lag, refine_period
+from martensite.fit.drive_lag import LAGS, find_drive, fit_drive_lag, refine_period
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
+from martensite.fit.loop_rivals import LoopColumns, average_neighbours, find_branches, has_reversals, repeat_branches
 from martensite.fit.problem import Problem
 from martensite.signals.records import Record
 from martensite.simulate.drive_waveforms import arrange_waveforms
 
 MEAN, CYCLE, LAG, LINE = "mean of training", "last cycle", "first-order lag", "straight line"
 NEAREST, SCALING = "nearest record", "linear scaling"
+NEIGHBOURS, MAJOR = "neighbouring loads", "scaled major loop"
 DRIVE = "drive"
 """Column of what drives, whatever it is called in a record."""
 HALF = 0.5
@@ -129,15 +131,35 @@ def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: st
     if not driving or not alike:
         return {}
     mine = _show_fitted(one, output)
+    found: dict[str, Any] = {}
+    late = find_drive(one) in [x.name for x in one.system.drives() if x.at_end]
     if driving != "K":
-        lags = 0 if find_drive(one) in [x.name for x in one.system.drives() if x.at_end] else LAGS
-        lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, lags)
-        return {LAG if lags else LINE: lag.predict(mine, DRIVE)[one.rows]}
-    others = [x for x in alike if x.name != one.name]
-    if not others or find_period(one) <= (one.times[-1] - one.times[0]) / CYCLES:
-        return {}
-    nearest = others[int(np.argmin(_compare_loads(one, others, output)))]
-    return {NEAREST: _repeat_branches(mine, _show_fitted(nearest, output), output)[one.rows]}
+        lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, 0 if late else LAGS)
+        found = {LINE if late else LAG: lag.predict(mine, DRIVE)[one.rows]}
+    return found | (_predict_loop(one, [x for x in alike if x.name != one.name], output) if late else {})
+
+
+def _predict_loop(one: Experiment, others: Sequence[Experiment], output: str) -> dict[str, Any]:
+    """Return the predictions of a loop over a prescribed state, from other loops or from its own major loop."""
+    mine = _show_loop(one, output)
+    found: dict[str, Any] = {}
+    if np.isfinite(mine.column).any() and has_reversals(mine):
+        found = {MAJOR: repeat_branches(mine, find_branches(mine))}
+    if others:
+        loads = _find_loads([one, *others], output)
+        mine = replace(mine, load=loads[0])
+        loops = [replace(_show_loop(x, output), load=load) for x, load in zip(others, loads[1:], strict=True)]
+        nearest = min(loops, key=lambda x: abs(x.load - mine.load))
+        found |= {NEAREST: repeat_branches(mine, find_branches(nearest)), NEIGHBOURS: average_neighbours(mine, loops)}
+    return {name: x[one.rows] for name, x in found.items() if x is not None and np.isfinite(x).any()}
+
+
+def _show_loop(one: Experiment, output: str) -> LoopColumns:
+    record = _show_fitted(one, output)
+    kelvin = np.asarray(record[DRIVE], float)
+    rows = np.arange(len(kelvin))
+    known = np.isfinite(kelvin)
+    return LoopColumns(np.interp(rows, rows[known], kelvin[known]), np.asarray(record[output], float))
 
 
 def _find_unit(one: Experiment) -> str:
@@ -184,33 +206,12 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
 # ---------------------------------------------------------------- the nearest record, or condition
 
 
-def _compare_loads(one: Experiment, others: Sequence[Experiment], output: str) -> list[float]:
-    """Return the differences of the mean loads of other records; of their temperatures without a load."""
-    columns = [n for n in ("stress", "force") if n != output and all(n in x.record.columns for x in (one, *others))]
-    names = [columns[0] if columns else x.follows[find_drive(x)] for x in (one, *others)]
-    means = [float(np.nanmean(x.record[name])) for x, name in zip((one, *others), names, strict=True)]
-    return [abs(mean - means[0]) for mean in means[1:]]
-
-
-def _repeat_branches(record: Record, other: Record, column: str) -> Any:
-    """(rows,): the column of another loop, at the same temperature of the same branch."""
-    y, found = np.asarray(other[column], float), np.full(len(record), np.nan)
-    for there, here in zip(_cut_branches(other), _cut_branches(record), strict=True):
-        seen = there[np.isfinite(y[there])]
-        kelvin = np.asarray(other[DRIVE], float)[seen]
-        order = np.argsort(kelvin)
-        if len(order):
-            found[here] = np.interp(np.asarray(record[DRIVE], float)[here], kelvin[order], y[seen][order])
-    return found
-
-
-def _cut_branches(record: Record) -> list[Any]:
-    """Rows of heating and of cooling: before and after the hottest, or the other way round from the coldest."""
-    kelvin = np.asarray(record[DRIVE], float)
-    hot, cold, rows = int(np.nanargmax(kelvin)), int(np.nanargmin(kelvin)), np.arange(len(kelvin))
-    if min(hot, len(kelvin) - 1 - hot) >= min(cold, len(kelvin) - 1 - cold):
-        return [rows[: hot + 1], rows[hot + 1 :]]
-    return [rows[cold + 1 :], rows[: cold + 1]]
+def _find_loads(ones: Sequence[Experiment], output: str) -> list[float]:
+    """Return the mean loads of records; without a load that is prescribed, their mean temperatures or drives."""
+    drives = [x.follows[find_drive(x)] for x in ones]
+    known = [n for n in ("stress", "force", "temperature") if n not in (output, *drives)]
+    column = next((n for n in known if all(n in x.record.columns for x in ones)), "")
+    return [float(np.nanmean(x.record[column or own])) for x, own in zip(ones, drives, strict=True)]
 
 
 def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, unit: str) -> Any:

@@ -52,6 +52,8 @@ from martensite.scenario.scenario import read_scenario
 from martensite.search.time_box import TimeBox
 from martensite.signals.records import Record
 
+UNCERTAIN = 10.0
+"""Half of the interval of a transformation temperature from which on it is not called determined [K]."""
 TIME_BOX = 60.0
 """Processor time of all trials [s]."""
 
@@ -109,6 +111,17 @@ class LogModel:
     def dependent(self) -> dict[str, tuple[str, ...]]:
         """Return the parameters that depend on assumed values, with the paths of these values."""
         return list_dependent(self.fit, self.moves)
+
+    @cached_property
+    def undetermined(self) -> dict[str, str]:
+        """Return the parameters that the logs do not determine, with the reason."""
+        fit = self.fit
+        found = dict(fit.undetermined)
+        for free in fit.problem.free:
+            low, high = fit.uncertainty.widened(free.name)
+            if free.unit == "K" and high - low > 2.0 * UNCERTAIN and free.name not in found:
+                found[free.name] = f"its 95 % interval is ± {0.5 * (high - low):.2g} K"
+        return found
 
     @cached_property
     def temperatures(self) -> list[ShiftedTemperature]:

@@ -159,7 +159,7 @@ def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
 def _vary_loop_laws(
     rows: Sequence[Record], base: Document, guess: Mapping[str, float], levels: int, zeroed: bool
 ) -> Iterator[Proposal]:
-    """Liang–Rogers, then Lagoudas: plain, with a waist, and with curved surfaces.
+    """Liang–Rogers, then Lagoudas: with a waist, with four exponents, and with curved surfaces.
 
     Where moduli do not show, at one load or with a zero for each record, Liang–Rogers has one modulus.
     """
@@ -196,9 +196,9 @@ def _vary_loop_laws(
     modulus = {"modulus": "mixture" if elastic else "austenite", "Theta": "0 Pa/K"}
     simple = {"kind": "liang-rogers", "eps_L": 0.8 * stroke} | modulus
     yield build_proposal("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)
-    yield build_proposal("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
     waist = {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8, "n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
     yield build_proposal("lagoudas with a waist", surface | waist, (*strain, *WAIST), 2.0)
+    yield build_proposal("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
     if levels > 2:
         curved = surface | waist | {"surfaces": "curved", "widening_f": "0.05 K/MPa", "widening_r": "0.05 K/MPa"}
         yield build_proposal("lagoudas with a waist and curved surfaces", curved, (*strain, *WAIST, *CURVES), 1.0)

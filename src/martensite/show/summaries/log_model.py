@@ -12,7 +12,7 @@ from martensite.fit.cross_validation import HeldOutError, PooledError
 from martensite.fit.experiment_kinds.base import FitEvidence
 from martensite.fit.fit import list_compared
 from martensite.fit.fit_verdicts import format_error
-from martensite.fit.log_models import LogModel
+from martensite.fit.log_models import UNCERTAIN, LogModel
 from martensite.fit.log_trials import CLEARLY, TriedModel
 from martensite.search.quantity_text import format_change, format_quantity, join_phrases
 from martensite.search.rivals import BETTER, EXPLAINED
@@ -121,7 +121,7 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
     rows: list[tuple[str, ...]] = []
     for free in fit.problem.free:
         low, high = fit.uncertainty.widened(free.name)
-        why = fit.undetermined.get(free.name, "")
+        why = model.undetermined.get(free.name, "")
         if not why and free.name in weak:
             why = "not apart from others"
         if free.name in model.dependent:
@@ -155,7 +155,9 @@ def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
         own = [one for one in found if one.stress == stress]
         paths = list(dict.fromkeys(path for one in own for path in one.assumed))
         cells = [f"{format_quantity(one.value, 'K')} ± {format_change(one.half_width, 'K', 2)}" for one in own]
-        rows.append((f"{stress / 1e6:g} MPa", *cells, _name_assumed(paths) if paths else "yes"))
+        wide = [one.name for one in own if not one.half_width <= UNCERTAIN]
+        mark = _name_assumed(paths) if paths else f"no: {', '.join(wide)}" if wide else "yes"
+        rows.append((f"{stress / 1e6:g} MPa", *cells, mark))
     if rows:
         names = [one.name for one in found if one.stress == found[0].stress]
         note = "± is half of the 95 % interval, which holds for this law."
@@ -181,7 +183,7 @@ def list_next_records(model: LogModel) -> list[str]:
     fit = model.fit
     weak = {name for one in fit.identifiability.weak for name in one.names}
     evidence = FitEvidence(
-        fit.problem.experiments, model.chosen.proposal.name, model.predicts, weak | set(fit.undetermined)
+        fit.problem.experiments, model.chosen.proposal.name, model.predicts, weak | set(model.undetermined)
     )
     return list(model.experiment.kind.suggest_records(evidence)) or [
         "Record a log under other conditions to test the model."
@@ -203,7 +205,7 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         ],
         "numbers": fit.numbers,
         "time_constant": model.time_constant,
-        "undetermined": fit.undetermined,
+        "undetermined": model.undetermined,
         "per_assumed": {name: list(paths) for name, paths in model.dependent.items()},
         "temperatures": [asdict(one) for one in model.temperatures],
         "uncounted_noise": {one.column: one.sigma for one in model.input_noise[0]},
