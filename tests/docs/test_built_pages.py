@@ -102,7 +102,12 @@ def build(tmp_path: Path) -> Build:
             capture_output=True,
             text=True,
             check=False,
-            env={"PYTHONPATH": os.pathsep.join([HELPERS, *sys.path]), "HOME": str(tmp_path), "MARTENSITE_BENCH": bench},
+            env={
+                "PYTHONPATH": os.pathsep.join([HELPERS, *sys.path]),
+                "HOME": str(tmp_path),
+                "MARTENSITE_QUICK_C": "off",
+                "MARTENSITE_BENCH": bench,
+            },
         )
 
     return built

@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
@@ -234,14 +233,19 @@ def _find_counted(aim: RecordResidual, rows: slice) -> NDArray[np.bool_]:
 
 
 def _filter_residuals(aim: RecordResidual, residuals: Numbers) -> Numbers:
-    whole = len(aim.whitening) == 1
-    return residuals if whole else np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))
+    if len(aim.whitening) == 1:
+        return residuals
+    from scipy.signal import lfilter  # its import takes a second
+
+    return np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))
 
 
 def _whiten_piece(
     whitening: Numbers, residuals: Numbers, slopes: Numbers, memory: Memory | None
 ) -> tuple[Numbers, Numbers, Memory]:
     """Return residuals and slopes through L(q), continued from the samples before."""
+    from scipy.signal import lfilter
+
     order = len(whitening) - 1
     if memory is None:
         memory = np.zeros((order, *residuals.shape[1:])), np.zeros((order, *slopes.shape[1:]))

@@ -15,7 +15,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
 
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
 from martensite.identify.blocks.polynomial import Polynomial
@@ -149,6 +148,8 @@ def _build_filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
 
 def _filter_signal(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
     """Return a filtered signal from the steady state under the first sample."""
+    from scipy.signal import lfilter  # its import takes a second
+
     b, a = one
     gain = float(b.sum() / a.sum())
     return gain * x[0] + np.asarray(lfilter(b, a, x - x[0]))
@@ -156,6 +157,8 @@ def _filter_signal(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
 
 def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
     """Return the chain with the numbers of a partition, and a static block between."""
+    from scipy.signal import lfilter
+
     probe = np.random.default_rng(0).normal(size=PROBE)
     probe[0] = 0.0
     dt, u = chain.interval, record.inputs
