@@ -46,6 +46,14 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit
     "deg/s": ("rad/s", 0.017453292519943295, 0.0),
     "mN*m": ("N*m", 1e-3, 0.0),
     "mH": ("H", 1e-3, 0.0),
+    "mm^2": ("m^2", 1e-6, 0.0),
+    "J/g": ("J/kg", 1e3, 0.0),
+    "kohm": ("ohm", 1e3, 0.0),
+    "uohm m": ("ohm*m", 1e-6, 0.0),
+    "uohm*cm": ("ohm*m", 1e-8, 0.0),
+    "nF": ("F", 1e-9, 0.0),
+    "uF": ("F", 1e-6, 0.0),
+    "mN/V": ("N/V", 1e-3, 0.0),
 }
 """Spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset."""
 
