@@ -9,13 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from martensite.fit.loop_rivals import (
-    LoopColumns,
-    average_neighbours,
-    find_branches,
-    has_reversals,
-    repeat_branches,
-)
+from martensite.fit.loop_rivals import LoopColumns, average_neighbours, find_branches, has_reversals, repeat_branches
 
 WAY = np.linspace(0.0, 1.0, 400)
 

@@ -172,13 +172,15 @@ def test_search_options_hold_without_a_scenario(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not (DATA / "flexinol_isobaric").exists(), reason="no measured data in MARTENSITE_DATA")
-def test_isobaric_files_become_a_law_that_predicts_the_level_left_out() -> None:
+def test_isobaric_files_become_a_law_that_arithmetic_beats() -> None:
+    """Source of truth: an independent average of the two neighbouring loads errs by 0.036 % at 172 MPa."""
     files = [str(DATA / "flexinol_isobaric" / f"isobaric_{mpa}MPa.txt") for mpa in (50, 100, 172, 200)]
     model = model_logs(files)
     errors = {one.record: one for one in model.chosen.errors}
     assert errors["isobaric_172MPa"].offset_rms < 7e-4
-    assert math.isfinite(errors["isobaric_172MPa"].offset_rms)
-    assert model.predicts
+    assert errors["isobaric_172MPa"].rivals["neighbouring loads"] < 3.6e-4
+    assert model.chosen.pooled[0].best_rival == "neighbouring loads"
+    assert not model.predicts
 
 
 def test_records_that_lack_a_column_are_named() -> None:

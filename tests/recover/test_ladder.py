@@ -8,10 +8,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from ladder_cases import SYSTEMS, excite, linear, low_pass, noise, record
+from scipy.signal import lfilter
 
 from martensite.base.errors import InputError
 from martensite.identify.ladder.blocked_records import BlockErrors, compare_errors, divide_records
 from martensite.identify.ladder.climb import climb_ladder
+from martensite.identify.ladder.ladder_rivals import find_period, score_rivals
 from martensite.identify.ladder.record_tests import find_delay, measure_coherence
 from martensite.identify.ladder.regimes import set_apart
 from martensite.signals.sampling.sampled import Sampled
@@ -41,6 +43,22 @@ class TestClimb:
         assert np.array_equal(other.model.theta, climbed.model.theta)
         assert not other.predicts
         assert "does not predict better than the mean" in other.verdict
+
+    def test_a_lag_predicts_no_better_than_itself(self):
+        """The system is a first-order lag: arithmetic does as well."""
+        rng = np.random.default_rng(8)
+        u = excite(rng, 800)
+        y = lfilter([0.1], [1.0, -0.9], u)
+        found = climb_ladder(record("lag", u, y, rng), time_box=20.0)
+        assert found.rivals["first-order lag"] > 95.0
+        assert not found.predicts
+        assert "first-order lag" in found.verdict
+
+    def test_a_periodic_record_has_a_last_cycle(self):
+        u = np.tile(np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, 0.0, 50)]), 8)
+        blocked = divide_records([record("waves", u, u, np.random.default_rng(1))])
+        assert find_period(u) == 100
+        assert score_rivals(blocked, True)["last cycle"] > 95.0
 
     def test_a_single_step_is_said_to_tell_too_little(self):
         u = np.concatenate([np.zeros(50), np.ones(550)])

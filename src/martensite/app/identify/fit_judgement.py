@@ -21,7 +21,8 @@ from martensite.fit.fit_verdicts import (
     warn_of_search,
 )
 from martensite.fit.free_parameters import is_nuisance
-from martensite.fit.log_models import LogModel, TriedModel
+from martensite.fit.log_models import LogModel
+from martensite.fit.log_trials import TriedModel
 from martensite.search.quantity_text import format_quantity
 from martensite.show.summaries.fit_tables import mark_parameter
 from martensite.show.summaries.log_model import list_next_records

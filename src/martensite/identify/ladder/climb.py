@@ -37,6 +37,7 @@ from martensite.identify.ladder.blocked_records import (
     run_blocks,
 )
 from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
+from martensite.identify.ladder.ladder_rivals import score_rivals
 from martensite.identify.ladder.record_tests import (
     DelayTest,
     describe_coherence,
@@ -339,6 +340,7 @@ def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Seq
         tuple(text for text in doubts if text),
         tuple(remarks),
         climb.stopped,
+        score_rivals(climb.blocked, whole),
     )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from martensite.identify.chains.validation import WHOLE, Validation
 from martensite.identify.ladder.blocked_records import BlockedRecord, BlockErrors, ErrorFall, compare_errors
 from martensite.identify.ladder.record_tests import find_memory
 from martensite.search.quantity_text import format_number
+from martensite.search.rivals import EXPLAINED, Prediction
 
+MEAN = "mean of the output"
 JUDGED = 0.95
 """Confidence level of the verdict."""
 
@@ -68,6 +70,8 @@ class Ladder:
     remarks: tuple[str, ...] = ()
     stopped: str = ""
     """`time box` or `interrupted` if the climb ended early."""
+    rivals: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Prediction without a model -> its fit [%] on the held-out blocks; without the mean."""
 
     @property
     def gain(self) -> ErrorFall:
@@ -75,20 +79,33 @@ class Ladder:
         return compare_errors(self.baseline.held, self.held, JUDGED)
 
     @property
+    def prediction(self) -> Prediction:
+        """Return the held-out error beside those of all rivals, over the spread of the output."""
+        fits = {MEAN: self.baseline.held.fit, **self.rivals}
+        errors = {name: 1.0 - 0.01 * fit for name, fit in fits.items()}
+        return Prediction(1.0 - 0.01 * self.held.fit, 1.0, errors)
+
+    @property
     def predicts(self) -> bool:
-        """Return whether the model predicts held-out blocks better than the mean, and than a constant fitted there."""
-        return self.gain.certain and self.held.fit > 0.0
+        """Return whether the model predicts by the rule of all fits, and not by chance better than the mean."""
+        return self.gain.certain and self.prediction.predicts
 
     @property
     def verdict(self) -> str:
         """Describe the predictive value of the model in a sentence."""
         text = f"`{self.model.text()}`"
-        scores = f"fit {self.held.fit:.1f} % on held-out data (mean of the output: {self.baseline.held.fit:.1f} %)"
+        fits = {MEAN: self.baseline.held.fit, **self.rivals}
+        listed = ", ".join(f"{name}: {fit:.1f} %" for name, fit in fits.items())
+        scores = f"fit {self.held.fit:.1f} % on held-out data ({listed})"
         sizes = [f"{format_number(s.rms, 2)} {s.unit}" for one in self.checks for s in one.scores if s.part == WHOLE]
         scores += f", rms error {', '.join(sizes)}" if sizes else ""
-        if not self.predicts:
-            return f"{text} does not predict better than the mean of the output: {scores}."
-        return f"{text} predicts: {scores}."
+        if self.predicts:
+            return f"{text} predicts: {scores}."
+        found = self.prediction
+        rival = found.best_rival if self.gain.certain else MEAN
+        if not self.gain.certain or not found.beats_rivals:
+            return f"{text} does not predict better than the {rival}: {scores}."
+        return f"{text} does not predict: it explains less than {100.0 * EXPLAINED:.0f} %: {scores}."
 
     @property
     def advice(self) -> tuple[str, ...]:

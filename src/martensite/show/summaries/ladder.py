@@ -69,6 +69,7 @@ def _describe_climb(found: Ladder) -> Iterator[Block]:
     yield Heading("Structures")
     mean = found.baseline
     rows = [("–", "mean of the output", "1", f"{mean.chosen_by.fit:.1f}", f"{mean.held.fit:.1f}", "–", "–", "baseline")]
+    rows += [("–", name, "–", "–", f"{fit:.1f}", "–", "–", "rival") for name, fit in found.rivals.items()]
     rows += [_write_trial(rung, rung.trials[0], found) for rung in found.rungs]
     note = (
         "The best structure of every step, with the reduction of its error and the 99 % interval of the reduction. A "
@@ -127,6 +128,7 @@ def _collect_numbers(found: Ladder) -> dict[str, Any]:
         "verdict": found.verdict,
         "fit_held_out": found.held.fit,
         "fit_held_out_of_mean": found.baseline.held.fit,
+        "fit_held_out_of_rivals": dict(found.rivals),
         "free_run": True,
         "stopped": found.stopped,
         "tests": list(found.tests),

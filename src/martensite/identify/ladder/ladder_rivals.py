@@ -1,0 +1,86 @@
+"""Predictions of held-out blocks without a model: a first-order lag behind the inputs, and the last cycle.
+
+Both use the outputs that a fit sees, as `fit` uses them (`martensite.search.rivals`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.ladder.blocked_records import BlockedRecord, measure_blocks
+
+LAG, CYCLE = "first-order lag", "last cycle"
+LAGS = 12
+"""Time constants that are tried, besides none."""
+PERIODIC = 0.9
+"""Correlation of an input with itself one period later from which on it is periodic."""
+
+
+def score_rivals(blocked: Sequence[BlockedRecord], whole: bool) -> dict[str, float]:
+    """Return the fit [%] of every rival on the blocks held out."""
+    runs = {LAG: run_lag(blocked, whole), CYCLE: repeat_cycles(blocked, whole)}
+    scores = {name: measure_blocks(blocked, run, True).fit for name, run in runs.items() if run is not None}
+    return {name: fit for name, fit in scores.items() if np.isfinite(fit)}
+
+
+def run_lag(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
+    """Return all records as the linear function of lagged inputs that explains the fitted outputs best."""
+    fitted = [one for one in blocked if one.fitted]
+    seen = [one.hide(whole).outputs for one in fitted]
+    y = np.concatenate(seen)
+    known = np.isfinite(y).all(axis=1)
+    ends = fitted[0].record.interval, max(one.record.duration for one in fitted)
+    lags, best = np.array([0.0, *np.geomspace(*ends, LAGS)]), (np.inf, 0.0, np.zeros(0))
+    step = (ends[1] / ends[0]) ** (1.0 / LAGS)
+    for _ in range(3):  # then around the best
+        for lag in lags:
+            x = np.concatenate([_filter_inputs(one, lag) for one in fitted])[known]
+            numbers, *_ = np.linalg.lstsq(x, y[known], rcond=None)
+            error = float(np.sum((x @ numbers - y[known]) ** 2))
+            best = min(best, (error, float(lag), numbers), key=lambda one: one[0])
+        lags = best[1] * np.geomspace(1.0 / step, step, LAGS)
+        step **= 2.0 / LAGS
+    return [_filter_inputs(one, best[1]) @ best[2] for one in blocked]
+
+
+def _filter_inputs(one: BlockedRecord, lag: float) -> Numbers:
+    """Return the inputs behind a lag [s] that begins at rest, and a column of ones."""
+    u = one.record.inputs
+    keep = np.exp(-one.record.interval / lag) if lag > 0.0 else 0.0
+    slow = u[:1] + lfilter([1.0 - keep], [1.0, -keep], u - u[:1], axis=0)
+    return np.concatenate([slow, np.ones((len(u), 1))], axis=1)
+
+
+def repeat_cycles(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers] | None:
+    """Return the fitted outputs whole periods earlier; None unless every record that is held out is periodic."""
+    runs: list[Numbers] = []
+    for one in blocked:
+        seen = one.hide(whole).outputs if one.fitted else np.full_like(one.record.outputs, np.nan)
+        period = find_period(one.record.inputs[:, 0])
+        found = np.full_like(seen, np.nan)
+        for back in range(period, len(seen), period) if period else ():
+            found[back:] = np.where(np.isnan(found[back:]), seen[:-back], found[back:])
+        if any(np.isnan(found[block]).any() for block in one.held):
+            return None
+        runs.append(found)
+    return runs
+
+
+def find_period(u: Numbers) -> int:
+    """Return the period of a signal in samples; 0 if it does not repeat itself within half of its length."""
+    x = u - u.mean()
+    count = len(x)
+    power = np.abs(np.fft.rfft(x, 2 * count)) ** 2
+    alike = np.fft.irfft(power)[: count // 2] * count / np.arange(count, count - count // 2, -1)
+    below = np.flatnonzero(alike < 0.0)
+    if not below.size or not alike[0] > 0.0:
+        return 0
+    middle = alike[1:-1]
+    peaks = 1 + np.flatnonzero((middle >= alike[:-2]) & (middle >= alike[2:]) & (middle >= PERIODIC * alike[0]))
+    about = int(next(iter(peaks[peaks > below[0]]), 0))
+    near = range(about - about // 20, about + about // 20 + 1) if about else ()
+    return min(near, key=lambda k: float(np.mean(np.abs(x[k:] - x[:-k]))), default=0)
