@@ -19,12 +19,10 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "martensite"
 MOST_LINES = 400
 LONG_FILES = {
-    "actuators/elements/lumped.py",
     "app/static_site/input_map.py",
     "kernels/graph.py",
     "kernels/slopes.py",
     "physics/kinetics/history.py",
-    "physics/kinetics/surfaces.py",
     "physics/kinetics/two_fractions.py",
     "scenario/scenario.py",
     "simulate/adaptive.py",

@@ -150,13 +150,13 @@ def _find_headed_time(raw: RawTable, meanings: list[Meaning]) -> list[Meaning]:
     return [Meaning("time", guess.unit, "values", guess.sure) if k == first else one for k, one in enumerate(meanings)]
 
 
-def _name_apart(raw: RawTable, found: list[Meaning], given: Mapping[int, Meaning]) -> list[Meaning]:
+def _name_apart(raw: RawTable, meanings: list[Meaning], given: Mapping[int, Meaning]) -> list[Meaning]:
     """Return the columns with unique names; unknown columns with headings keep these."""
-    order = sorted(range(len(found)), key=lambda k: (k not in given, bool(SECOND.search(raw.columns[k].heading)), k))
+    order = sorted(range(len(meanings)), key=lambda k: (k not in given, bool(SECOND.search(raw.columns[k].heading)), k))
     taken: set[str] = set()
-    named = list(found)
+    named = list(meanings)
     for place in order:
-        one, column = found[place], raw.columns[place]
+        one, column = meanings[place], raw.columns[place]
         if one.name == "time" or one.name == IGNORED:
             continue
         if place in given and one.name in taken:

@@ -174,9 +174,9 @@ _RATE = re.compile(r"(?:sampl\w*|scan|acquisition)[ _-]*(?:rate|freq\w*)", re.IG
 _AMOUNT = re.compile(r"([\d.,]+(?:[eE][+-]?\d+)?)\s*(.*)")
 
 
-def find_interval(said: Mapping[str, str]) -> float | None:
+def find_interval(texts: Mapping[str, str]) -> float | None:
     """Return the sample time [s] named above a table; None if there is none."""
-    for word, text in said.items():
+    for word, text in texts.items():
         plain = re.sub(r"\s*[\[(].*", "", word)
         for pattern, wanted in ((_INTERVAL, "s"), (_RATE, "Hz")):
             amount = _AMOUNT.fullmatch(text.strip())

@@ -77,20 +77,20 @@ def complete_guard(
         return None, set(), [UNGUARDED] if controllers else []
     checks, cautions = dict[str, AbstractCheck](), list[str]()
     rest = {key: value for key, value in table.items() if key != FROM_PLANT}
-    known = _read_knowledge(table.get(FROM_PLANT, kind is None), builder)
+    conditions = _read_knowledge(table.get(FROM_PLANT, kind is None), builder)
     if kind is None:
         rest = {KIND: GUARD, ANSWER: default_guard.ANSWER, **rest}
-    if known is not None:
+    if conditions is not None:
         with name_section(SUPERVISOR):
             if kind is None:
-                bounds, cautions = default_guard.find_default_bounds(bench.plant, controllers, **known.numbers())
-                checks = {name: one.with_parts(band=known.band) for name, one in bounds.items()}
+                bounds, cautions = default_guard.find_default_bounds(bench.plant, controllers, **conditions.numbers())
+                checks = {name: one.with_parts(band=conditions.band) for name, one in bounds.items()}
             else:
-                checks = _build_checks(bench, known, noisy)
+                checks = _build_checks(bench, conditions, noisy)
     full, taken = _fill_rows(rest, checks, bench, builder)
     if full[CHECKS] or kind is not None:
         return full, taken, cautions
-    return None, set(), cautions or ([UNGUARDED] if known is None and controllers else [])
+    return None, set(), cautions or ([UNGUARDED] if conditions is None and controllers else [])
 
 
 def _read_knowledge(given: Any, builder: Builder) -> FromPlant | None:

@@ -160,12 +160,12 @@ def rphase_caution(material: Material | None, element: Parametrised) -> str | No
     parts = list(element.tree())
     law = next((part for part in parts if isinstance(part, AbstractLaw)), None)
     model = next((part for part in parts if isinstance(part, AbstractResistance)), None)
-    known, name = (material.values.get("R_s"), material.name) if material else (None, "")
-    if law is None or model is None or not (law.rphase or known):
+    start, name = (material.values.get("R_s"), material.name) if material else (None, "")
+    if law is None or model is None or not (law.rphase or start):
         return None
     blind = [] if law.rphase else [f"law `{law.registered_name}`"]
     blind += [] if model.three_phases else [f"resistance `{model.registered_name}`"]
-    where = f"Material `{name}` has an R-phase (from {known.text} on cooling)" if known else "The law has an R-phase"
+    where = f"Material `{name}` has an R-phase (from {start.text} on cooling)" if start else "The law has an R-phase"
     sentence = (
         f"{where}, which {' and '.join(blind)} {'do' if len(blind) > 1 else 'does'} not know: resistance on cooling, "
         "and what is sensed by it, may be far off. Take law `r-phase` with resistance `three-phase`."

@@ -64,8 +64,8 @@ class PlaceUnits:
             return self.drive
         if declared.unit in units.OF_LOOPS:
             unit = units.GAIN if self.sampled and declared.unit in units.OF_GAINS else declared.unit
-            known = self.controlled or unit == units.SIGNAL_RATE
-            return units.of_loop(unit, self.drive, self.controlled) if known else None
+            determined = self.controlled or unit == units.SIGNAL_RATE
+            return units.of_loop(unit, self.drive, self.controlled) if determined else None
         if declared.unit not in units.OF_READINGS:
             return declared.unit
         if not self.named or any(name not in self.readings for name in self.named):

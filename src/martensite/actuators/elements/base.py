@@ -196,7 +196,7 @@ class AbstractElement(Parametrised):
         """Return the state of the given continuous variables, and their rates [1/s], temperature last [K/s]."""
         raise make_missing_error(type(self), ["differentiate"])
 
-    def warm_start(self, state: Any, found: Any) -> Any:
+    def warm_start(self, state: Any, solved: Any) -> Any:
         """Return the state with first guesses from `found`, the end of a previous step from it."""
         return state
 

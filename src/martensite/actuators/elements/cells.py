@@ -226,15 +226,15 @@ class AbstractCells(AbstractCut):
 
         def one(length: Scalar, at: Scalar, stress: Scalar) -> tuple[Scalar, Scalar]:
             cell = self.cell(length)
-            held = cell.heat_capacity_total() * at
-            return held, -cell.latent_heat_total(xp, stress, at)
+            sensible = cell.heat_capacity_total() * at
+            return sensible, -cell.latent_heat_total(xp, stress, at)
 
         stresses = [memory.stress for memory in state.memories]
-        held, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
+        sensible, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
         efforts = [Effort(self.copies() * h, x) for h, x in zip(latent, fractions, strict=True)]
         if self.law.constant_heat:  # the energy itself, as one number
             efforts = [Effort(1.0, sum_column([h * x for h, x in efforts]))]
-        return StoredHeat(self.copies() * sum_column(held), tuple(efforts))
+        return StoredHeat(self.copies() * sum_column(sensible), tuple(efforts))
 
     @override
     def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:

@@ -111,16 +111,18 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
     @override
     def cautions(self) -> list[str]:
-        law, found = self.law, super().cautions()
+        law, cautions = self.law, super().cautions()
         cold, hot = (law.free_strain(floats, Fractions(0.0, 0.0), kelvin) for kelvin in (300.0, 400.0))
         if not self.uniform and cold != hot:
-            found.append("Thermal strain counts as a strain of the section, which expansion neither twists nor bends.")
+            cautions.append(
+                "Thermal strain counts as a strain of the section, which expansion neither twists nor bends."
+            )
         if not self.uniform and not law.twins:
             words = (
                 f"All martensite of law `{law.registered_name}` is strained, in the core too, where a section is not"
             )
-            found.append(f"{words}: what forms on cooling bears stress of both signs; prefer law `brinson`.")
-        return found
+            cautions.append(f"{words}: what forms on cooling bears stress of both signs; prefer law `brinson`.")
+        return cautions
 
     def compute_moments(self, xp: Namespace) -> tuple[Scalar, Scalar, Scalar]:
         """Return Σ V ℓ, Σ V ℓ² and the lever of the surface."""

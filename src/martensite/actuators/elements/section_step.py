@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import Heating, Pull, Spring, equilibrium_force
 from martensite.actuators.elements.columns import LARGE, Bracket, Point, Round, SectionHeat, Turn
-from martensite.actuators.elements.lumped import relax_heat
+from martensite.actuators.elements.heat_steps import relax_heat
 from martensite.actuators.elements.network import Column
 from martensite.kernels.dual import compute_jacobian, value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
@@ -154,12 +154,12 @@ class SectionStep:
         stress = tuple(xp.where(now.first > 0.0, a, b) for a, b in zip(trial, now.stress, strict=True))
         fill = [(x,) * len(stress) for x in (*Bracket()[:2], 0.0, 0.0)]
         begin = Turn(1.0, now.point, LARGE, LARGE, 0.0, Bracket(), Bracket(), LARGE, stress, *fill)
-        found: Turn = _iterate(xp, TURNS, lambda xp, turn: self.take_step(xp, turn, moves), begin)
-        far = PER_KELVIN * xp.abs(found.point.temperature - temperature)
-        far = far + self.levers[-1] * xp.abs(found.point.elongation - e)
-        going = xp.where(xp.both(found.mixed > 0.0, far > NEAR), 1.0, 0.0)
-        ends = found.stress, found.martensite, found.oriented
-        return Round(going, 0.0, found.point, find_largest(xp, crossing), *ends, tuple(map(tuple, moves)))
+        last: Turn = _iterate(xp, TURNS, lambda xp, turn: self.take_step(xp, turn, moves), begin)
+        far = PER_KELVIN * xp.abs(last.point.temperature - temperature)
+        far = far + self.levers[-1] * xp.abs(last.point.elongation - e)
+        going = xp.where(xp.both(last.mixed > 0.0, far > NEAR), 1.0, 0.0)
+        ends = last.stress, last.martensite, last.oriented
+        return Round(going, 0.0, last.point, find_largest(xp, crossing), *ends, tuple(map(tuple, moves)))
 
     def find_heat(
         self, xp: Namespace, memory: Any, volume: Scalar, stress: Scalar, temperature: Scalar, end: Fractions
@@ -204,9 +204,9 @@ class SectionStep:
 
     def solve_elongation(self, xp: Namespace, sums: Column, at: Scalar) -> tuple[Scalar, Callable[[Scalar], Scalar]]:
         """Return the elongation of the linearised balance at a temperature, and the warming at an elongation."""
-        heat, (stiffness, push, softening, by_elongation, held, by_temperature, _) = self.heat, sums
+        heat, (stiffness, push, softening, by_elongation, frozen, by_temperature, _) = self.heat, sums
         per = 1.0 / (1.0 - heat.share * by_temperature)
-        none = per * (heat.base - at + heat.share * (held - heat.by_elongation * self.start.elongation))
+        none = per * (heat.base - at + heat.share * (frozen - heat.by_elongation * self.start.elongation))
         rate = per * heat.share * (by_elongation + heat.by_elongation)
         soft = 1.0 / (stiffness - softening * rate)
         return self.meet_mechanism(xp, Spring(soft * (softening * none - push), soft))[0], lambda e: none + rate * e
@@ -256,9 +256,9 @@ class SectionStep:
             *(tuple(column) for column in columns),
         )
 
-    def commit_fibres(self, xp: Namespace, found: Round) -> tuple[Section, StepReport]:
+    def commit_fibres(self, xp: Namespace, solved: Round) -> tuple[Section, StepReport]:
         """Return all fibres at the solved fractions, with exact plane sections and force."""
-        law, (at, m, o) = self.element.law, self._follow_root(xp, found)
+        law, (at, m, o) = self.element.law, self._follow_root(xp, solved)
         e, force = self.meet_mechanism(xp, self.element.combine_fibres(xp, m, o, at))
 
         def commit(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar, *flat: Scalar) -> list[Scalar]:
@@ -268,24 +268,24 @@ class SectionStep:
             apart = xp.maximum(xp.abs(reached.martensite - m), xp.abs(reached.oriented - o))
             return [apart, *flatten_numbers(law.commit(xp, memory, move, end, stress, at, self.dt))]
 
-        residual, *columns = xp.each(commit, m, o, *self.list_columns(found.moves))
+        residual, *columns = xp.each(commit, m, o, *self.list_columns(solved.moves))
         memories = tuple(self.split_row(flat)[0] for flat in zip(*columns, strict=True))
-        report = StepReport(find_largest(xp, residual), found.crossing, self.heat.ripple)
+        report = StepReport(find_largest(xp, residual), solved.crossing, self.heat.ripple)
         return self.state._replace(memories=memories, force=force), report
 
-    def _follow_root(self, xp: Namespace, found: Round) -> tuple[Scalar, list[Scalar], list[Scalar]]:
+    def _follow_root(self, xp: Namespace, solved: Round) -> tuple[Scalar, list[Scalar], list[Scalar]]:
         """Return temperature and fractions, with the derivatives of one Newton step."""
-        e, at = (xp.detach(x) for x in found.point)
-        stress = [xp.detach(x) for x in found.stress]
-        sums, (strain, per, grows, _, _, *ends) = self.linearise_fibres(xp, Point(e, at), stress, found.moves)
+        e, at = (xp.detach(x) for x in solved.point)
+        stress = [xp.detach(x) for x in solved.stress]
+        sums, (strain, per, grows, _, _, *ends) = self.linearise_fibres(xp, Point(e, at), stress, solved.moves)
         aim, warm = self.solve_elongation(xp, sums, at)
         rows = zip(self.levers, strain, per, grows, zip(*ends, strict=True), strict=True)
         warmer = warm(aim)
         newton = [_extrapolate(end, (w * aim - eps - g * warmer) * p, warmer) for w, eps, p, g, end in rows]
-        fractions = zip(found.martensite, found.oriented, newton, strict=True)
+        fractions = zip(solved.martensite, solved.oriented, newton, strict=True)
         pairs = [(xp.implicit_root(m, to_m), xp.implicit_root(o, to_o)) for m, o, (to_m, to_o) in fractions]
         martensite, oriented = (list(column) for column in zip(*pairs, strict=True))
-        return xp.implicit_root(found.point.temperature, at + warmer), martensite, oriented
+        return xp.implicit_root(solved.point.temperature, at + warmer), martensite, oriented
 
 
 def _extrapolate(ends: Sequence[Scalar], stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import Heating, Pull
 from martensite.actuators.elements.columns import Cells, HeatBalanceColumns, StepStart, SweepGuess
-from martensite.actuators.elements.lumped import compute_relaxation
+from martensite.actuators.elements.heat_steps import compute_relaxation
 from martensite.actuators.elements.network import Column, Rest, fold_others, solve_tridiagonal
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
@@ -153,7 +153,7 @@ class SweepStep:
         def one(*row: Scalar) -> tuple[Scalar, ...]:
             return self._solve_cell(xp, row)
 
-        found = xp.each(
+        rows = xp.each(
             one,
             self.element.lengths(xp),
             start.martensite,
@@ -165,7 +165,7 @@ class SweepStep:
             *rests,
             *self.memories,
         )
-        return SweepGuess(*(tuple(column) for column in found))
+        return SweepGuess(*(tuple(column) for column in rows))
 
     def _expect_latent_heat(self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns) -> list[Scalar]:
         """Return the right-hand side with latent heat linearised in temperature [J]."""
@@ -229,9 +229,9 @@ class SweepStep:
         def one(m: Scalar, o: Scalar, at: Scalar, force: Scalar, *flat: Scalar) -> list[Scalar]:
             memory, stress = self.memory(flat), element.wire.stress(xp, force)
             move = law.select(xp, memory, stress, at)
-            found = law.follow(xp, move, stress, at, self.dt)
+            fractions = law.follow(xp, move, stress, at, self.dt)
             after = law.commit(xp, memory, move, Fractions(m, o), stress, at, self.dt)
-            off = xp.maximum(xp.abs(found.martensite - m), xp.abs(found.oriented - o))
+            off = xp.maximum(xp.abs(fractions.martensite - m), xp.abs(fractions.oriented - o))
             return [off, *flatten_numbers(after)]
 
         residuals, *columns = xp.each(one, *guess[:2], temperatures, carried, *self.memories)

@@ -251,10 +251,10 @@ def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tang
     return lines
 
 
-def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elongations: Column) -> list[Tangent]:
+def _renew_points(xp: Namespace, before: _Turn, tangents: Sequence[Tangent], elongations: Column) -> list[Tangent]:
     """Return the new tangents, with secant stiffness after the first pass."""
     new, turned = list[Tangent](), before.turned > 0.0
-    for last, now, path in zip(before.tangents, found, elongations, strict=True):
+    for last, now, path in zip(before.tangents, tangents, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
         kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
         apart = now.elongation - last.elongation

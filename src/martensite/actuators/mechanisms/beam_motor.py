@@ -287,8 +287,8 @@ def modal_numbers(modes: BeamModes) -> dict[str, Any]:
     count = len(modes.omega)
     if count > MOST_MODES:
         raise ParameterError(f"`beam-motor` takes at most {MOST_MODES} modes, but {count} are given.")
-    found: dict[str, Any] = {"modes": str(count)}
+    texts: dict[str, Any] = {"modes": str(count)}
     for k, (mass, stiffness) in enumerate(zip(modes.mass, modes.stiffness, strict=True), start=1):
         ending = "" if k == 1 else f"_{k}"
-        found |= {f"mass{ending}": mass, f"stiffness{ending}": stiffness}
-    return found
+        texts |= {f"mass{ending}": mass, f"stiffness{ending}": stiffness}
+    return texts

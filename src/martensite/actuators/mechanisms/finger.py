@@ -174,8 +174,8 @@ class Finger(grasp.AbstractGrasp):
     @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         (angle,), (rate,), (acceleration,) = motion
-        held = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._weigh(xp, angle)[0]
-        return [held + self.damping * rate + self.inertia * acceleration]
+        torque = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._weigh(xp, angle)[0]
+        return [torque + self.damping * rate + self.inertia * acceleration]
 
     @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:

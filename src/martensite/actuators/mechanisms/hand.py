@@ -145,7 +145,7 @@ class Hand(grasp.AbstractGrasp):
 
     @override
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        found: list[Scalar] = []
+        lengths: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             bent = [
                 size * shorten_bowstring(xp, angle, self.offset, self.bracket) for angle in position[2 * i : 2 * i + 2]
@@ -153,20 +153,20 @@ class Hand(grasp.AbstractGrasp):
             if self.tendons == "passing":
                 bent[1] = bent[0] + bent[1]
             for flexed, angle in zip(bent, position[2 * i : 2 * i + 2], strict=True):
-                found += [flexed, -(size * self.knuckle) * angle]
-        return found
+                lengths += [flexed, -(size * self.knuckle) * angle]
+        return lengths
 
     @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        found: list[Scalar] = []
+        torques: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             angles, rates, accelerations = (_select_pair(numbers, i) for numbers in motion)
             rods = self._rods(size)
             hung = hanging_rods(xp, *rods, self._lean(i, angles), self.gravity)
             moved = two_rods(xp, *rods, angles, rates, accelerations) if self.moves else (0.0, 0.0)
             for k in range(2):
-                found.append(self._hold_joint(xp, angles[k], rates[k]) + hung[k] + moved[k])
-        return found
+                torques.append(self._hold_joint(xp, angles[k], rates[k]) + hung[k] + moved[k])
+        return torques
 
     @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
@@ -180,15 +180,15 @@ class Hand(grasp.AbstractGrasp):
 
     @override
     def start_forces(self, xp: Namespace) -> Column:
-        found: list[Scalar] = []
+        forces: list[Scalar] = []
         both = 2.0 if self.tendons == "passing" else 1.0
         for i, size in enumerate(self.sizes()):
             leaning = self._lean(i, (0.0, 0.0))
             hung = hanging_rods(xp, *self._rods(size), leaning, self.gravity) if self.weight == "given" else leaning
             for flexors, lifted in zip((both, 1.0), hung, strict=True):
                 moment = flexors * self.offset * self.preload - (self.torque + lifted) * (1.0 / size)
-                found += [self.preload, moment * (1.0 / self.knuckle)]
-        return found
+                forces += [self.preload, moment * (1.0 / self.knuckle)]
+        return forces
 
     @override
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
@@ -196,13 +196,13 @@ class Hand(grasp.AbstractGrasp):
 
     @override
     def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
-        found: list[grasp.Touch] = []
+        touches: list[grasp.Touch] = []
         for i, size in enumerate(self.sizes()):
             inwards = 0.5 * self.span + (-self.cylinder_aside if i == 0 else self.cylinder_aside)
             axis, reach = (self.cylinder_depth, inwards), self.cylinder_radius + 0.5 * size * self.thickness
             lengths = size * self.proximal_length, size * self.distal_length
-            found += grasp.find_touches(xp, axis, reach, lengths, _select_pair(position, i))
-        return found
+            touches += grasp.find_touches(xp, axis, reach, lengths, _select_pair(position, i))
+        return touches
 
     def _lean(self, finger: int, angles: Pair) -> Pair:
         """Return the angles of a finger relative to gravity."""

@@ -228,8 +228,8 @@ class AbstractMultibody(AbstractMechanism):
     def _list_loose(self, given: Mapping[str, float]) -> list[int]:
         """Return the coordinates without resistance; `ParameterError` if one of them is given."""
         count = len(self.coordinates())
-        held = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
-        loose = [k for k, force in enumerate(held) if not force]
+        friction = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
+        loose = [k for k, force in enumerate(friction) if not force]
         for name in (self.coordinates()[k].name for k in loose):
             if name in given:
                 raise ParameterError(

@@ -61,8 +61,8 @@ class AntagonisticPulley(AbstractMultibody):
     @override
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         (angle,), (rate,), (acceleration,) = motion
-        held = self.stiffness * angle + self.moment * xp.sin(angle)
-        return [held + self.damping * rate + self.inertia * acceleration]
+        torque = self.stiffness * angle + self.moment * xp.sin(angle)
+        return [torque + self.damping * rate + self.inertia * acceleration]
 
     @override
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:

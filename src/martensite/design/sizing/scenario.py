@@ -160,28 +160,28 @@ def _format_drive(request: WireRequest, drive: Drive, cycle: PulseCycle, rate: f
     return "\n".join([*lines, f"waveform = {{ {wave}, duty = {duty:.9g} }}", ""])
 
 
-def format_ratings(found: WireRatings, catalogue: WireCatalogue) -> str:
+def format_ratings(ratings: WireRatings, catalogue: WireCatalogue) -> str:
     """Return a scenario with two pulses through an existing wire or coil, and its load."""
-    wire, strand, cycle = found.wire, found.strand, found.cycle
-    title = f"{found.size.name}, {wire.alloy} °C, at {wire.supply:.4g} V"
-    current, heating = 0.999 * found.supply_current, found.supply_time or wire.pulse
-    if cycle is not None and found.drivable:
+    wire, strand, cycle = ratings.wire, ratings.strand, ratings.cycle
+    title = f"{ratings.size.name}, {wire.alloy} °C, at {wire.supply:.4g} V"
+    current, heating = 0.999 * ratings.supply_current, ratings.supply_time or wire.pulse
+    if cycle is not None and ratings.drivable:
         current, heating = cycle.current, cycle.heating
     period = 1.1 * heating + max(1.5 * (cycle.cooling or 0.0) if cycle else 0.0, 6.0 * strand.time_constant())
     wave = f'kind = "pwm", high = "{current:.6g} A", frequency = "{1.0 / period:.6g} Hz", duty = {heating / period:.6g}'
-    held = ""
-    if found.drawn and isinstance(strand, CoilStrand):
-        held = (
+    note = ""
+    if ratings.drawn and isinstance(strand, CoilStrand):
+        note = (
             f"# It closes at {1e3 * strand.solid:.4g} mm, turns times diameter, which is in the coil itself. The stop "
-            f"that holds it at {1e3 * found.drawn.length:.4g} mm when cold is in no mechanism: a run begins where "
+            f"that holds it at {1e3 * ratings.drawn.length:.4g} mm when cold is in no mechanism: a run begins where "
             "the load draws it to.\n"
         )
-    notes = [f"# Does not do: {fault}." for fault in found.faults]
+    notes = [f"# Does not do: {fault}." for fault in ratings.faults]
     notes += [f"# {COIL_DOUBT}"] * isinstance(strand, CoilStrand)
     return "\n".join(
         [
             *notes,
-            f'{held}title = "Flexinol {title}"\n',
+            f'{note}title = "Flexinol {title}"\n',
             f'[element]\nmaterial = "flexinol-{wire.alloy}"\n{format_strand(strand, catalogue, "what was said of it")}',
             format_environment(strand),
             f"[mechanism]\n{_format_load(wire.mechanism(strand))}",

@@ -208,8 +208,8 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
     free, cold, hot = _find_stroke(strand, mechanism)
     held_at = wire.stretched if isinstance(wire, CoilInHand) and wire.gives("stretched") else None
     drawn = draw_out(strand, held_at) if held_at is not None and isinstance(strand, CoilStrand) else None
-    held = _find_held(strand, drawn, cold)
-    stroke = free - USABLE * held
+    offset = _find_held(strand, drawn, cold)
+    stroke = free - USABLE * offset
     if free <= 0.0 or stroke <= 0.0:
         cause = f"it would stand under {cold / strand.bearing / 1e6:.4g} MPa when cold"
         if free > 0.0 and drawn is not None:
@@ -217,7 +217,7 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
         raise ParameterError(f"The load leaves no stroke: {cause}.")
     holding = strand.shifted("A_f", hot / strand.bearing) + ABOVE
     full = wire.supply / strand.resistance
-    places, most = (held + stroke, held + RETURNED * stroke), min(full, wire.current_limit)
+    places, most = (offset + stroke, offset + RETURNED * stroke), min(full, wire.current_limit)
     cycle, slower = _find_cycle(wire, strand, mechanism, places, most)
     hold = strand.steady_current(holding)
     if cycle is not None and cycle.current < hold:  # a constant current that contracts it keeps it so

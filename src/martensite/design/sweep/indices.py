@@ -58,40 +58,40 @@ class SensitivityIndices:
         return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
 
 
-def compute_sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> list[SensitivityIndices]:
+def compute_sensitivity(table: SweepTable, measures: Sequence[str] | None = None) -> list[SensitivityIndices]:
     """Return the sensitivity indices of the measures of a sweep.
 
     Args:
-        found: runs of the sweep.
+        table: runs of the sweep.
         measures: names of measures, by default all.
 
     Raises:
         UnknownNameError: the measure does not exist.
         DataError: there are too few runs.
     """
-    return [_analyse_measure(found, one) for one in found.chosen(None if measures is None else list(measures))]
+    return [_analyse_measure(table, one) for one in table.chosen(None if measures is None else list(measures))]
 
 
-def _analyse_measure(found: SweepTable, one: SweepColumn) -> SensitivityIndices:
-    usable = found.good & np.isfinite(one.values)
-    if found.design == "saltelli":
-        return _analyse_blocks(found, one, usable)
-    if found.shape is not None and usable.all():
-        indices = estimate_grid_indices(one.values.reshape(found.shape))
-        return _build_result(found, one, "grid", indices, one.values, [])
-    remarks = _describe_left_out(found, one, usable)
-    if found.shape is not None:
+def _analyse_measure(table: SweepTable, one: SweepColumn) -> SensitivityIndices:
+    usable = table.good & np.isfinite(one.values)
+    if table.design == "saltelli":
+        return _analyse_blocks(table, one, usable)
+    if table.shape is not None and usable.all():
+        indices = estimate_grid_indices(one.values.reshape(table.shape))
+        return _build_result(table, one, "grid", indices, one.values, [])
+    remarks = _describe_left_out(table, one, usable)
+    if table.shape is not None:
         remarks.append("The grid is not whole: its runs are taken as a sample.")
-    least = max(LEAST_RUNS, 4 * len(found.varied))
+    least = max(LEAST_RUNS, 4 * len(table.varied))
     if usable.sum() < least:
         raise DataError(f"`{one.name}` is known of {usable.sum():,} runs; at least {least} are needed.")
-    x, y = found.inputs[usable], one.values[usable]
+    x, y = table.inputs[usable], one.values[usable]
     indices, more = estimate_indices(x, y)
-    return _build_result(found, one, "given data", indices, y, remarks + more)
+    return _build_result(table, one, "given data", indices, y, remarks + more)
 
 
 def _build_result(
-    found: SweepTable, one: SweepColumn, method: str, indices: dict[str, SensitivityIndex], y: Numbers, more: list[str]
+    table: SweepTable, one: SweepColumn, method: str, indices: dict[str, SensitivityIndex], y: Numbers, more: list[str]
 ) -> SensitivityIndices:
     varies = is_spread(y)
     constant = [] if varies else ["It is the same in all runs: nothing to be explained."]
@@ -99,7 +99,7 @@ def _build_result(
         one.name,
         one.unit,
         method,
-        tuple(found.varied),
+        tuple(table.varied),
         indices,
         float(np.mean(y)),
         float(np.std(y)) if varies else 0.0,
@@ -108,12 +108,12 @@ def _build_result(
     )
 
 
-def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> list[str]:
+def _describe_left_out(table: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> list[str]:
     """Return sentences on runs without a value."""
-    never = int(np.sum(found.good & ~usable))
+    never = int(np.sum(table.good & ~usable))
     counts = (
-        (found.missing, "not made yet"),
-        (found.failed, "failed"),
+        (table.missing, "not made yet"),
+        (table.failed, "failed"),
         (never, f"without `{one.name}`, as it never happened in them"),
     )
     return [f"{count:,} runs are left out: {why}." for count, why in counts if count]
@@ -122,11 +122,11 @@ def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.b
 # ---------------------------------------------------------------- blocks
 
 
-def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> SensitivityIndices:
+def _analyse_blocks(table: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> SensitivityIndices:
     """Return the indices of a design `saltelli`, without incomplete blocks."""
-    size = count_block_runs(len(found.varied))
+    size = count_block_runs(len(table.varied))
     whole = usable.reshape(-1, size).all(axis=1)
-    remarks = _describe_left_out(found, one, usable)
+    remarks = _describe_left_out(table, one, usable)
     if not whole.all():
         count = int(np.sum(~whole))
         remarks.append(
@@ -139,11 +139,11 @@ def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool
             "needed. Ask for more, such as `--sample saltelli:1024`."
         )
     y = one.values.reshape(-1, size)[whole].ravel()
-    indices = estimate_block_indices(y, len(found.varied))
+    indices = estimate_block_indices(y, len(table.varied))
     widest = max(float(np.nanmax(i.wide, initial=0.0)) for i in indices.values())
     if widest > WIDE_INTERVAL:
         remarks.append(f"Intervals reach ± {widest:.2g}: more base samples would narrow them.")
-    return _build_result(found, one, "saltelli", indices, y, remarks)
+    return _build_result(table, one, "saltelli", indices, y, remarks)
 
 
 def estimate_block_indices(y: Numbers, width: int) -> dict[str, SensitivityIndex]:

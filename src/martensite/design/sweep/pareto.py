@@ -35,16 +35,16 @@ class ParetoFront:
     compared: int
     """Number of compared runs."""
 
-    def columns(self, found: SweepTable) -> dict[str, SweepColumn]:
+    def columns(self, table: SweepTable) -> dict[str, SweepColumn]:
         """Return the varied parameters and goals by name."""
-        return {**found.varied, **{one.name: one for one in self.goals}}
+        return {**table.varied, **{one.name: one for one in self.goals}}
 
 
-def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()) -> ParetoFront:
+def find_pareto_front(table: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()) -> ParetoFront:
     """Return the non-dominated runs of a sweep.
 
     Args:
-        found: runs of the sweep.
+        table: runs of the sweep.
         minimise: measures or varied parameters to minimise.
         maximise: measures or varied parameters to maximise.
 
@@ -53,7 +53,7 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
         ParameterError: there is no goal, or one twice.
         DataError: no run has all goals.
     """
-    goals = tuple(found.column(name) for name in (*minimise, *maximise))
+    goals = tuple(table.column(name) for name in (*minimise, *maximise))
     names = [one.name for one in goals]
     if not goals:
         raise ParameterError("A front needs goals. Add --minimise or --maximise.")
@@ -62,7 +62,7 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
         raise ParameterError(f"`{twice}` is a goal twice.")
     most = (False,) * len(minimise) + (True,) * len(maximise)
     values = np.stack([-g.values if m else g.values for g, m in zip(goals, most, strict=True)], 1)
-    rows = np.flatnonzero(found.good & np.isfinite(values).all(axis=1))
+    rows = np.flatnonzero(table.good & np.isfinite(values).all(axis=1))
     if not len(rows):
         raise DataError("There is no run that has all goals.")
     best = rows[find_unbeaten(values[rows])]

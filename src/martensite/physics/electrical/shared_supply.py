@@ -61,8 +61,8 @@ class SharedSupply(Parametrised):
         def excess(xp: Namespace, voltage: Scalar) -> Scalar:
             current = self.sum_currents(xp, consumers, voltage)
             drooped = voltage - self.voltage + self.internal_resistance * current
-            held = voltage - voltage * (self.current_limit / xp.maximum(current, LEAST_CURRENT))
-            return xp.maximum(drooped, held) if limited else drooped
+            dropped = voltage - voltage * (self.current_limit / xp.maximum(current, LEAST_CURRENT))
+            return xp.maximum(drooped, dropped) if limited else drooped
 
         return solve_bracketed(xp, excess, self.voltage, (0.0, 1.01 * self.voltage), smooth=False)
 

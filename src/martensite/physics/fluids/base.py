@@ -61,9 +61,9 @@ def interpolate_rows(xp: Namespace, x: Scalar, rows: Sequence[Row]) -> list[Scal
     y(x) = y₀ + Σ (yₖ₊₁ - yₖ)/(xₖ₊₁ - xₖ) · clip(x - xₖ, 0, xₖ₊₁ - xₖ) interpolates without branches, constant beyond
     the ends.
     """
-    found: list[Scalar] = list(rows[0][1:])
+    values: list[Scalar] = list(rows[0][1:])
     for (left, *before), (right, *after) in pairwise(rows):
         share = xp.clip(x - left, 0.0, right - left) * (1.0 / (right - left))
-        columns = zip(found, before, after, strict=True)
-        found = [value + (b - a) * share for value, a, b in columns]
-    return found
+        columns = zip(values, before, after, strict=True)
+        values = [value + (b - a) * share for value, a, b in columns]
+    return values

@@ -71,10 +71,10 @@ class Water(AbstractFluid):
 
 def _sum_powers(xp: Namespace, terms: Terms, log: Scalar) -> Scalar:
     """Return Σ factor · exp(exponent · log)."""
-    found = 0.0
+    total = 0.0
     for factor, exponent in terms:
-        found = found + factor * xp.exp(exponent * log)
-    return found
+        total = total + factor * xp.exp(exponent * log)
+    return total
 
 
 def _compute_volume(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
@@ -93,12 +93,12 @@ def _heat_capacity(temperature: Scalar, a: Scalar, b: Scalar) -> Scalar:
 
 def _sum_series(terms: Series, x: Scalar, order: int) -> Scalar:
     """Return the `order`-th derivative of Σ factor · xⁿ, with falling powers."""
-    found = 0.0
+    total = 0.0
     for factor, exponent in terms:
         for k in range(order):
             factor = factor * (exponent + k)
         product = factor * x
         for _ in range(exponent + order - 1):
             product = product * x
-        found = found + product
-    return found
+        total = total + product
+    return total

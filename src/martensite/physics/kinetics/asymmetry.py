@@ -170,8 +170,8 @@ def _follow_parts(
     n = xp.where(back, (n + against) * kept - against, xp.where(ahead, grown, n))
     whole = xp.where(back, (xi - lost - against) * kept + against + lost, xp.where(ahead, 1.0 - austenite * rest, xi))
     xi, n = whole - lost * both, n + share * lost * (1.0 - alone)
-    found = Fractions(xi, xp.clip(n, -xi, xi))
-    return found, limit_against(xp, found, against * (1.0 - along) + astray * (most - against))
+    fractions = Fractions(xi, xp.clip(n, -xi, xi))
+    return fractions, limit_against(xp, fractions, against * (1.0 - along) + astray * (most - against))
 
 
 def _commit(

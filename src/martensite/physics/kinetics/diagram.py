@@ -96,11 +96,11 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
 
     def on_side(self, xp: Namespace, side: Scalar) -> Self:
         """Return the law of tension [+1] or compression [-1] in terms of |σ|."""
-        found: dict[str, Scalar] = {}
+        values: dict[str, Scalar] = {}
         for name in self.sided if self.compression == "asymmetric" else ():
             own, other = getattr(self, name), getattr(self, f"{name}_compression")
-            found[name] = xp.where(side > 0.0, own, xp.where(other > 0.0, other, own))
-        law = self.rebuilt(found)
+            values[name] = xp.where(side > 0.0, own, xp.where(other > 0.0, other, own))
+        law = self.rebuilt(values)
         law.__dict__["compression"] = NONE
         return law
 
@@ -125,12 +125,12 @@ class AbstractShapes(Parametrised):
 
     def describe_unused(self, hardening: str, surfaces: str) -> list[str]:
         """Return sentences about parameters that these options do not use."""
-        found: list[str] = []
+        sentences: list[str] = []
         if hardening != "waisted" and max(self.waist_f, self.waist_r) > 0.0:
-            found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
+            sentences.append('A waist counts only with the option `hardening = "waisted"` of the law.')
         if surfaces != "curved" and any((self.curvature_f, self.curvature_r, self.widening_f, self.widening_r)):
-            found.append('A curvature or widening counts only with the option `surfaces = "curved"` of the law.')
-        return found
+            sentences.append('A curvature or widening counts only with the option `surfaces = "curved"` of the law.')
+        return sentences
 
 
 class AbstractPhaseDiagram(AbstractTwoPhaseLaw):

@@ -59,10 +59,10 @@ class AbstractStripLaw(AbstractSidedDiagram):
 
     def cautions(self) -> list[str]:
         """Return cautions about the order of temperatures and the sign of Θ."""
-        found = super().cautions()
+        cautions = super().cautions()
         if self.A_s < self.M_s:
-            found.append("A_s is below M_s: the strips overlap at zero stress already.")
-        return found
+            cautions.append("A_s is below M_s: the strips overlap at zero stress already.")
+        return cautions
 
     def doubt(self) -> Doubt | None:
         """Return a doubt if the strips overlap."""

@@ -202,17 +202,15 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
 
     def cautions(self) -> list[str]:
         """Return cautions about stiff martensite, unused parameters and falling finish temperatures."""
-        found: list[str] = []
-        if self.E_M > self.E_A:
-            found.append("E_M is above E_A: martensite is usually the softer phase.")
-        found += self.describe_unused(self.hardening, self.surfaces)
+        cautions = ["E_M is above E_A: martensite is usually the softer phase."] if self.E_M > self.E_A else []
+        cautions += self.describe_unused(self.hardening, self.surfaces)
         falling = self._find_falling_finish()
         if falling is not None:
-            found.append(
+            cautions.append(
                 f"Above {falling / 1e6:.4g} MPa a range widens faster than stress shifts it, so that M_f or A_s falls: "
                 "true of cycles at constant stress, not shown for loading at constant temperature."
             )
-        return found
+        return cautions
 
     def _find_falling_finish(self) -> float | None:
         """Return the stress [Pa] above which M_f or A_s falls, for cycles at this stress; None if nowhere."""
@@ -258,15 +256,9 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             forward = forward + self.waist_f * waist_energy(xp, self.n_1, self.n_2)
             reverse = reverse + self.waist_r * waist_energy(xp, self.n_3, self.n_4)
         a_3 = 0.25 * (a_2 * reverse - a_1 * forward)
-        return Constants(
-            rho_Delta_s0=entropy,
-            rho_Delta_u0=0.5 * entropy * (self.M_s + self.A_f),
-            a_1=a_1,
-            a_2=a_2,
-            a_3=a_3,
-            Y_0=0.5 * entropy * (self.M_s - self.A_f) - a_3,
-            D=(self.C_M - self.C_A) * share / work,
-        )
+        energy = 0.5 * entropy * (self.M_s + self.A_f)
+        threshold = 0.5 * entropy * (self.M_s - self.A_f) - a_3
+        return Constants(entropy, energy, a_1, a_2, a_3, threshold, (self.C_M - self.C_A) * share / work)
 
     def scale(self, xp: Namespace) -> WorkScale:
         """Return the factors of the surfaces."""
@@ -350,8 +342,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         """
 
         def beyond(xp: Namespace, part: Scalar) -> Scalar:
-            tilt = 1e-13 * part  # avoids a zero slope
-            return self.forward_share(xp, scale, *way.at(part)) - share + tilt
+            return self.forward_share(xp, scale, *way.at(part)) - share + 1e-13 * part  # avoids a zero slope
 
         rises = self.forward_share(xp, scale, *way.at(1.0)) > share
         part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING)

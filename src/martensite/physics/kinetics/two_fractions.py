@@ -252,30 +252,30 @@ def follow_all_strips(
 
 
 def find_handover(
-    xp: Namespace, found: Courses, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
+    xp: Namespace, courses: Courses, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Return the point of a leg, some roundings late, at which the first direction ends and the other may begin."""
-    s, t, r = found.loading, found.cooling, found.reverse
+    s, t, r = courses.loading, courses.cooling, courses.reverse
     two = xp.both(r.passes, xp.either(s.passes, t.passes))
     forward = xp.where(s.acts, s.leaves, t.leaves)
-    done = xp.where(found.back, r.leaves, forward)
+    done = xp.where(courses.back, r.leaves, forward)
     return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
 
 
 def select_direction(
-    xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory, found: Courses
+    xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory, courses: Courses
 ) -> TwoFractionDirection:
     """Return the first direction of a leg, and its start."""
-    course, twinned = select_points(xp, memory, found)
-    whole = found.loading, found.cooling, found.reverse
+    course, twinned = select_points(xp, memory, courses)
+    whole = courses.loading, courses.cooling, courses.reverse
     s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
     if rule != RESTART:
         s, t = xp.minimum(memory.loading, s), xp.minimum(memory.cooling, t)
         r = xp.minimum(memory.reverse, r)
-    ahead = found.ahead
+    ahead = courses.ahead
     main, back = diagram.loading, diagram.reverse
     return TwoFractionDirection(
-        xp.where(found.back, -1.0, xp.where(ahead, 1.0, 0.0)),
+        xp.where(courses.back, -1.0, xp.where(ahead, 1.0, 0.0)),
         memory.martensite,
         memory.oriented,
         memory.stress,
@@ -306,14 +306,18 @@ def turn_points(
     return points._replace(forwards=forwards, reverses=reverses), xp.both(turned, goes_on)
 
 
-def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> tuple[BranchCourse | tuple[()], Scalar]:
+def select_points(
+    xp: Namespace, memory: TwoFractionMemory, courses: Courses
+) -> tuple[BranchCourse | tuple[()], Scalar]:
     """Return the course to return points, and 1 if it belongs to T."""
     if not memory.recalled:
         return (), 0.0
     before = memory.recalled.twinned
-    points, _ = turn_points(xp, memory, memory.recalled, xp.where(found.ahead, 1.0, xp.where(found.back, -1.0, 0.0)))
-    s, t, r = found.loading, found.cooling, found.reverse
-    ahead, acts = found.ahead, xp.either(found.ahead, found.back)
+    points, _ = turn_points(
+        xp, memory, memory.recalled, xp.where(courses.ahead, 1.0, xp.where(courses.back, -1.0, 0.0))
+    )
+    s, t, r = courses.loading, courses.cooling, courses.reverse
+    ahead, acts = courses.ahead, xp.either(courses.ahead, courses.back)
     turns = xp.both(acts, memory.branch * xp.where(ahead, 1.0, -1.0) <= 0.0)
     free = xp.both(xp.both(ahead, turns), points.forwards < 0.5)
     alone = xp.where(xp.both(t.acts, xp.negate(s.acts)), 1.0, 0.0)
@@ -324,7 +328,7 @@ def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> t
         all_of_it, oriented = falls
         forth = xp.either(twinned > 0.5, all_of_it <= oriented + SHARE_TOLERANCE)
         back = xp.both(oriented >= -SHARE_TOLERANCE, oriented <= all_of_it + SHARE_TOLERANCE)
-        return xp.either(xp.both(ahead, forth), xp.both(found.back, back))
+        return xp.either(xp.both(ahead, forth), xp.both(courses.back, back))
 
     rest = [xp.where(ahead, 1.0 - one, one) for one in (memory.martensite, memory.oriented)]
     return select_course(xp, points, ahead, turns, compute_cosine_rest(xp, begin), rest, admits_falls), twinned

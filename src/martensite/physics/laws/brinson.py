@@ -66,10 +66,10 @@ class Brinson(AbstractSidedDiagram):
 
     @override
     def cautions(self) -> list[str]:
-        found = super().cautions()
+        cautions = super().cautions()
         if self.A_s < self.M_s:
-            found.append("A_s is below M_s: cooling and heating transform at the same temperature.")
-        return found
+            cautions.append("A_s is below M_s: cooling and heating transform at the same temperature.")
+        return cautions
 
     @override
     def doubt(self) -> Doubt | None:
@@ -110,8 +110,8 @@ class Brinson(AbstractSidedDiagram):
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> tuple[Scalar, Scalar]:
         """Return the point of a leg where the direction may change; else its end."""
-        found = two_fractions.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
-        return two_fractions.find_handover(xp, found, memory, stress, temperature)
+        courses = two_fractions.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
+        return two_fractions.find_handover(xp, courses, memory, stress, temperature)
 
     def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
         """Return the fraction that reverse transformation leaves between two distances."""
@@ -152,8 +152,8 @@ class Brinson(AbstractSidedDiagram):
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> TwoFractionDirection:
         diagram = self.diagram()
-        found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
-        return two_fractions.select_direction(xp, self.history, diagram, memory, found)
+        courses = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
+        return two_fractions.select_direction(xp, self.history, diagram, memory, courses)
 
     @override
     def follow(
@@ -181,9 +181,9 @@ class Brinson(AbstractSidedDiagram):
         """Advance along a straight leg; both directions may act in succession."""
         diagram = self.diagram()
         for _ in range(PIECES - 1):
-            found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
-            move = two_fractions.select_direction(xp, self.history, diagram, memory, found)
-            between = two_fractions.find_handover(xp, found, memory, stress, temperature)
+            courses = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
+            move = two_fractions.select_direction(xp, self.history, diagram, memory, courses)
+            between = two_fractions.find_handover(xp, courses, memory, stress, temperature)
             fractions = self.follow(xp, move, *between, dt)
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)

@@ -117,8 +117,8 @@ def _seek_on_chord(
     shares = [xp.where(way < 0.0, -share, share) for way in ways]
 
     def mismatch(xp: Namespace, q: Scalar) -> Scalar:
-        found = answer(xp, type(start)(*_blend_fractions(start, aim, q)))
-        for share, a, b in zip(shares, start, found, strict=True):
+        fractions = answer(xp, type(start)(*_blend_fractions(start, aim, q)))
+        for share, a, b in zip(shares, start, fractions, strict=True):
             q = q - share * (b - a)
         return q
 
@@ -167,12 +167,12 @@ def _compute_newton_step(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], at: Fractions
 ) -> tuple[Fractions, Scalar]:
     """Return the Newton step of z - f(z) = 0, and the size of the mismatch."""
-    found, slopes = compute_jacobian(xp, lambda xp, x: answer(xp, type(at)(*x)), at)
+    fractions, slopes = compute_jacobian(xp, lambda xp, x: answer(xp, type(at)(*x)), at)
     rows = [
         [1.0 - xp.detach(slope) if i == k else -xp.detach(slope) for k, slope in enumerate(row)]
         for i, row in enumerate(slopes)
     ]
-    short = [x - y for x, y in zip(found, at, strict=True)]
+    short = [x - y for x, y in zip(fractions, at, strict=True)]
     rows = [[*row, x] for row, x in zip(rows, short, strict=True)]
     third = rows.pop() if len(rows) > len(Fractions._fields) else None
     if third:  # eliminated first: the R-phase restrains itself, so its pivot is at least 1

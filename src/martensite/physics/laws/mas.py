@@ -76,8 +76,8 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
 
     @override
     def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> MasStep:
-        found = self.barriers(xp, memory.stress, memory.temperature)
-        starts = tuple(keep_process(xp, process) for process in found)
+        barriers = self.barriers(xp, memory.stress, memory.temperature)
+        starts = tuple(keep_process(xp, process) for process in barriers)
         return MasStep(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
 
     @override
@@ -97,8 +97,8 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
 
     def jump_rates(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Flows:
         """Return the rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
-        found = self.barriers(xp, stress, temperature)
-        return Flows(*(compute_rate(xp, process, self.layer_time) for process in found))
+        barriers = self.barriers(xp, stress, temperature)
+        return Flows(*(compute_rate(xp, process, self.layer_time) for process in barriers))
 
     @override
     def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:

@@ -95,10 +95,12 @@ class RPhase(AbstractPhaseDiagram):
 
     @override
     def cautions(self) -> list[str]:
-        found = self.whole().cautions()
+        cautions = self.whole().cautions()
         if self.M_s >= self.R_s:
-            found.append("M_s is not below R_s: martensite forms first, and little R-phase or none is seen on cooling.")
-        return found
+            cautions.append(
+                "M_s is not below R_s: martensite forms first, and little R-phase or none is seen on cooling."
+            )
+        return cautions
 
     @override
     def doubt(self) -> Doubt | None:

@@ -89,15 +89,15 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
 
     @override
     def cautions(self) -> list[str]:
-        found = super().cautions() + self.describe_unused(self.hardening, self.surfaces)
+        cautions = super().cautions() + self.describe_unused(self.hardening, self.surfaces)
         for name, slope, curve in zip(("M_f", "A_s"), (self.C_M, self.C_A), self.curves(), strict=True):
             falls = _find_fall(slope, curve) if curve else None
             if falls is not None:
-                found.append(
+                cautions.append(
                     f"Above {falls / 1e6:.4g} MPa `{name}` falls with stress: true of cycles at constant stress, not "
                     "shown for loading at constant temperature."
                 )
-        return found
+        return cautions
 
     @override
     def young(self, fractions: Fractions) -> Scalar:

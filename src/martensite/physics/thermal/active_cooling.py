@@ -138,12 +138,12 @@ class Fan(AbstractActiveCooling):
 
     def film_at(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """Return h [W/(m² K)] at a speed [m/s]."""
-        found = self.fluid.properties(xp, 0.5 * (temperature + ambient))
+        fluid = self.fluid.properties(xp, 0.5 * (temperature + ambient))
         speed = xp.clip(level, 0.0, self.highest)
-        reynolds = xp.maximum(speed * shape.diameter / found.viscosity, LEAST_REYNOLDS)
-        unit = found.conductivity / shape.diameter
+        reynolds = xp.maximum(speed * shape.diameter / fluid.viscosity, LEAST_REYNOLDS)
+        unit = fluid.conductivity / shape.diameter
         conducted = STILL_NUSSELT * unit
-        forced = conducted + correlate_stream(xp, reynolds, found.prandtl) * unit
+        forced = conducted + correlate_stream(xp, reynolds, fluid.prandtl) * unit
         free = self.still.film(xp, temperature, ambient, shape)
         fourth = _raise_to_fourth(free) + (_raise_to_fourth(forced) - _raise_to_fourth(conducted))
         return xp.sqrt(xp.sqrt(fourth))

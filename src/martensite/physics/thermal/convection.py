@@ -32,15 +32,15 @@ class AbstractFreeConvection(AbstractCooling):
 
     @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        found = self.fluid.properties(xp, 0.5 * (temperature + ambient))
+        fluid = self.fluid.properties(xp, 0.5 * (temperature + ambient))
         size = self.size(shape)
-        rayleigh = self.rayleigh(xp, found, xp.abs(temperature - ambient), size)
-        return self.nusselt(xp, rayleigh, found.prandtl, shape) * found.conductivity / size
+        rayleigh = self.rayleigh(xp, fluid, xp.abs(temperature - ambient), size)
+        return self.nusselt(xp, rayleigh, fluid.prandtl, shape) * fluid.conductivity / size
 
-    def rayleigh(self, xp: Namespace, found: FluidProperties, difference: Scalar, size: Scalar) -> Scalar:
+    def rayleigh(self, xp: Namespace, fluid: FluidProperties, difference: Scalar, size: Scalar) -> Scalar:
         """Return Ra [-] of a body of this size [m] at a temperature `difference` [K]."""
-        driving = self.gravity * found.expansion * xp.maximum(difference, LEAST_DIFFERENCE)
-        return driving * size * size * size / (found.viscosity * found.diffusivity)
+        driving = self.gravity * fluid.expansion * xp.maximum(difference, LEAST_DIFFERENCE)
+        return driving * size * size * size / (fluid.viscosity * fluid.diffusivity)
 
     def size(self, shape: Cylinder) -> Scalar:
         """Return the size s [m] of Nu and Ra."""
@@ -100,10 +100,10 @@ class Morgan(AbstractFreeConvection):
     @override
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
         log = xp.log(rayleigh)
-        found = LAWS[0][0] * xp.exp(LAWS[0][1] * log)
+        number = LAWS[0][0] * xp.exp(LAWS[0][1] * log)
         for factor, exponent in LAWS[1:]:
-            found = xp.maximum(found, factor * xp.exp(exponent * log))
-        return found
+            number = xp.maximum(number, factor * xp.exp(exponent * log))
+        return number
 
 
 @COOLING.register("lefevre-ede")
@@ -154,9 +154,9 @@ class ChurchillBernstein(AbstractCooling):
 
     @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        found = self.fluid.properties(xp, 0.5 * (temperature + ambient))
-        reynolds = self.speed * shape.diameter / found.viscosity
-        return self.nusselt(xp, reynolds, found.prandtl) * found.conductivity / shape.diameter
+        fluid = self.fluid.properties(xp, 0.5 * (temperature + ambient))
+        reynolds = self.speed * shape.diameter / fluid.viscosity
+        return self.nusselt(xp, reynolds, fluid.prandtl) * fluid.conductivity / shape.diameter
 
     def nusselt(self, xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
         """Return the mean Nusselt number on the diameter [-]."""

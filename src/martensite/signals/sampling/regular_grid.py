@@ -183,13 +183,13 @@ def _fill_held_inputs(
     first, remarks = 0, list[str]()
     filled: list[Numbers] = []
     for name in inputs:
-        known = np.isfinite(columns[name])
-        if not known.any():
+        finite = np.isfinite(columns[name])
+        if not finite.any():
             raise DataError(f"Input `{name}` of record `{record}` is missing throughout.")
-        first = max(first, int(np.argmax(known)))
-        last = np.maximum.accumulate(np.where(known, np.arange(len(known)), 0))
+        first = max(first, int(np.argmax(finite)))
+        last = np.maximum.accumulate(np.where(finite, np.arange(len(finite)), 0))
         filled.append(columns[name][last])
-        missing = int((~known[np.argmax(known) :]).sum())
+        missing = int((~finite[np.argmax(finite) :]).sum())
         if missing:
             remarks.append(f"Input `{name}` is missing in {missing} rows; the one before is held.")
     if first:
@@ -266,8 +266,8 @@ def _interpolate_record(
 
 def _interpolate_column(at: Numbers, times: Numbers, column: Numbers) -> Numbers:
     """Return a column at other times; NaN within gaps."""
-    known = np.isfinite(column)
-    times, column = times[known], column[known]
+    finite = np.isfinite(column)
+    times, column = times[finite], column[finite]
     if len(times) < 2:
         return np.full(len(at), np.nan)
     right = np.clip(np.searchsorted(times, at), 1, len(times) - 1)

@@ -48,9 +48,9 @@ def resample_record(record: Sampled, interval: float | None = None, *, ratio: fl
 def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
     """Return the means over new samples; NaN if less than half of a sample is known."""
     edges = factor * np.arange(int(len(record) / factor * (1.0 + COUNT_TOLERANCE)) + 1)
-    known = np.isfinite(record.outputs)
-    shares = _average_held(known.astype(float), edges)
-    sums = _average_held(np.where(known, record.outputs, 0.0), edges)
+    finite = np.isfinite(record.outputs)
+    shares = _average_held(finite.astype(float), edges)
+    sums = _average_held(np.where(finite, record.outputs, 0.0), edges)
     enough = shares >= 0.5
     outputs = np.where(enough, sums / np.where(enough, shares, 1.0), np.nan)
     return _average_held(record.inputs, edges), outputs
@@ -173,12 +173,12 @@ def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str
 
 
 def _bridge_gaps(record: str, name: str, column: Numbers, remarks: list[str]) -> Numbers:
-    known = np.isfinite(column)
-    missing = int(len(column) - known.sum())
+    finite = np.isfinite(column)
+    missing = int(len(column) - finite.sum())
     if not missing:
         return column
     if missing == len(column):
         raise DataError(f"Signal `{name}` of record `{record}` is missing throughout.")
     remarks.append(f"{missing} missing samples of `{name}`, an input here, were interpolated.")
     places = np.arange(len(column))
-    return np.interp(places, places[known], column[known])
+    return np.interp(places, places[finite], column[finite])

@@ -95,10 +95,10 @@ def _count_resting(record: Sampled) -> int:
 
 def _fit_line(t: Numbers, values: Numbers, sloped: bool, what: str) -> tuple[float, float]:
     """Return the level at the first sample, and the slope."""
-    known = np.isfinite(values)
-    if not known.any():
+    finite = np.isfinite(values)
+    if not finite.any():
         raise DataError(f"Signal {what} has no known samples to find its level from.")
-    t, values = t[known], values[known]
+    t, values = t[finite], values[finite]
     level, middle = _average_known(values), _average_known(t)
     spread = _average_known((t - middle) ** 2)
     if not sloped or spread == 0.0:
