@@ -48,6 +48,12 @@ print("Text between the drawing and its caption.")
 
 Figure: A caption below.
 
+```{toctree}
+:caption: A group
+
+further
+```
+
 [a link](https://elsewhere.org)
 """
 FIRST = """\
@@ -70,7 +76,7 @@ page | A figure | What is in it | wire
 wire | A device | What it is
 ```
 """
-OURS = ["myst_nb", "executed", "shown", "live", "gallery", "sphinx.ext.mathjax"]
+OURS = ["myst_nb", "executed", "shown", "live", "gallery", "navigation", "sphinx.ext.mathjax"]
 LOADS = re.compile(
     r"<(?:script|img|iframe|source|video|audio|embed|object)\b[^>]*?(?:src|data)=[\"']([^\"']*)"
     r"|<link\b(?![^>]*rel=[\"']canonical)[^>]*?href=[\"']([^\"']*)"
@@ -114,6 +120,7 @@ def build(tmp_path: Path) -> Build:
 
 
 def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
+    (tmp_path / "further.md").write_text("# A further page\n", encoding="utf-8")
     done = build(FIRST + LIVE, PAGE.replace("[gallery]", "[gallery, live-wire]"))
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "html" / "page.html").read_text("utf-8")
@@ -122,6 +129,8 @@ def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
     assert "%%writefile" not in words
     assert 'code-block-caption"><span class="caption-text"><code' in page
     assert 'alt="Figure: A page"' in page
+    further = (tmp_path / "html" / "further.html").read_text("utf-8")
+    assert all('<li class="menu-group">A group</li><li class="toctree-l2' in one for one in (page, further))
     assert 'alt="Figure: A caption below."' in page and '<p class="figure-caption">Figure: A caption below.' in page
     index = (tmp_path / "html" / "index.html").read_text("utf-8")
     assert "bench/#" not in page + index  # where there is no bench
@@ -161,6 +170,7 @@ def write_bench(folder: Path) -> str:
 
 def test_figures_and_files_lead_to_the_bench_beside_them(build: Build, tmp_path: Path) -> None:
     bench = write_bench(tmp_path / "made")
+    (tmp_path / "further.md").write_text("# A further page\n", encoding="utf-8")
     done = build(FIRST + LIVE, PAGE.replace("[gallery]", "[gallery, live-wire]"), bench)
     assert done.returncode == 0, done.stderr
     html = [(tmp_path / "html" / f"{name}.html").read_text("utf-8") for name in ("index", "page")]
