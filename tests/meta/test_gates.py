@@ -128,7 +128,9 @@ def list_undocumented(sources: dict[str, str]) -> set[str]:
     bases: dict[str, set[str]] = {}
     documented: dict[str, set[str]] = {}
     for one in classes:
-        names = {node.id for base in one.bases for node in ast.walk(base) if isinstance(node, ast.Name)}
+        parts = [node for base in one.bases for node in ast.walk(base)]
+        names = {node.id for node in parts if isinstance(node, ast.Name)}
+        names |= {node.attr for node in parts if isinstance(node, ast.Attribute)}
         bases[one.name] = bases.get(one.name, set()) | names
         methods = {x.name for x in one.body if isinstance(x, ast.FunctionDef) and ast.get_docstring(x)}
         fields = {x.target.id for x in one.body if isinstance(x, ast.AnnAssign) and isinstance(x.target, ast.Name)}

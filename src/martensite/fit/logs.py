@@ -171,8 +171,7 @@ def choose_held_out(
     if hold_out in (AUTO, PARTS):
         if hold_out == AUTO and len(names) >= MANY_RECORDS:
             return [ALL if k == len(names) // 2 else () for k in range(len(names))]
-        even = [(np.asarray(rows) - rows[0]) / ((rows[-1] - rows[0]) or 1.0) for rows in times]
-        return [_choose_stretches(*pair) for pair in zip(times, places or even, strict=True)]
+        return [_choose_stretches(*pair) for pair in zip(times, places or map(_spread_evenly, times), strict=True)]
     if hold_out == EACH and len(names) < 2:
         raise InputError("There is only one record, so no data are left for the fit.")
     if hold_out in (NONE, EACH):
@@ -190,6 +189,11 @@ def _choose_named(asked: Sequence[str], names: Sequence[str]) -> list[Stretches]
     if len(set(asked)) == len(names):
         raise InputError("All records are held out, and none is left to be fitted.")
     return [ALL if name in asked else () for name in names]
+
+
+def _spread_evenly(rows: Sequence[float]) -> Any:
+    """Return times as fractions of their duration."""
+    return (np.asarray(rows) - rows[0]) / ((rows[-1] - rows[0]) or 1.0)
 
 
 def _choose_stretches(times: Sequence[float], places: Any) -> Stretches:

@@ -37,7 +37,7 @@ class LoopColumns:
 
 
 @dataclass(frozen=True)
-class Branch:
+class LoopLeg:
     """One full leg, in the order of the drive."""
 
     drive: Any
@@ -57,8 +57,8 @@ class Branch:
         return (1.0 - FLAT) * done + FLAT * way
 
 
-Branches = dict[bool, Branch]
-"""Whether the drive rises -> the last full leg."""
+Branches = dict[bool, LoopLeg]
+"""Last full leg by direction: True if the drive rises."""
 
 
 def find_branches(loop: LoopColumns) -> Branches:
@@ -71,7 +71,7 @@ def find_branches(loop: LoopColumns) -> Branches:
         rows = rows[np.isfinite(loop.column[rows])]
         if abs(change) >= FULL * span and len(rows) > 2 and len(np.unique(loop.drive[rows])) > 2:
             kelvin, places = np.unique(loop.drive[rows], return_index=True)
-            found[bool(change > 0.0)] = Branch(kelvin, loop.column[rows][places])
+            found[bool(change > 0.0)] = LoopLeg(kelvin, loop.column[rows][places])
     return found
 
 
@@ -103,7 +103,7 @@ def repeat_branches(loop: LoopColumns, branches: Branches) -> Any:
     return found
 
 
-def _far_end(branch: Branch, x: Any) -> float:
+def _far_end(branch: LoopLeg, x: Any) -> float:
     """Return the end of a branch towards which a leg goes."""
     return float(branch.drive[-1] if x[-1] > x[0] else branch.drive[0])
 
@@ -129,10 +129,10 @@ def average_neighbours(loop: LoopColumns, others: Sequence[LoopColumns]) -> Any:
     return repeat_branches(loop, mixed) if mixed else None
 
 
-def _mix(one: Branch, other: Branch, weight: float) -> Branch:
+def _mix(one: LoopLeg, other: LoopLeg, weight: float) -> LoopLeg:
     """Return the branch at a weight between two, at equal fraction."""
     columns: list[Any] = []
     for name in ("drive", "column"):
         values = [np.interp(FRACTIONS, x.fractions, getattr(x, name)) for x in (one, other)]
         columns.append((1.0 - weight) * values[0] + weight * values[1])
-    return Branch(np.maximum.accumulate(columns[0]), columns[1])
+    return LoopLeg(np.maximum.accumulate(columns[0]), columns[1])

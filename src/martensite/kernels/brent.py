@@ -44,16 +44,24 @@ def find_root(
         least, half = 0.5 * (tolerance + relative * abs(here)), 0.5 * (other - here)
         if value == 0.0 or abs(half) < least:
             return here
-        tried = _extrapolate((before, value_before), (here, value), (other, value_other))
-        usable = abs(last) > least and abs(value) < abs(value_before)
-        if usable and 2.0 * abs(tried) < min(abs(last), 3.0 * abs(half) - least):
-            last, step = step, tried
-        else:
-            last = step = half
+        points = (before, value_before), (here, value), (other, value_other)
+        last, step = _choose_step(points, last, step, half, least)
         before, value_before = here, value
         here += step if abs(step) > least else (least if half > 0.0 else -least)
         value = function(here)
     raise SolveError(f"No root was found in {MOST_TURNS} turns of Brent's method, between {low:.6g} and {high:.6g}.")
+
+
+def _choose_step(
+    points: tuple[tuple[float, float], ...], last: float, step: float, half: float, least: float
+) -> tuple[float, float]:
+    """Return the step before the next one, and the next one: extrapolated if it is short enough, otherwise half."""
+    before, here, _ = points
+    if abs(last) > least and abs(here[1]) < abs(before[1]):
+        tried = _extrapolate(*points)
+        if 2.0 * abs(tried) < min(abs(last), 3.0 * abs(half) - least):
+            return step, tried
+    return half, half
 
 
 def _extrapolate(before: tuple[float, float], here: tuple[float, float], other: tuple[float, float]) -> float:

@@ -507,7 +507,7 @@ class AdaptiveMarch(AbstractMarch):
         """Keep the samples up to the end of a step [s], but for those that wait for the next step."""
         times, trial = self.plan.times, step.trial
         hair = STEP_TOLERANCE * trial.length
-        ends = self.at_edge or trial.lapse > 0.0 or end >= self.duration or self._leaves(trial.seen)
+        ends = self._is_last(end, trial)
         smooth: list[bool] | None = None
         while self.sample < len(times) and times[self.sample] <= end + hair:
             time = times[self.sample]
@@ -533,9 +533,11 @@ class AdaptiveMarch(AbstractMarch):
         self.found.rows.append(self.functions["observe"](*state, *self.signals(time)))
         self.sample += 1
 
-    def _leaves(self, seen: Row) -> bool:
-        """Return whether what is judged is outside of the envelope."""
-        return self.plan.limits.find_exit(seen[self.convergence_scales :]) is not None
+    def _is_last(self, end: float, trial: StepTrial) -> bool:
+        """Return whether no polynomial goes on from a step: to an edge, a jump, the end of the run or the envelope."""
+        if self.at_edge or trial.lapse > 0.0 or end >= self.duration:
+            return True
+        return self.plan.limits.find_exit(trial.seen[self.convergence_scales :]) is not None
 
     def _find_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> list[bool]:
         """Return whether the polynomial through five points is good enough in a step, and in the one before.
