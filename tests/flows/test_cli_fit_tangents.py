@@ -118,8 +118,12 @@ def test_several_cycles_in_a_log() -> None:
     name = log(100e6, "two.csv", cycles=2)
     assert "Cycle 2 of 2 is used." in fine(name)
     assert "Cycle 1 of 2 is used." in fine(name, "--cycle", "1")
-    assert "Argument `cycle` must be from -2 to 1" in refused(name, "--cycle", "3")
-    assert "counts from 1 on, but is 0" in refused(name, "--cycle", "0")
+    assert "must be from 1 to 2" in refused(name, "--cycle", "3")
+    assert "counts from 1 on, or is `all`, but is 0" in refused(name, "--cycle", "0")
+    told = fine(name, "--cycle", "all")
+    assert "median" in told
+    assert "drift" in told
+    assert "takes one LOG" in refused(name, name, "--cycle", "all")
 
 
 @pytest.mark.skipif(

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from martensite.characterise.tangent_points import find_all_cycles, find_tangent_points
 from martensite.fit.experiment import Experiment
 from martensite.fit.log_models import LogModel, model_logs
 from martensite.fit.logs import choose_held_out
@@ -95,6 +96,17 @@ def test_jitter_of_the_temperature_is_in_the_intervals() -> None:
     check_temperatures(model)
     assert min(one.half_width for one in model.temperatures) > 0.5
     assert any("smoothed along each leg" in note for note in model.notes)
+
+
+def test_tangents_of_every_cycle_bear_jitter() -> None:
+    """Jitter of 5 K from row to row: points scatter by little about those without, and no cycle is refused."""
+    clean = find_tangent_points(isobaric(1))
+    found = find_all_cycles(isobaric(10, jitter=5.0))
+    assert not any(isinstance(one, str) for one in found)
+    for name in TRUE:
+        apart = [getattr(one, name) - getattr(clean, name) for one in found]
+        assert abs(float(np.mean(apart))) < 1.5, name
+        assert float(np.std(apart)) < 2.5, name
 
 
 def test_given_length_of_a_tensile_test_changes_no_strain() -> None:

@@ -18,7 +18,7 @@ from itertools import pairwise
 from typing import Any
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.loop_paths import FULL, find_turns
+from martensite.characterise.loop_paths import FULL, LoopPath, find_turns, trace_loop
 from martensite.signals.records import Record, not_finite, out_of_order
 
 FEWEST_ROWS = 20
@@ -30,6 +30,8 @@ LEAST_RANGE = 5.0
 COLDEST, HOTTEST = 150.0, 1500.0
 """Temperatures outside which a column holds something else [K]."""
 LARGEST_STRAIN = 0.5
+NOISY = 0.5
+"""Scatter of the temperature from row to row above which it is smoothed [K]."""
 SMALLEST_STRESS, LARGEST_STRESS = 1e4, 5e9
 """Stresses outside which, zero apart, the unit must be wrong [Pa]."""
 STEADY = 0.2
@@ -88,6 +90,9 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
     rows = _rows_in_time(record)
     kelvin, strain = ([record[name][k] for k in rows] for name in ("temperature", "strain"))
     _check_columns(record.name, kelvin, strain)
+    path = trace_loop(kelvin)
+    if path.scatter > NOISY:
+        kelvin = path.drive.tolist()
     legs = list(pairwise(find_turning_points(kelvin)))
     cycles = len(legs) // 2
     if not cycles:
@@ -112,7 +117,7 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
         timed=record.interval is None,
         number=number + 1,
         cycles=cycles,
-        remarks=_list_remarks(level, deviation, number + 1, cycles),
+        remarks=(*_list_remarks(level, deviation, number + 1, cycles), *_describe_jitter(path)),
     )
 
 
@@ -207,6 +212,16 @@ def _no_cycle(name: str, kelvin: Sequence[float], legs: int) -> str:
         f"to {kelvin[-1]:.4g} K; record heating and cooling, each over at least "
         f"{100 * FULL:g} % of the range."
     )
+
+
+def _describe_jitter(path: LoopPath) -> list[str]:
+    """Return a remark on a temperature that was smoothed."""
+    if path.scatter <= NOISY:
+        return []
+    return [
+        f"The temperature scatters by {path.scatter:.2g} K from row to row. It is smoothed over at least {path.window} "
+        f"rows, so that each temperature is uncertain by about {2.0 * path.error:.2g} K."
+    ]
 
 
 def _list_remarks(stress: float, deviation: float, number: int, cycles: int) -> tuple[str, ...]:

@@ -214,3 +214,22 @@ def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[st
                 f"it: the {line} line is uncertain."
             )
     return said
+
+
+def find_all_cycles(record: Record, *, stress: float | None = None) -> list[TangentPoints | str]:
+    """Return every cycle of a record by the tangent method; for a cycle without lines the reason.
+
+    Args:
+        record: as for `find_tangent_points`.
+        stress: the constant stress [Pa]; the mean of the column over each cycle if left out.
+
+    Raises:
+        DataError: the record holds no full cycle.
+    """
+    found: list[TangentPoints | str] = []
+    for number in range(cut_cycle(record, stress=stress).cycles):
+        try:
+            found.append(find_tangent_points(record, stress=stress, cycle=number))
+        except DataError as error:
+            found.append(str(error))
+    return found

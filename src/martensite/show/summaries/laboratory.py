@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from martensite.base.confidence import LEVEL, Interval
 from martensite.base.summary import Block, DataTable, Sentence, Summary
@@ -29,6 +31,10 @@ SYMBOLS = {
 }
 ZERO = 273.15
 """0 °C [K]."""
+CYCLE = ("A_s [degC]", "A_f [degC]", "M_s [degC]", "M_f [degC]", "H [%]", "residual [%]")
+"""Columns of the table of all cycles."""
+MOST_REMARKS = 8
+"""Remarks on cycles that are listed."""
 POINTS = (
     "stress [MPa]",
     "A_s [degC]",
@@ -127,6 +133,42 @@ def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
         data = {"levels": [found.to_dict()]}
     blocks += [Sentence(remark, "caution") for remark in found.remarks]
     return Summary(title, blocks, data)
+
+
+def summarise_cycles(found: Sequence[TangentPoints | str]) -> Summary:
+    """Return one table with every cycle of a record, the median of each column, and its drift per cycle."""
+    good = [one for one in found if not isinstance(one, str)]
+    rows: list[tuple[str, ...]] = []
+    for number, one in enumerate(found, start=1):
+        rows.append((f"{number}", *[""] * len(CYCLE), one) if isinstance(one, str) else _cycle_row(number, one))
+    if len(good) > 1:
+        table = np.array([_list_cycle(one) for one in good])
+        numbers = np.array([one.cycle.number for one in good], float)
+        drift = np.polyfit(numbers, table, 1)[0]
+        rows += [
+            ("median", *_format_cycle(np.median(table, axis=0)), ""),
+            ("drift", *_format_cycle(drift), "per cycle"),
+        ]
+    data = {"cycles": [{"reason": one} if isinstance(one, str) else one.to_dict() for one in found]}
+    table = DataTable(("cycle", *CYCLE, "remark"), rows, right=range(1, 1 + len(CYCLE)))
+    remarks = list(dict.fromkeys(text for one in good for text in one.remarks if not text.startswith("Cycle ")))
+    title = f"Tangents of {len(good)} of {len(found)} isobaric cycles"
+    return Summary(title, [table, *(Sentence(text, "caution") for text in remarks[:MOST_REMARKS])], data)
+
+
+def _list_cycle(one: TangentPoints) -> list[float]:
+    """Return the entries of a cycle in the units of `CYCLE`."""
+    kelvin = [getattr(one, name) - ZERO for name in ("A_s", "A_f", "M_s", "M_f")]
+    return [*kelvin, 100.0 * one.H, 100.0 * one.residual_strain]
+
+
+def _format_cycle(values: Iterable[float]) -> list[str]:
+    numbers = list(values)
+    return [*(f"{x:.2f}" for x in numbers[:4]), *(f"{x:.3f}" for x in numbers[4:])]
+
+
+def _cycle_row(number: int, one: TangentPoints) -> tuple[str, ...]:
+    return (f"{number}", *_format_cycle(_list_cycle(one)), "")
 
 
 def _point_row(points: TangentPoints) -> tuple[str, ...]:

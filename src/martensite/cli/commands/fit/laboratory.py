@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from martensite.characterise.time_constant import Rise
     from martensite.signals.records import Record
 
+ALL_CYCLES = "all"
+"""Value of `--cycle` for a table of every cycle."""
 SPEED = "rad/s"
 SPEEDS = (SPEED, "rpm")
 """Units of a speed; those of a frequency would leave open what turns once."""
@@ -141,7 +143,10 @@ def tangents(
     ],
     answer: AnswerOptions,
     stress: Annotated[Texts, Option(help='Constant stress of each log, e.g. "100 MPa"; repeatable.')] = None,
-    cycle: Annotated[int | None, Option(help="Cycle of each log to evaluate, from 1 [default: the last].")] = None,
+    cycle: Annotated[
+        Text,
+        Option(metavar="NUMBER|all", help="Cycle of each log, from 1, or all cycles of one log [default: the last]."),
+    ] = None,
 ) -> None:
     """Compute transformation temperatures by the tangent method.
 
@@ -150,40 +155,69 @@ def tangents(
     zero stress.
     """
     outputs = answer.check_files()
-    levels = read_cycles(logs, stress, cycle)
     from martensite.characterise.tangent_fit import fit_tangents
     from martensite.show.figures.laboratory import plot_tangents
-    from martensite.show.summaries.laboratory import summarise_tangents
+    from martensite.show.summaries.laboratory import summarise_cycles, summarise_tangents
 
+    if cycle == ALL_CYCLES:
+        found = read_all_cycles(logs, stress)
+        good = [one for one in found if not isinstance(one, str)]
+        title = f"Tangents of {len(good)} of {len(found)} cycles"
+        drawn = None if not good else lambda: plot_tangents(good[-1], title)
+        outputs.answer(summarise_cycles(found), answer.json, draw=drawn)
+        return
+    levels = read_cycles(logs, stress, cycle)
     found = fit_tangents(levels) if len(levels) > 1 else levels[0]
     title = f"Tangents of {levels[0].name if len(levels) == 1 else f'{len(levels)} cycles'}"
     summary = summarise_tangents(found)
     outputs.answer(summary, answer.json, draw=lambda: plot_tangents(found, title))
 
 
-def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int | None) -> list[TangentPoints]:
+def read_all_cycles(logs: Sequence[str], stresses: Sequence[str] | None) -> list[TangentPoints | str]:
+    """Return the tangents of every cycle of one log; for a cycle without lines the reason.
+
+    Raises:
+        InputError: there are several logs or stresses.
+        DataError: the log is missing, malformed, or holds no isobaric cycle.
+    """
+    from martensite.characterise.tangent_points import find_all_cycles
+    from martensite.logs.reader import read_log_table
+
+    if len(logs) != 1 or len(stresses or ()) > 1:
+        raise InputError(f"Option `--cycle all` takes one LOG with one stress, but there are {len(logs)} logs.")
+    level = read_quantity("stress", stresses[0], "Pa") if stresses else None
+    return find_all_cycles(read_log_table(logs[0]), stress=level)
+
+
+def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: str | None) -> list[TangentPoints]:
     """The tangents of each log, in the order given.
 
     Raises:
-        InputError: stresses and logs are not equally many, or the cycle is counted from below 1.
+        InputError: stresses and logs are not equally many, or the cycle is not in a log.
         DataError: a log is missing, malformed, or holds no isobaric cycle.
         UnitError: a stress is none.
     """
+    from martensite.characterise.isobaric_cycles import cut_cycle
     from martensite.characterise.tangent_points import find_tangent_points
     from martensite.logs.reader import read_log_table
 
-    if cycle is not None and cycle < 1:
-        raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")
+    if cycle is not None and not (cycle.isdecimal() and int(cycle) > 0):
+        raise InputError(f"Option `--cycle` counts from 1 on, or is `all`, but is {cycle}.")
     if stresses and len(stresses) != len(logs):
         raise InputError(
             f"Give --stress once for every LOG, in their order; stresses: {len(stresses)}, logs: {len(logs)}."
         )
     given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(logs)
-    which = -1 if cycle is None else cycle - 1
-    return [
-        find_tangent_points(read_log_table(log), stress=stress, cycle=which)
-        for log, stress in zip(logs, given, strict=True)
-    ]
+    found: list[TangentPoints] = []
+    for log, stress in zip(logs, given, strict=True):
+        record = read_log_table(log)
+        count = cut_cycle(record, stress=stress).cycles
+        if cycle is not None and int(cycle) > count:
+            raise InputError(
+                f"Option `--cycle` must be from 1 to {count} for record `{record.name}`, or `all`, but is {cycle}."
+            )
+        found.append(find_tangent_points(record, stress=stress, cycle=-1 if cycle is None else int(cycle) - 1))
+    return found
 
 
 @fit.command("vibration")
