@@ -44,12 +44,15 @@ def encode(value: Any) -> Any:
     if is_dataclass(value):
         return {"class": _name_class(value), "named": {f.name: encode(getattr(value, f.name)) for f in fields(value)}}
     if isinstance(value, list | tuple):
-        rows = cast("list[Any]", value)
-        items = [encode(one) for one in rows]
-        if hasattr(rows, "_fields"):
-            return {"class": _name_class(value), "items": items}
-        return items if isinstance(value, list) else {"tuple": items}
+        return _encode_items(cast("list[Any]", value))
     raise DataError(f"An object of the class `{type(value).__name__}` cannot be written to a file.")
+
+
+def _encode_items(values: Any) -> Any:
+    items = [encode(one) for one in values]
+    if hasattr(values, "_fields"):
+        return {"class": _name_class(values), "items": items}
+    return items if isinstance(values, list) else {"tuple": items}
 
 
 def decode(data: Any) -> Any:

@@ -181,31 +181,33 @@ def read_hdf(path: Path) -> Columns:
 def _flatten_value(name: str, value: Any) -> Columns:
     """Return the columns of a variable, including fields of structs and signals of Simulink's struct with time."""
     if isinstance(value, dict):
-        fields = cast("dict[str, Any]", value)
-        signals, time = fields.get("signals"), fields.get("time", fields.get("Time"))
-        if signals is not None and time is not None:
-            listed = cast("list[Any]", signals) if isinstance(signals, list) else [signals]
-            labels = [one.get("label") for one in listed]
-            named = [label if isinstance(label, str) and label else f"{name}{k}" for k, label in enumerate(labels, 1)]
-            parts = {label: one["values"] for label, one in zip(named, listed, strict=True)}
-        elif time is not None and "Data" in fields:
-            parts = {name: fields["Data"]}
-        else:
-            return {k: c for part, inner in fields.items() for k, c in _flatten_value(part, inner).items()}
-        columns: Columns = {"time": np.asarray(time, dtype=float).ravel()}
-        for part, inner in parts.items():
-            columns |= _flatten_value(part, inner)
-        return columns
+        return _flatten_struct(name, cast("dict[str, Any]", value))
     whole = np.asarray(value)
     if whole.dtype.kind not in "iufb" or whole.ndim > 2 or whole.size < 2:
         return {}
     if whole.ndim == 1 or 1 in whole.shape:
         return {name: whole.ravel().astype(float)}
     if whole.shape[0] < whole.shape[1] and np.all(np.diff(whole[0]) > 0.0):  # as Simulink's block To File writes it
-        return {"time": whole[0].astype(float)} | {
-            f"{name}{k}": row.astype(float) for k, row in enumerate(whole[1:], 1)
-        }
+        rows = {f"{name}{k}": row.astype(float) for k, row in enumerate(whole[1:], 1)}
+        return {"time": whole[0].astype(float)} | rows
     return {f"{name}{k}": column.astype(float) for k, column in enumerate(whole.T, start=1)}
+
+
+def _flatten_struct(name: str, fields: dict[str, Any]) -> Columns:
+    signals, time = fields.get("signals"), fields.get("time", fields.get("Time"))
+    if signals is not None and time is not None:
+        listed = cast("list[Any]", signals) if isinstance(signals, list) else [signals]
+        labels = [one.get("label") for one in listed]
+        named = [label if isinstance(label, str) and label else f"{name}{k}" for k, label in enumerate(labels, 1)]
+        parts = {label: one["values"] for label, one in zip(named, listed, strict=True)}
+    elif time is not None and "Data" in fields:
+        parts = {name: fields["Data"]}
+    else:
+        return {k: c for part, inner in fields.items() for k, c in _flatten_value(part, inner).items()}
+    columns: Columns = {"time": np.asarray(time, dtype=float).ravel()}
+    for part, inner in parts.items():
+        columns |= _flatten_value(part, inner)
+    return columns
 
 
 def read_netcdf(path: Path) -> Columns:

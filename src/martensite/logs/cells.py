@@ -218,15 +218,20 @@ def _read_dates(cells: Sequence[str], kind: str) -> ReadCells:
 def _count_days(texts: Sequence[str]) -> tuple[list[float], bool]:
     """Return days of the calendar, NaN for other texts, and whether the order of day and month is ambiguous."""
     parts = {text: tuple(re.split(r"[-/. ]", text)) for text in dict.fromkeys(texts)}
-    written = [part for part in parts.values() if len(part[0]) < 3 and part[1].isdigit()]
+    month_first, unsure = _find_order([part for part in parts.values() if len(part[0]) < 3 and part[1].isdigit()])
+    days = {text: _find_day(part, month_first) for text, part in parts.items()}
+    return [days[text] for text in texts], unsure
+
+
+def _find_order(written: Sequence[tuple[str, ...]]) -> tuple[bool, bool]:
+    """Return true for a month before its day, and true if the order is ambiguous."""
     over = [any(int(part[k]) > 12 for part in written) for k in (0, 1)]
     month_first = over[1] and not over[0]
     unsure = bool(written) and not any(over) and any(part[0] != part[1] for part in written)
-    if unsure and len(parts) > 1:  # successive days are not months apart
+    if unsure and len(written) > 1:  # successive days are not months apart
         spans = [np.ptp([_find_day(part, first) for part in written]) for first in (False, True)]
         month_first, unsure = bool(spans[1] < spans[0]), bool(spans[0] == spans[1])
-    days = {text: _find_day(part, month_first) for text, part in parts.items()}
-    return [days[text] for text in texts], unsure
+    return month_first, unsure
 
 
 def _find_day(parts: tuple[str, ...], month_first: bool) -> float:

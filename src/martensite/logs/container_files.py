@@ -119,9 +119,14 @@ def read_workbook(path: Path) -> Columns:
         raise DataError(f"`{file.name}` has no sheet `{title}`. {suggest_name(title, sheets)}")
     most, rows = max(counts.values()), sheets[title]
     tables = [one for one, count in counts.items() if count > LEAST_SHARE * most]
+    return {"sheet": np.array([title, *tables])} | _write_columns(rows)
+
+
+def _write_columns(rows: list[list[Any]]) -> Columns:
+    """Return the cells of rows as text, by column."""
     used = max((k for row in rows for k, cell in enumerate(row) if cell is not None), default=0) + 1
     texts = [[_write_cell(cell) for cell in row[:used]] + [""] * (used - len(row)) for row in rows]
-    return {"sheet": np.array([title, *tables])} | {str(k): np.array([row[k] for row in texts]) for k in range(used)}
+    return {str(k): np.array([row[k] for row in texts]) for k in range(used)}
 
 
 def _list_filled(sheet: Any) -> list[list[Any]]:

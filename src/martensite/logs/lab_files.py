@@ -290,30 +290,32 @@ def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
         if column.wrong and column.kind != "text" and one.name not in ("", IGNORED):
             many = f"{len(column.wrong)} cells hold no finite number and count as missing"
             doubts.append(f"{title}: {many}, first {column.wrong[0]}.")
-        if one.known == AMBIGUOUS:
-            doubts.append(
-                f"{title} is left out: its values fit degrees and radians; write `--as {place + 1}=angle[deg]` or "
-                f"`--as {place + 1}=angle[rad]`."
-            )
-        elif place == clock or (one.name not in ("", IGNORED, "time") and one.known in ("values", "heading")):
-            if one.known == "values" and not one.sure:
-                doubts.append(
-                    f"{title} is taken for {one.name} in {one.unit} by its values alone; "
-                    f"`--as {place + 1}=…` corrects it."
-                )
-            elif one.known == "heading" and one.unit == "1" and one.name.rpartition(".")[2] not in CANONICAL:
-                doubts.append(
-                    f"{title} is kept as plain numbers, `{one.name}`; `--as {place + 1}=quantity[unit]` names it."
-                )
-        elif not one.name and column.kind == "number" and np.isfinite(column.numbers).any():
-            low, high = np.nanmin(column.numbers), np.nanmax(column.numbers)
-            doubts.append(
-                f"{title}, {low:.6g} to {high:.6g}, was not understood and is left out; "
-                f"write for example `--as {place + 1}=stress[MPa]`."
-            )
+        doubts += filter(None, [_describe_doubt(title, f"--as {place + 1}", column, one, place == clock)])
         if column.unsure and place == clock:
             doubts.append(f"{title}: day and month cannot be told apart; the day is taken to come first.")
     return doubts
+
+
+def _describe_doubt(title: str, option: str, column: RawColumn, meaning: Meaning, clock: bool) -> str:
+    """Return a sentence about an uncertain meaning of a column; empty if it is certain."""
+    name, by = meaning.name, meaning.known
+    if by == AMBIGUOUS:
+        return (
+            f"{title} is left out: its values fit degrees and radians; write `{option}=angle[deg]` or "
+            f"`{option}=angle[rad]`."
+        )
+    if clock or (name not in ("", IGNORED, "time") and by in ("values", "heading")):
+        if by == "values" and not meaning.sure:
+            return f"{title} is taken for {name} in {meaning.unit} by its values alone; `{option}=…` corrects it."
+        if by == "heading" and meaning.unit == "1" and name.rpartition(".")[2] not in CANONICAL:
+            return f"{title} is kept as plain numbers, `{name}`; `{option}=quantity[unit]` names it."
+    elif not name and column.kind == "number" and np.isfinite(column.numbers).any():
+        low, high = np.nanmin(column.numbers), np.nanmax(column.numbers)
+        return (
+            f"{title}, {low:.6g} to {high:.6g}, was not understood and is left out; "
+            f"write for example `{option}=stress[MPa]`."
+        )
+    return ""
 
 
 def _mend_columns(columns: dict[str, list[float]], meant: list[Meaning]) -> list[str]:

@@ -36,13 +36,7 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
     Raises:
         DataError: a file has no times, they do not overlap, or the offset is unknown.
     """
-    if not files:
-        raise InputError("No file is given; a merge needs at least one.")
-    if offsets is not None and len(offsets) != len(files) - 1:
-        raise InputError(f"There are {len(files) - 1} further files, but {len(offsets)} offsets.")
-    untimed = next((one for one in files if not one.has_time), None)
-    if untimed is not None and len(files) > 1:
-        raise DataError(f"`{untimed.path.name}` has no times; only files with times are joined.")
+    _check_files(files, offsets)
     first, notes = files[0], list(files[0].notes)
     columns, si_units = dict(first.record.columns), dict(first.record.units)
     times = np.array(first.record.times)
@@ -50,8 +44,7 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
     for number, other in enumerate(files[1:], start=2):
         offset, reason = (offsets[number - 2], "as given") if offsets else find_offset(first, other)
         own = np.array(other.record.times) + offset
-        inside = int(np.count_nonzero((times >= own[0]) & (times <= own[-1])))
-        if inside < 2:
+        if np.count_nonzero((times >= own[0]) & (times <= own[-1])) < 2:
             raise DataError(
                 f"`{other.path.name}` lasts from {own[0]:.6g} s to {own[-1]:.6g} s by the clock of "
                 f"`{first.path.name}`, which ends at {times[-1]:.6g} s: they do not overlap."
@@ -68,6 +61,16 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
     record = Record(name, columns, si_units, first.path, sum(one.record.dropped for one in files))
     form = "joined: " + "; ".join(f"{one.path.name}: {one.format}" for one in files)
     return replace(first, format=form, record=record, columns=tuple(listed), dropped=tuple(dropped), notes=tuple(notes))
+
+
+def _check_files(files: Sequence[LabFile], offsets: Sequence[float] | None) -> None:
+    if not files:
+        raise InputError("No file is given; a merge needs at least one.")
+    if offsets is not None and len(offsets) != len(files) - 1:
+        raise InputError(f"There are {len(files) - 1} further files, but {len(offsets)} offsets.")
+    untimed = next((one for one in files if not one.has_time), None)
+    if untimed is not None and len(files) > 1:
+        raise DataError(f"`{untimed.path.name}` has no times; only files with times are joined.")
 
 
 def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:

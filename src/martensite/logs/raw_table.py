@@ -128,26 +128,36 @@ def find_table(
     sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]])
     headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
     body, again = _choose_block(rows, body, headings, where)
-    said = collect_said(rows[: body[0]]) | (collect_said([rows[k] for k in body[:40]]) if 0 not in places else {})
+    inside = [] if 0 in places else body[:40]
+    said = collect_said(rows[: body[0]]) | collect_said([rows[k] for k in inside]) | _select_texts(units)
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
     left, above = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
     columns = _read_columns([rows[k] for k in body], headings, channels | units, style, places)
-    comma = "decimal commas" if style.comma else ""
-    words = [form[0], *form[1:2], comma, _say_lines(max(0, rows[body[0]][0] - 1 - above)), *form[2:]]
     doubt = ("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.",) * style.unsure
     return RawTable(
         path.name,
-        ", ".join(word for word in words if word),
+        _describe_form(form, style, rows[body[0]][0] - 1 - above),
         separator,
         any(headings),
         columns,
         [rows[k][0] for k in body],
         [[cell[:60] for cell in rows[k][1]] for k in body[:20]],
         left,
-        said | {key: text for key, text in units.items() if isinstance(key, str)},
+        said,
         again + doubt,
         _find_labels(rows, used, width),
     )
+
+
+def _select_texts(units: Above) -> dict[str, str]:
+    """Return the labelled texts among the units of columns."""
+    return {key: text for key, text in units.items() if isinstance(key, str)}
+
+
+def _describe_form(form: tuple[str, ...], style: NumberStyle, skipped: int) -> str:
+    """Return the kind, separator, number style, skipped lines and encoding of a table, in words."""
+    comma = "decimal commas" if style.comma else ""
+    return ", ".join(filter(None, [*form[:2], comma, _say_lines(max(0, skipped)), *form[2:]]))
 
 
 def _find_labels(rows: Sequence[Row], used: set[int], width: int) -> tuple[str, ...]:

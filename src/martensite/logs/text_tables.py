@@ -40,17 +40,23 @@ def read_text_table(path: Path, separator: str = "auto") -> RawTable:
 
 def _expand_serial(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
     """Return lines of a serial monitor with the clock as a cell, and labels (`temp:25.1 I:0.4`) as headings."""
-    if sum(_SERIAL.match(line) is not None for _, line in lines[:LOOKED_AT]) * 2 > len(lines[:LOOKED_AT]):
-        sign = next((s for s in "\t;," if s in _SERIAL.sub("", lines[len(lines) // 2][1])), " ")
-        lines = [(n, _SERIAL.sub(rf"\1{sign}", line)) for n, line in lines]
+    lines = _split_clock(lines)
     labels = [_find_labels(line) for _, line in lines[:: max(1, len(lines) // 50)]]
     counts = Counter(tuple((name, unit) for name, _, unit in one) for one in labels if one)
-    names, count = counts.most_common(1)[0] if counts else ((), 0)
+    names, count = next(iter(counts.most_common(1)), ((), 0))
     if not count or count * 2 < len(labels):
         return lines
     head = "\t".join(f"{name} [{unit}]" if unit else name for name, unit in names)
     rows = [(n, "\t".join(number for _, number, _ in _find_labels(line)) or line) for n, line in lines]
     return [(0, head), *((n, row) for n, row in rows if row.count("\t") == len(names) - 1 or len(names) == 1)]
+
+
+def _split_clock(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Return lines with the clock of a serial monitor as a cell; unchanged lines without clocks."""
+    if sum(_SERIAL.match(line) is not None for _, line in lines[:LOOKED_AT]) * 2 <= len(lines[:LOOKED_AT]):
+        return lines
+    sign = next((s for s in "\t;," if s in _SERIAL.sub("", lines[len(lines) // 2][1])), " ")
+    return [(n, _SERIAL.sub(rf"\1{sign}", line)) for n, line in lines]
 
 
 def _find_labels(line: str) -> list[tuple[str, str, str]]:
@@ -60,6 +66,10 @@ def _find_labels(line: str) -> list[tuple[str, str, str]]:
     parts = [part for part in re.split(r"[,;\t]|\s{2,}|(?<=\d)\s+(?=[A-Za-z_]\w*\s*[:=])", line) if part.strip()]
     matches = [_LABEL.fullmatch(part) for part in parts]
     return [(m[1], m[2], m[3]) for m in matches if m is not None] if all(matches) else []
+
+
+def _is_value(cell: str) -> bool:
+    return bool(find_kind(cell)) or is_missing(cell)
 
 
 def _is_single(lines: Sequence[str]) -> bool:
@@ -78,7 +88,7 @@ def _choose_separator(lines: Sequence[str]) -> str:
         if not widths or (sign and set(widths) == {1}):
             continue
         width = widths.most_common(1)[0][0]
-        score = sum(sum(bool(find_kind(c)) or is_missing(c) for c in row) / width for row in rows if len(row) == width)
+        score = sum(sum(map(_is_value, row)) / width for row in rows if len(row) == width)
         if not sign and width == 1 and not _is_single(looked):
             score *= 0.45  # `1,5` is more likely two cells than a decimal comma
         if score > most * 1.001:

@@ -62,6 +62,16 @@ class Builder:
         names = [name for name in _list_parts(cls) if name not in self.made]
         children = {name: self._find_child(cls, name, table, path, draws) for name in names}
         self._refuse_unknown(cls, table, path, children)
+        values, missing = self._collect_values(cls, table, path, children, draws)
+        if missing:
+            raise ParameterError(self._describe_missing(cls, missing, path, draws))
+        with name_section(path):
+            return cls(**values)
+
+    def _collect_values(
+        self, cls: type[Parametrised], table: Table, path: str, children: Mapping[str, Any], draws: bool
+    ) -> tuple[dict[str, Any], list[str]]:
+        """Return the arguments of a class by name, and the names of missing parameters."""
         values: dict[str, Any] = dict(self.made)
         missing: list[str] = []
         for name, declared in cls.declarations.items():
@@ -82,10 +92,7 @@ class Builder:
                 missing.append(name)
             else:
                 self.origins[f"{path}.{name}"] = "default"
-        if missing:
-            raise ParameterError(self._describe_missing(cls, missing, path, draws))
-        with name_section(path):
-            return cls(**values)
+        return values, missing
 
     def _build_members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
         members: dict[str, Any] = {}

@@ -109,6 +109,19 @@ def compare_laws_with_log(
 
 def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str, Column]:
     """Return complete rows of a record, at most `ROWS`, equally spaced along the path."""
+    columns = _list_columns(record, constant)
+    whole = np.all([np.isfinite(column) for column in columns.values()], axis=0)
+    columns = {name: column[whole] for name, column in columns.items()}
+    if not whole.any() or np.ptp(columns["strain"]) == 0.0:
+        raise DataError(f"In record `{record.name}` no strain moves.")
+    moving = [column / np.ptp(column) for name, column in columns.items() if name != "time" and np.ptp(column) > 0.0]
+    way = np.concatenate([[0.0], np.cumsum(np.sum([np.abs(np.diff(column)) for column in moving], axis=0))])
+    chosen = np.unique(np.append(np.searchsorted(way, np.linspace(0.0, way[-1], ROWS)), way.size - 1))
+    return {name: column[chosen] for name, column in columns.items()}
+
+
+def _list_columns(record: Record, constant: Mapping[str, float | None]) -> dict[str, Column]:
+    """Return time and strain of a record, and the other columns or constants."""
     columns = {n: np.asarray(record[n], float) for n in ("time", "strain", *constant) if n in record.columns}
     given = {name: value for name, value in constant.items() if value is not None}
     for name in constant:
@@ -119,14 +132,7 @@ def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str
     if missing is not None:
         words = "" if missing == "strain" else ", or give a constant one (`--stress`, `--at`)"
         raise DataError(f"Record `{record.name}` has no column `{missing}`; name it (`--as`){words}.")
-    whole = np.all([np.isfinite(column) for column in columns.values()], axis=0)
-    columns = {name: column[whole] for name, column in columns.items()}
-    if not whole.any() or np.ptp(columns["strain"]) == 0.0:
-        raise DataError(f"In record `{record.name}` no strain moves.")
-    moving = [column / np.ptp(column) for name, column in columns.items() if name != "time" and np.ptp(column) > 0.0]
-    way = np.concatenate([[0.0], np.cumsum(np.sum([np.abs(np.diff(column)) for column in moving], axis=0))])
-    chosen = np.unique(np.append(np.searchsorted(way, np.linspace(0.0, way[-1], ROWS)), way.size - 1))
-    return {name: column[chosen] for name, column in columns.items()}
+    return columns
 
 
 def _follow_rows(

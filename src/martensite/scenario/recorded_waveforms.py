@@ -119,9 +119,7 @@ def build_followed(
         lead: time before the log [s]; the signal goes straight from `from` to the first value, or is held.
     """
     refuse_unknown(table, ("kind", "column", "between", *(("from",) if lead else ())), f"[{path}]")
-    between = table.get("between")
-    if between not in (None, LINEAR, HOLD):
-        raise ParameterError(f"[{path}] `between` must be `{LINEAR}` or `{HOLD}`, but is {between!r}.")
+    between = _read_between(table, path)
     column = _read_text(table, "column", path) if "column" in table else natural
     if log is UNKNOWN_LOG:
         level = units.parse_quantity("20 degC", "K") if unit == "K" else 0.0
@@ -142,6 +140,13 @@ def build_followed(
             finite = hold_levels(finite)
         times, values = zip(*finite, strict=True)
         return Table(times=times, values=values), column
+
+
+def _read_between(table: Mapping[str, Any], path: str) -> str | None:
+    between = table.get("between")
+    if between not in (None, LINEAR, HOLD):
+        raise ParameterError(f"[{path}] `between` must be `{LINEAR}` or `{HOLD}`, but is {between!r}.")
+    return between
 
 
 def is_stepped(values: Sequence[float]) -> bool:

@@ -74,12 +74,7 @@ def run(
     if not isinstance(what, Scenario | AbstractSystem):
         raise TypeError("neither a scenario nor a system")
     seconds = None if duration is None else units.convert_number(duration, "s")
-    scenario = _arrange_scenario(what, drive, seconds)
-    changed = {"tolerance": tolerance, "samples": samples}
-    given = {name: value for name, value in changed.items() if value is not None}
-    if step is not None or tolerance is not None:
-        given["step"] = step
-    scenario = replace(scenario, **given)
+    scenario = _change_settings(_arrange_scenario(what, drive, seconds), tolerance, step, samples)
     if initial is not None:
         from martensite.simulate.initial import read_initial
 
@@ -148,6 +143,14 @@ def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, 
         material=None,
         bench=bench,
     )
+
+
+def _change_settings(scenario: Scenario, tolerance: float | None, step: float | None, samples: int | None) -> Scenario:
+    settings = {"tolerance": tolerance, "samples": samples}
+    changes: dict[str, Any] = {name: value for name, value in settings.items() if value is not None}
+    if step is not None or tolerance is not None:
+        changes["step"] = step
+    return replace(scenario, **changes)
 
 
 def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, runtime: str) -> Result:

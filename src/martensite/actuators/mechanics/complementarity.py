@@ -119,11 +119,7 @@ def _move_held(
             more = [weights[j] * slopes[j][i] * b - pushed * t for b, t in zip(slopes[j], row, strict=True)]
             matrix[i] = [x + y for x, y in zip(matrix[i], more, strict=True)]
     pulls = [[w * t for w, t in zip(weights, target, strict=True)] for target in targets]
-    full = [
-        [x + multiply_inner(pull, column) for x, column in zip(side, columns, strict=True)]
-        for side, pull in zip(sides, pulls, strict=True)
-    ]
-    solved = solve_linear(matrix, [*full, *slopes])
+    solved = solve_linear(matrix, [*_add_products(sides, columns, pulls), *slopes])
     free, yields = solved[: len(sides)], solved[len(sides) :]
     compliance = [[multiply_inner(slope, soft) for soft in yields] for slope in slopes]
     asked = [
@@ -131,12 +127,15 @@ def _move_held(
         for target, x in zip(targets, free, strict=True)
     ]
     changes = _solve_masked(xp, compliance, flags, asked)
-    ways = list(zip(*yields, strict=True))
-    motions = [
-        [x + multiply_inner(way, change) for x, way in zip(one, ways, strict=True)]
-        for one, change in zip(free, changes, strict=True)
+    return _add_products(free, list(zip(*yields, strict=True)), changes), changes
+
+
+def _add_products(rows: Rows, columns: Rows, factors: Rows) -> list[list[Scalar]]:
+    """Return rows plus the products of columns with the factors of each row."""
+    return [
+        [x + multiply_inner(column, factor) for x, column in zip(row, columns, strict=True)]
+        for row, factor in zip(rows, factors, strict=True)
     ]
-    return motions, changes
 
 
 def _solve_masked(xp: Namespace, compliance: Rows, flags: Sequence[Flag], sides: Rows) -> list[list[Scalar]]:

@@ -23,6 +23,7 @@ from martensite.design.optimise.optimised_design import (
     find_multipliers,
 )
 from martensite.design.optimise.question import (
+    Constraint,
     DesignAim,
     DesignQuestion,
     build_life_constraints,
@@ -102,22 +103,10 @@ def optimise_design(
         InputError: a text is malformed, a name or unit is wrong, or bounds are invalid.
         SolveError: no design can be run.
     """
-    if minimise is not None and maximise is not None:
-        raise ParameterError("A design has one goal: name what to minimise, or what to maximise.")
+    goal, most = _choose_goal(minimise, maximise), maximise is not None
     steering = WaveformLevels(system, waveform, duration)
-    question = read_question(
-        steering,
-        free,
-        maximise or minimise or "energy",
-        subject,
-        most=maximise is not None,
-        cases=cases,
-        written=written,
-    )
-    limits = [] if life is None else build_life_constraints(steering, question.free, life)
-    question = replace(question, subject=(*question.subject, *limits))
-    for case in question.cases:
-        system.with_values(case)
+    question = read_question(steering, free, goal, subject, most=most, cases=cases, written=written)
+    question, limits = _add_limits(steering, question, life)
     first = step or min(_find_longest_step(steering, question), duration / (samples - 1))
     also = _list_measures(steering, {aim.words for aim in question.aims})
     designs = DesignEvaluator(steering, question, samples=samples, step=first, also=also, native=native)
@@ -134,17 +123,37 @@ def optimise_design(
     answer = _build_answer(steering, finer, point, apart)
     exceeded = list_exceeded(answer, duration, samples)
     binding = () if life is None else exceeded
+    if tried:
+        answer = replace(
+            answer,
+            held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
+            relaxed=tuple(designs.numbers(relaxed.z).tolist()),
+            relaxed_goal=designs.restore_goal(relaxed.goal),
+        )
     return replace(
         answer,
         kept=answer.kept and not binding,
         missed=(*answer.missed, *binding),
         exceeded=exceeded,
         history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
-        held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
-        relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
-        relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
         life=describe_life(limits, life, answer.missed, exceeded),
     )
+
+
+def _choose_goal(minimise: str | None, maximise: str | None) -> str:
+    if minimise is not None and maximise is not None:
+        raise ParameterError("A design has one goal: name what to minimise, or what to maximise.")
+    return maximise or minimise or "energy"
+
+
+def _add_limits(
+    steering: WaveformLevels, question: DesignQuestion, life: float | None
+) -> tuple[DesignQuestion, list[Constraint]]:
+    """Return a question with the limits of the elements, which every case must allow, and these limits."""
+    limits = [] if life is None else build_life_constraints(steering, question.free, life)
+    for case in question.cases:
+        steering.system.with_values(case)
+    return replace(question, subject=(*question.subject, *limits)), limits
 
 
 def list_exceeded(design: OptimisedDesign, duration: float, samples: int) -> tuple[str, ...]:

@@ -153,12 +153,7 @@ def _walk_neighbours(
     """Try the neighbours of the relaxed design, then of the best, one up or down."""
     counted = [one for one in free if one.whole]
     values = [one.value(float(u)) for one, u in zip(counted, relaxed.z[whole], strict=True)]
-    sides = [
-        sorted({max(math.floor(v + 1e-9), one.low), min(math.ceil(v - 1e-9), one.high)})
-        for v, one in zip(values, counted, strict=True)
-    ]
-    waiting = [tuple(int(n) for n in row) for row in itertools.product(*sides)]
-    begin = relaxed.z
+    waiting, begin = _list_corners(values, counted), relaxed.z
     while waiting and len(tried) < MOST_COMBINATIONS:
         for numbers in waiting:
             hunt.tell(f"whole numbers: {', '.join(map(str, numbers))}", 0.85)
@@ -169,13 +164,26 @@ def _walk_neighbours(
                 tried[numbers] = point
         best = _choose_best(tried)
         begin = tried[best].z
-        waiting = [
-            (*best[:i], best[i] + step, *best[i + 1 :])
-            for i, one in enumerate(counted)
-            for step in (-1, 1)
-            if one.low <= best[i] + step <= one.high
-        ]
-        waiting = [numbers for numbers in waiting if numbers not in tried]
+        waiting = [numbers for numbers in _list_neighbours(best, counted) if numbers not in tried]
+
+
+def _list_corners(values: Sequence[float], counted: Sequence[FreeNumber]) -> list[Combination]:
+    """Return the combinations of whole numbers on both sides of values."""
+    sides = [
+        sorted({max(math.floor(v + 1e-9), one.low), min(math.ceil(v - 1e-9), one.high)})
+        for v, one in zip(values, counted, strict=True)
+    ]
+    return [tuple(int(n) for n in row) for row in itertools.product(*sides)]
+
+
+def _list_neighbours(best: Combination, counted: Sequence[FreeNumber]) -> list[Combination]:
+    """Return the combinations with one number up or down."""
+    return [
+        (*best[:i], best[i] + step, *best[i + 1 :])
+        for i, one in enumerate(counted)
+        for step in (-1, 1)
+        if one.low <= best[i] + step <= one.high
+    ]
 
 
 def _choose_best(tried: Tried) -> Combination:
