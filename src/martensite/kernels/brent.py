@@ -7,6 +7,7 @@ Source: R. P. Brent, Algorithms for Minimization Without Derivatives (1973), cha
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 
@@ -28,14 +29,13 @@ def find_root(
     """
     before, here = low, high
     value_before, value = function(before), function(here)
-    if value_before == 0.0 or value == 0.0:
-        return here if value == 0.0 and value_before != 0.0 else before
-    if (value_before < 0.0) == (value < 0.0):
+    if value_before == 0.0:
+        return before
+    if value != 0.0 and (value_before < 0.0) == (value < 0.0):
         raise ValueError(f"The function has the same sign at {low} and {high}.")
-    other, value_other = before, value_before
-    last = step = here - before
+    other, value_other, last, step = before, value_before, 0.0, 0.0
     for _ in range(MOST_TURNS):
-        if (value_before < 0.0) != (value < 0.0) and value_before != 0.0:
+        if (value_before < 0.0) != (value < 0.0):
             other, value_other = before, value_before
             last = step = here - before
         if abs(value_other) < abs(value):
@@ -44,30 +44,22 @@ def find_root(
         least, half = 0.5 * (tolerance + relative * abs(here)), 0.5 * (other - here)
         if value == 0.0 or abs(half) < least:
             return here
-        points = (before, value_before), (here, value), (other, value_other)
-        last, step = _choose_step(points, last, step, half, least)
+        tried = _extrapolate((before, value_before), (here, value), (other, value_other))
+        limit = min(abs(last), 3.0 * abs(half) - least) if abs(last) > least else 0.0
+        last, step = (step, tried) if 2.0 * abs(tried) < limit else (half, half)
         before, value_before = here, value
-        here += step if abs(step) > least else (least if half > 0.0 else -least)
+        here += step if abs(step) > least else math.copysign(least, half)
         value = function(here)
     raise SolveError(f"No root was found in {MOST_TURNS} turns of Brent's method, between {low:.6g} and {high:.6g}.")
 
 
-def _choose_step(
-    points: tuple[tuple[float, float], ...], last: float, step: float, half: float, least: float
-) -> tuple[float, float]:
-    """Return the step before the next one, and the next one: extrapolated if it is short enough, otherwise half."""
-    before, here, _ = points
-    if abs(last) > least and abs(here[1]) < abs(before[1]):
-        tried = _extrapolate(*points)
-        if 2.0 * abs(tried) < min(abs(last), 3.0 * abs(half) - least):
-            return step, tried
-    return half, half
-
-
 def _extrapolate(before: tuple[float, float], here: tuple[float, float], other: tuple[float, float]) -> float:
-    """Return the step to the root of the secant through two points, or of the inverse parabola through three."""
+    """Return the step to the root of the secant through two points, or of the inverse parabola through three.
+
+    It is infinite where the last step brought no smaller value, or where values are equal.
+    """
     (a, fa), (b, fb), (c, fc) = before, here, other
-    if fa == fb or (a != c and fc in (fa, fb)):
+    if not abs(fb) < abs(fa) or (a != c and fc in (fa, fb)):
         return float("inf")
     if a == c:
         return -fb * (b - a) / (fb - fa)
