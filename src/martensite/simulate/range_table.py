@@ -11,6 +11,8 @@ from martensite.base.summary import DataTable
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
+ROUNDING = 1e-6
+"""Values below this share of the larger end of a range are shown as 0."""
 HEADINGS = ("quantity", "min", "max", "unit", "column")
 
 
@@ -30,7 +32,9 @@ def tabulate_ranges(result: Result) -> DataTable:
 def _write_row(result: Result, name: str) -> tuple[str, ...]:
     unit = result.unit(name)
     shown = units.of_column(name, unit)
-    ends = (show_quantity(end, unit, 4, shown).partition(" ")[0] for end in result.find_range(name))
+    low, high = result.find_range(name)
+    zero = ROUNDING * max(abs(low), abs(high))
+    ends = (show_quantity(0.0 if abs(end) < zero else end, unit, 4, shown).partition(" ")[0] for end in (low, high))
     return (result.outputs[name].long_name, *ends, typeset_unit(shown), name)
 
 
