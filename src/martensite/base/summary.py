@@ -6,7 +6,8 @@ A terminal, Markdown, HTML, JSON and the web bench render the same `Summary`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Literal
 
 from martensite.base.services import import_service
@@ -117,6 +118,11 @@ class Summary:
     def __str__(self) -> str:
         return "\n".join(self.format_lines())
 
+    def wrap_sentences(self) -> Summary:
+        """Return the summary with its title, sentences and items broken at 80 columns."""
+        blocks = [_wrap_block(block) for block in self.blocks]
+        return replace(self, title=_wrap_text(self.title), blocks=blocks, lead=_wrap_text(self.lead))
+
     def brief(self, most: int = 8) -> str:
         """Return the first lines of the plain text, and the number of further lines."""
         lines = list(self.format_lines())
@@ -139,6 +145,26 @@ class Summary:
             detail = block.detail if isinstance(block, Heading) else detail
             if not detail:
                 yield from _format_block(block, width, paint)
+
+
+def _wrap_text(text: str) -> str:
+    lines = text.split("\n")
+    return "\n".join(fill(one, PAGE_WIDTH, break_long_words=False, break_on_hyphens=False) for one in lines)
+
+
+def _wrap_block(block: Block) -> Block:
+    match block:
+        case Heading(title):
+            return replace(block, title=_wrap_text(title))
+        case Sentence(text):
+            return replace(block, text=_wrap_text(text))
+        case BulletList(items):
+            return replace(block, items=[_wrap_text(one) for one in items])
+        case Notice(title, items):
+            room = len(title) + 2
+            return replace(block, items=[_wrap_text(f"{title}: {one}")[room:] for one in items])
+        case _:
+            return block
 
 
 def _format_block(block: Block, width: int, paint: Callable[[str, Tone], str]) -> Iterator[str]:

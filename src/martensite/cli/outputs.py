@@ -1,4 +1,4 @@
-"""Files that a command writes: checked before it starts, complete or absent afterwards."""
+"""Output files: checked before a command starts, and written completely or not at all."""
 
 from __future__ import annotations
 
@@ -23,33 +23,33 @@ FIGURE = tuple(f".{name}" for name in FORMATS)
 
 
 class Verdict(NamedTuple):
-    """Statement of the first line of an answer."""
+    """First sentence of an answer."""
 
     worse: bool
-    """True for an answer that is saved only with --save-anyway."""
+    """True for an answer that needs --save-anyway."""
     sentence: str
     """Without a full stop."""
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """Output files; None for an unused one."""
+    """Output files; None if unused."""
 
     data: Path | None
     figure: Path | None
     profile: Path | None = None
-    """A figure of what differs along the element."""
+    """Figure of the state along the element."""
 
     def paths(self) -> list[Path]:
-        """The files that will be written."""
+        """Return the files that will be written."""
         return [path for path in (self.data, self.figure, self.profile) if path is not None]
 
     def check(self, force: bool, data: tuple[str, ...] = DATA) -> Outputs:
-        """Raise `DataError` if a file has a wrong ending, no folder, or is there already.
+        """Raise `DataError` if a file may not be written.
 
         Args:
-            force: files that are there may be replaced.
-            data: endings allowed for the data file.
+            force: replace existing files.
+            data: endings of the data file.
         """
         check_ending(self.data, data)
         check_ending(self.figure, FIGURE)
@@ -65,12 +65,14 @@ class Outputs:
         json: bool,
         text: Callable[[], str] | None = None,
         draw: Callable[[], Figure] | None = None,
+        *,
+        wrap: bool = False,
     ) -> None:
-        """Write the text that is wanted and the figure, then print what there is to say."""
+        """Write text and figure, then print the summary, with wrapped sentences if `wrap`."""
         from martensite.show.terminal import print_summary
 
         self.write(text, draw)
-        print_summary(summary, json, self.paths())
+        print_summary(summary, json, self.paths(), wrap=wrap)
 
     def answer_verdict(
         self,
@@ -80,7 +82,7 @@ class Outputs:
         text: Callable[[], str],
         draw: Callable[[], Figure] | None = None,
     ) -> bool:
-        """Answer with a verdict as the first line, and save a worse answer only with --save-anyway.
+        """Print the verdict first; save a worse answer only with --save-anyway.
 
         Returns:
             True if the answer was not saved, so that the command exits with 1.
@@ -89,13 +91,13 @@ class Outputs:
         ending = "; not saved. --save-anyway saves it" if refused else "; saved by --save-anyway"
         first = f"{verdict.sentence}{ending if verdict.worse and self.data is not None else ''}."
         lead = "; ".join(filter(None, (summary.title, summary.lead)))
-        said = replace(summary, title=first, lead=lead)
+        headed = replace(summary, title=first, lead=lead)
         outputs = replace(self, data=None) if refused else self
-        outputs.answer(said, options.json, text, draw)
+        outputs.answer(headed, options.json, text, draw)
         return refused
 
     def write(self, text: Callable[[], str] | None = None, draw: Callable[[], Figure] | None = None) -> None:
-        """Write the text that is wanted, and the figure."""
+        """Write text and figure."""
         from martensite.show.figures.style import write_figure
 
         with replace_together():
@@ -107,20 +109,20 @@ class Outputs:
 
 @dataclass(frozen=True)
 class AnswerOptions:
-    """A figure beside what is printed, and how."""
+    """Figure and output format of an answer."""
 
     figure: FigureFile = None
     force: Force = False
     json: Json = False
 
     def check_files(self, data: Path | None = None, *endings: str) -> Outputs:
-        """The figure and a data file, which may be written; `DataError` if one may not."""
+        """Return the output files; raise `DataError` if one may not be written."""
         return Outputs(data, self.figure).check(self.force, data=endings)
 
 
 @dataclass(frozen=True)
 class JudgedOptions(AnswerOptions):
-    """Options of a command whose answer may be worse than before or exceed a limit."""
+    """Options of a command whose answer may be worse than before."""
 
     save_anyway: SaveAnyway = False
 
@@ -137,7 +139,7 @@ def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise `DataError` if the folder of a file is missing or read-only, or if the file name is invalid."""
+    """Raise `DataError` if a folder is missing or read-only, or a file name is invalid."""
     try:
         folder = path.is_dir()
         path.exists()
@@ -152,28 +154,28 @@ def check_folder(path: Path) -> None:
 
 
 def check_absent(path: Path, force: bool) -> None:
-    """Raise `DataError` if a file is there and must not be replaced."""
+    """Raise `DataError` if a file exists and must not be replaced."""
     if path.exists() and not force:
         raise DataError(f"`{path}` is there already; use --force to replace it, or write to another file.")
 
 
 @dataclass
 class BestSoFar:
-    """Best result of a search so far: a scenario from which an interrupted search can continue."""
+    """Best result of a search, saved on an interrupt so that the search can continue."""
 
     file: Path
     """File of an interrupted search."""
     text: Callable[[], str] | None = None
-    """Makes the scenario of the best so far; None before there is one."""
+    """Returns the best scenario; None before the first."""
     judged: int = 0
     """Number of improvements."""
 
     def keep(self, text: Callable[[], str]) -> None:
-        """Take a better one."""
+        """Store a better result."""
         self.text, self.judged = text, self.judged + 1
 
     def save(self) -> str:
-        """Write it, and say so; nothing where there is none yet."""
+        """Write the best result; return a sentence, or "" if there is none."""
         if self.text is None:
             return ""
         write_file(self.file, self.text())
@@ -181,20 +183,17 @@ class BestSoFar:
 
 
 def name_interrupted(save: Path | None, scenario: Path) -> BestSoFar:
-    """The best so far of a search: where its result is to be saved, or else beside where one stands."""
+    """Return the best-so-far record of a search, named after its output or its scenario."""
     return BestSoFar(save or Path(f"{scenario.stem}-interrupted.toml"))
 
 
 def check_folder_files(folder: Path, names: Sequence[str], force: bool) -> list[Path]:
-    """Return the files that a command will write into a folder.
+    """Return the paths of files for a folder; create the folder.
 
     Args:
-        folder: made if it is missing; its parent must be there.
-        names: of the files.
-        force: whether existing files may be replaced.
-
-    Raises:
-        DataError: a file is there already, or the parent folder is missing.
+        folder: its parent must exist.
+        names: file names.
+        force: replace existing files.
     """
     files = [folder / name for name in names]
     missing = not folder.exists()

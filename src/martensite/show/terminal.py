@@ -15,7 +15,7 @@ import typer
 from martensite.base.summary import Summary, Tone
 
 PIPE_WIDTH = 150
-"""Width of the output without a terminal [columns]."""
+"""Width of tables without a terminal [columns]."""
 _STYLES: dict[Tone, dict[str, Any]] = {
     "title": {"bold": True},
     "good": {"fg": "green"},
@@ -24,12 +24,23 @@ _STYLES: dict[Tone, dict[str, Any]] = {
 }
 
 
-def print_summary(summary: Summary, json: bool = False, files: Iterable[Path] | None = None) -> None:
-    """Print what there is to say of a result, or as JSON all its numbers; `files` is None where none is written."""
+def print_summary(
+    summary: Summary, json: bool = False, files: Iterable[Path] | None = None, *, wrap: bool = False
+) -> None:
+    """Print a summary, or its numbers as JSON.
+
+    Args:
+        summary: the result.
+        json: print JSON.
+        files: written files; None for commands without files.
+        wrap: break sentences at 80 columns if the output is no terminal, which breaks them itself.
+    """
     written = [str(path) for path in files or ()]
     if json:
         print_json(summary.data if files is None else summary.data | {"files": written})
         return
+    if wrap and not sys.stdout.isatty():
+        summary = summary.wrap_sentences()
     for line in summary.format_lines(measure_width(), paint_text):
         typer.echo(line)
     for name in written:
@@ -37,19 +48,19 @@ def print_summary(summary: Summary, json: bool = False, files: Iterable[Path] | 
 
 
 def print_json(value: Any) -> None:
-    """Print JSON; numbers that JSON does not have become null."""
+    """Print JSON; NaN and infinity become null."""
     from martensite.scenario.exact_text import convert_to_plain
 
     typer.echo(formats.dumps(convert_to_plain(value), indent=2, ensure_ascii=False))
 
 
 def paint_text(text: str, tone: Tone) -> str:
-    """Return a text in the colour of its tone; nothing is coloured where no terminal shows it."""
+    """Return a text in the colour of its tone; pipes receive no colour."""
     return typer.style(text, **_STYLES[tone]) if tone in _STYLES and text.strip() else text
 
 
 def measure_width() -> int:
-    """Return the columns that tables may take."""
+    """Return the width for tables [columns]."""
     if sys.stdout.isatty():
         return shutil.get_terminal_size().columns
     given = os.environ.get("COLUMNS", "")

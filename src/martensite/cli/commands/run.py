@@ -1,4 +1,4 @@
-"""`run`: simulate a scenario, print a summary, write data and figure."""
+"""`run`: simulate a scenario."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 ROUNDING = 1e-12
-"""Share of the duration of a run by which its last sample may be late."""
+"""Relative to the duration of a run."""
 
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Options of a run, and the record of the comparison."""
+    """Options of a run."""
 
     compare: Annotated[
         Text, Option(metavar="FILE", help="Record to compare with [default: the record of the scenario].")
@@ -96,11 +96,7 @@ class RunOptions:
     ] = None
 
     def load(self, path: Path, settings: list[str] | None) -> tuple[Scenario, Record | None]:
-        """The scenario, and the log that it follows.
-
-        Raises:
-            InputError: an option has no effect.
-        """
+        """Return the scenario and the log that it follows."""
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
 
@@ -120,7 +116,7 @@ class RunOptions:
         return loaded, log
 
     def read_record(self, scenario: Scenario, log: Record | None) -> Record | None:
-        """The record to compare with."""
+        """Return the record to compare with."""
         if self.no_compare:
             return None
         if self.compare is not None:
@@ -130,7 +126,7 @@ class RunOptions:
         return scenario.measured.read() if scenario.measured else None
 
     def run(self, scenario: Scenario, *, quiet: bool) -> Result:
-        """The run, which shows how far it is unless it shall be quiet."""
+        """Return the run; show its progress unless `quiet`."""
         most = read_quantity("time-box", self.time_box, "s")
         if scenario.bench is not None:
             with show_spinner(f"simulating {scenario.title}"):
@@ -175,7 +171,7 @@ def run(
     result, summary = run_scenario(loaded, options, outputs, log, quiet=json)
     from martensite.show.terminal import print_summary
 
-    print_summary(summary, json, outputs.paths())
+    print_summary(summary, json, outputs.paths(), wrap=True)
     if result.status.failed:
         raise typer.Exit(1)
 
@@ -183,7 +179,7 @@ def run(
 def run_scenario(
     scenario: Scenario, options: RunOptions, outputs: Outputs, log: Record | None = None, *, quiet: bool = False
 ) -> tuple[Result, Summary]:
-    """Run a scenario and write the requested files; after an error no file is written."""
+    """Run a scenario and write the requested files; on an error, write none."""
     from martensite.simulate.measures.base import parse_measure
 
     for words in options.measure or ():
@@ -201,7 +197,6 @@ def run_scenario(
 
 
 def _read_log(path: str, named: list[str] | None) -> Record:
-    """Return a log; the readers of files are imported here, as most runs have no log."""
     from martensite.logs.reader import parse_named, read_log_table
 
     return read_log_table(path, named=parse_named(named or ()))
@@ -227,12 +222,11 @@ def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
 
 
 def _cut_log(log: Record, scenario: Scenario) -> Record:
-    """The rows of a log from its beginning to the end of the run."""
     from martensite.scenario.recorded_waveforms import from_zero
 
-    found = from_zero(log, scenario.lead)
-    rows = bisect_right(found.times, scenario.duration * (1.0 + ROUNDING))
-    return replace(found, columns={name: c[:rows] for name, c in found.columns.items()})
+    shifted = from_zero(log, scenario.lead)
+    rows = bisect_right(shifted.times, scenario.duration * (1.0 + ROUNDING))
+    return replace(shifted, columns={name: c[:rows] for name, c in shifted.columns.items()})
 
 
 def _compare_record(result: Result, record: Record | None, followed: bool) -> list[Agreement]:

@@ -1,4 +1,4 @@
-"""`study`: published results rebuilt, each claim with its number and its verdict; `demo`: one of them."""
+"""`study` and `demo`: reproduced results of publications."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DIGEST = {
     "assumed": "Assumptions",
     "use_instead": "Recommended",
 }
-"""Labels of the summary of a study."""
+"""Labels of verdicts in the summary."""
 COUNTED = {
     "disagrees": ("disagrees", "disagree"),
     "misprint": ("misprint", "misprints"),
@@ -40,10 +40,10 @@ COUNTED = {
     "recovery": ("recovered value", "recovered values"),
     "reports": ("reported value", "reported values"),
 }
-"""Names of one and of several claims of a verdict, where they differ from the verdict."""
+"""Singular and plural of verdicts, if they differ from the verdict itself."""
 TONES: dict[str, Tone] = {"reproduced": "good", "disagrees": "bad"}
 HEADS = ("repro-\nduced", "dis-\nagrees", "mis-\nprint", "contra-\ndictory", "not\ncomp.", "reco-\nvery", "re-\nports")
-"""Verdicts in the order of their declaration, at the top of narrow columns."""
+"""Headings of narrow columns, in the order of the verdicts."""
 DEMONSTRATED = "migaone"
 
 
@@ -93,7 +93,7 @@ def study(
 
 @contextmanager
 def _note_failure(study: AbstractStudy, failures: list[str], *, alone: bool) -> Iterator[None]:
-    """Note the failure of one of several studies; let the failure of a single study pass."""
+    """Note the failure of one of several studies; re-raise that of a single one."""
     from martensite.studies.base import describe_failure
 
     try:
@@ -105,7 +105,6 @@ def _note_failure(study: AbstractStudy, failures: list[str], *, alone: bool) -> 
 
 
 def _show_study(study: AbstractStudy, reasons: bool, recompute: bool, json: bool, figure: Path | None) -> Any:
-    """Print the answer of a study, write its figure, and return its numbers."""
     from martensite.show.terminal import print_summary
 
     with show_spinner(f"computing {study.key}"):
@@ -121,20 +120,20 @@ def _show_study(study: AbstractStudy, reasons: bool, recompute: bool, json: bool
 
 
 def _summarise_all(studies: list[AbstractStudy], failures: list[str]) -> Summary:
-    """Count the claims of each verdict, by study, and by source where it has several; note the studies that fail."""
+    """Count the claims of each verdict by study and source."""
     from martensite.studies.base import VERDICTS
 
     tallies: dict[str, Counter[str]] = {}
     for one in studies:
         with _note_failure(one, failures, alone=False):
             tallies[one.key] = Counter(shipped.count_all() if (shipped := one.shipped()) else ())
-    found = [one for one in studies if one.key in tallies]
+    entries = [one for one in studies if one.key in tallies]
     rows: dict[str, Counter[str]] = {}
-    for source, group in groupby(found, lambda one: (*one.cites, one.key)[0]):
+    for source, group in groupby(entries, lambda one: (*one.cites, one.key)[0]):
         counts = {one.key: tallies[one.key] for one in group}
         rows |= counts if len(counts) == 1 else counts | {f"all of {source}": sum(counts.values(), Counter[str]())}
     blocks: list[Block] = [
-        DataTable(("study", "subject"), [(one.key, one.title) for one in found]),
+        DataTable(("study", "subject"), [(one.key, one.title) for one in entries]),
         DataTable(
             ("claims and reports", *HEADS),
             [(name, *(str(count[kind]) for kind in (*VERDICTS, "reports"))) for name, count in rows.items()],
@@ -142,11 +141,11 @@ def _summarise_all(studies: list[AbstractStudy], failures: list[str]) -> Summary
         ),
         Sentence("Next: martensite study NAME shows one study, martensite study all shows all."),
     ]
-    return Summary("", blocks, [{"key": one.key, "title": one.title, "tally": rows[one.key]} for one in found])
+    return Summary("", blocks, [{"key": one.key, "title": one.title, "tally": rows[one.key]} for one in entries])
 
 
 def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = True, reasons: bool = False) -> Summary:
-    """The digest of a study, how many claims there are of each verdict, and the claims; then reasons and reports."""
+    """Return digest, counts of verdicts, claims, reasons and reports of a study."""
     counts = answer.count_all()
     counted = ", ".join(f"{count} {_name_count(kind, count)}" for kind, count in counts.items() if count)
     checked = sum(counts.values()) - counts.get("reports", 0)
@@ -162,8 +161,8 @@ def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = Tru
         blocks.append(DataTable(("claim", "published", "computed", "unit", "verdict"), rows, right=(1, 2), tones=TONES))
     if reasons:
         blocks.append(DataTable(("claim", "reason"), [(one.id, one.describe_reason()) for one in answer.claims]))
-        told = [(f"{one.id}: {one.statement}", _write(one.computed), one.unit, one.why) for one in answer.reports]
-        blocks.append(DataTable(("reported value", "computed", "unit", "reason"), told, right=(1,)))
+        rows = [(f"{one.id}: {one.statement}", _write(one.computed), one.unit, one.why) for one in answer.reports]
+        blocks.append(DataTable(("reported value", "computed", "unit", "reason"), rows, right=(1,)))
     elif claims:
         blocks.append(Sentence(f"Next: martensite study {study.key} --all shows reasons and reported values."))
     if answer.made_by:
@@ -177,7 +176,7 @@ def _name_count(kind: str, count: int) -> str:
 
 
 def _write(number: float | None, by_equation: float | None = None) -> str:
-    """A number to four digits; in brackets what only follows from a printed equation."""
+    """Format a number; one from a printed equation is in brackets."""
     return f"({by_equation:.4g})" if by_equation is not None else "" if number is None else f"{number:.4g}"
 
 
@@ -198,7 +197,7 @@ def demo(json: Json = False) -> None:
         run = done.data | {"files": [str(path) for path in outputs.paths()]}
         print_json({"run": run, "study": digest.data})
         return
-    print_summary(done, files=outputs.paths())
+    print_summary(done, files=outputs.paths(), wrap=True)
     typer.echo()
-    print_summary(digest)
+    print_summary(digest, wrap=True)
     typer.echo(f"Every claim with its numbers: martensite study {DEMONSTRATED}")

@@ -1,4 +1,4 @@
-"""`wire`: what a piece of wire, or a coil, at hand needs, and what it does."""
+"""`wire`: needs and performance of a given wire or coil."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ USUAL = '--diameter "0.1 mm" --length "10 cm"'
 
 @dataclass(frozen=True)
 class WireOptions:
-    """A wire or a coil, what drives it and what it pulls, as the command line says it."""
+    """Wire or coil, drive and load."""
 
     diameter: Annotated[Text, Option(help='Wire diameter, e.g. "0.1 mm".')] = None
     length: Annotated[Text, Option(help='Wire length, e.g. "10 cm"; optional for a coil.')] = None
@@ -44,7 +44,7 @@ class WireOptions:
     stretched: Annotated[Text, Option(help='Length to which the cold coil is stretched, e.g. "100 mm".')] = None
 
     def read(self, coil: bool, alloy: str, cooling: str) -> WireInHand:
-        """The wire or the coil."""
+        """Return the wire or coil."""
         from martensite.design.sizing.coil_in_hand import CoilInHand
         from martensite.design.sizing.wire_in_hand import WireInHand
 
@@ -87,14 +87,18 @@ def wire(
         from martensite.design.sizing.wire_ratings import rate_wire
         from martensite.physics.materials.wires import load_wires
 
-        found = rate_wire(asked)
+        rating = rate_wire(asked)
     from martensite.show.figures.circuit import plot_circuit
     from martensite.show.summaries.wire_ratings import summarise_ratings
 
     outputs.answer(
-        summarise_ratings(found), answer.json, lambda: format_ratings(found, load_wires()), lambda: plot_circuit(found)
+        summarise_ratings(rating),
+        answer.json,
+        lambda: format_ratings(rating, load_wires()),
+        lambda: plot_circuit(rating),
+        wrap=True,
     )
-    if found.faults:
+    if rating.faults:
         from typer import Exit
 
         raise Exit(1)
