@@ -1,9 +1,7 @@
-"""Conformance suites for every kind of part, which users can run on their parts.
+"""Conformance suites for every kind of part. Users can run them on their parts.
 
-    from martensite import testing
-    print(testing.check_conformance(MyLaw, "law"))
-
-The tests of this package run the same suites on its own parts.
+from martensite import testing
+print(testing.check_conformance(MyLaw, "law"))
 """
 
 from martensite.base.lazy import attach_names

@@ -11,7 +11,7 @@ from typer.core import TyperCommand
 from martensite.testing.conformance import require_condition
 
 HEAVY = ("numpy", "scipy", "matplotlib", "xarray", "pint", "h5netcdf")
-"""Packages whose import takes longer than a help text."""
+"""Packages that are slow to import."""
 
 
 def check_help(command: TyperCommand) -> None:
@@ -36,7 +36,7 @@ def check_imports(command: TyperCommand) -> None:
 
 
 def list_options(command: TyperCommand) -> list[str]:
-    """Return the names of all options of a command."""
+    """Return the option names of a command."""
     return [name for one in command.params for name in one.opts]
 
 

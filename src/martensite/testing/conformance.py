@@ -1,7 +1,7 @@
-"""Conformance of parts to their interfaces: suites of checks, one for every kind of part.
+"""Conformance of parts to their interfaces, by one suite of checks per kind of part.
 
-A check is a function of a part, or of a material, that raises `ConformanceError` with a sentence.
-Parts are tried as made of their typical values, once for every choice of every option.
+A check is a function of a part that raises `ConformanceError`. Parts are tried with their typical values, once for each
+choice of each option.
 """
 
 from collections.abc import Callable, Iterable
@@ -45,7 +45,7 @@ SUITES = {
     "command": "commands",
     "exporter": "exporters",
 }
-"""Kind of a part -> module of this package that has its suite."""
+"""Module of the suite, by kind of part."""
 
 
 class ConformanceError(MartensiteError):
@@ -53,7 +53,7 @@ class ConformanceError(MartensiteError):
 
 
 def require_condition(condition: object, sentence: str) -> None:
-    """Raise `ConformanceError` unless a condition holds."""
+    """Raise `ConformanceError` if a condition is false."""
     if not condition:
         raise ConformanceError(sentence)
 
@@ -63,13 +63,10 @@ class Finding:
     """Result of one check on one part."""
 
     part: str
-    """Name and options."""
     check: str
-    """Name of the check."""
     promise: str
-    """Promise in words."""
     fault: str = ""
-    """Fault, in a sentence; empty without a fault."""
+    """Message; empty if the check passed."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,7 @@ class Conformance:
 
     @property
     def holds(self) -> bool:
-        """Return whether checks were made, and all of them passed."""
+        """Return whether at least one check was made, and all passed."""
         return bool(self.findings) and not self.faults
 
     @property
@@ -91,7 +88,7 @@ class Conformance:
         return [one for one in self.findings if one.fault]
 
     def __str__(self) -> str:
-        """In a line."""
+        """Return the verdict in one line."""
         checks = len({one.check for one in self.findings})
         if not checks:
             return f"{self.kind} `{self.name}` was not tried: no check of the suite is about it"
@@ -102,10 +99,9 @@ class Conformance:
 
 
 def find_checks(kind: str, cls: type[Any]) -> list[Check]:
-    """Return the suite of a kind of part, such as `law`, for a class of it; empty if there is none.
+    """Return the checks for a class; empty for an unknown kind.
 
-    These are the functions `check_…` of its module whose argument is of the class, or of one above
-    it: what holds for some of a kind is a check of their common class.
+    Checks are the functions `check_…` of the suite whose argument is annotated with the class or a base class of it.
     """
     if kind not in SUITES:
         return []
@@ -115,12 +111,12 @@ def find_checks(kind: str, cls: type[Any]) -> list[Check]:
 
 
 def check_conformance(cls: type[Any], kind: str, parts: Iterable[Any] = ()) -> Conformance:
-    """Run the suite of a kind on a part; keep the result for the remarks of later runs.
+    """Run the suite of a kind on a part, and record the result for the remarks of later runs.
 
     Args:
         cls: class of the part.
         kind: kind of the part, such as `law`.
-        parts: examples; by default made of typical values, one for every choice of options.
+        parts: examples; by default one of typical values for each choice of each option.
 
     Raises:
         InputError: no suite exists for this kind.
@@ -137,7 +133,7 @@ def check_conformance(cls: type[Any], kind: str, parts: Iterable[Any] = ()) -> C
 
 
 def check_command(command: Any, name: str, kind: str = "command") -> Conformance:
-    """Run the suite of commands on a command of Typer, and that of exporters on an exporter.
+    """Run the suite of commands on a Typer command, and for an exporter also the suite of exporters.
 
     Args:
         command: the command.
@@ -153,7 +149,7 @@ def _try_all(kind: str, parts: Iterable[Any]) -> list[Finding]:
 
 
 def check_material(name: str | Path) -> Conformance:
-    """Run the suite of materials on one material, by its name or its file.
+    """Run the suite of materials on a material, given by name or file.
 
     Raises:
         InputError: the material does not exist, or its file is malformed.
@@ -163,26 +159,26 @@ def check_material(name: str | Path) -> Conformance:
 
 
 def check_target(target: str, others: Iterable[str] = (), required: bool = True) -> list[Conformance]:
-    """Run the suites on all parts that a name, a `.py` file or the `.toml` file of a material stands for.
+    """Run the suites on the parts of a name, a `.py` file, or the `.toml` file of a material.
 
     Args:
         target: the name or the file.
         others: further valid names, for the message.
-        required: False if it is no error that there is no part.
+        required: raise an error if there is no part.
 
     Raises:
         InputError: the part does not exist, the file registers no part, or it cannot be read.
     """
     if target.endswith(".toml") or target in material_names():
         return [check_material(target)]
-    found = find_parts(target)
-    if required and not found:
+    parts = find_parts(target)
+    if required and not parts:
         raise _make_error(target, others)
-    return [check_conformance(cls, kind) for kind, cls in found]
+    return [check_conformance(cls, kind) for kind, cls in parts]
 
 
 def find_parts(target: str) -> list[tuple[str, type[Any]]]:
-    """Return kind and class of the parts that a name stands for, or that a file registers; empty if there are none.
+    """Return kind and class of the parts with a name, or of the parts registered in a `.py` file.
 
     Raises:
         InputError: the file cannot be imported.
@@ -190,8 +186,8 @@ def find_parts(target: str) -> list[tuple[str, type[Any]]]:
     kinds = list_registries(blocks=True) | {"experiment": EXPERIMENT_KINDS}
     if target.endswith(".py"):
         import_modules([target])
-        found = [(kind, r[name]) for kind, r in kinds.items() for name in r.names()]
-        return [(kind, cls) for kind, cls in found if cls.__module__ == Path(target).stem]
+        parts = [(kind, r[name]) for kind, r in kinds.items() for name in r.names()]
+        return [(kind, cls) for kind, cls in parts if cls.__module__ == Path(target).stem]
     own = [(kind, r[target]) for kind, r in kinds.items() if target in r.names()]
     return own or [("study", studies.STUDIES[name]) for name in studies.STUDIES.names() if name == target]
 
@@ -208,13 +204,13 @@ def _make_error(target: str, others: Iterable[str]) -> InputError:
 
 
 def check_part(part: Any, check: Check) -> Finding:
-    """Return the finding of one check on one part; an error in the code of the part is a fault too."""
+    """Return the result of one check on one part; an exception of the part counts as a fault."""
     promise = (check.__doc__ or "").partition("\n")[0]
     try:
         check(part)
     except ConformanceError as error:
         fault = str(error)
-    except Exception as error:  # whatever a user's code raises
+    except Exception as error:  # user code can raise any exception
         fault = f"it raised {type(error).__name__}: {error}"
     else:
         fault = ""

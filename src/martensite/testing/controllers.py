@@ -1,4 +1,4 @@
-"""Suite for controllers: a memory that keeps its shape, rest, the same on a bench."""
+"""Suite for controllers: size of the memory, steady state, limits, agreement of a bench with a plain loop."""
 
 import math
 from typing import Any
@@ -21,20 +21,19 @@ from martensite.testing.examples import build_plant
 from martensite.testing.readings import PERIOD, find_range, observe_rest
 
 SAMPLES = 40
-"""Number of samples of a run on a bench."""
 
 
 def list_readings(controller: AbstractController) -> dict[str, float]:
-    """Return the plant at rest with all other readings, and references ahead that need no action."""
+    """Return readings of the plant at rest, mid-range values for others, and constant previewed references."""
     others = {name: sum(find_range(name)) / 2.0 for name in controller.reads()}
-    found = others | observe_rest()
+    readings = others | observe_rest()
     previews = controller.list_previews().items()
     ahead = [f"{AHEAD}{drive}.{k}" for drive, times in previews for k in range(len(times) + 1)]
-    return found | dict.fromkeys(ahead, found.get(controller.measured, 0.0))
+    return readings | dict.fromkeys(ahead, readings.get(controller.measured, 0.0))
 
 
 def find_target(controller: AbstractController) -> float:
-    """Return a reference at which a plant at rest needs nothing."""
+    """Return a reference that needs no action of a plant at rest."""
     return list_readings(controller).get(controller.measured, 0.0)
 
 
@@ -42,32 +41,32 @@ def check_reads(controller: AbstractController) -> None:
     """A missing reading is reported by name, with the nearest existing name."""
     readings = list_readings(controller)
     for name in controller.reads():
-        known = {f"{n}s" if n == name else n: value for n, value in readings.items()}
+        renamed = {f"{n}s" if n == name else n: value for n, value in readings.items()}
         try:
-            controller(0.0, known, controller.init())
+            controller(0.0, renamed, controller.init())
         except ParameterError as error:
-            said = f"`{name}`" in str(error) and f"`{name}s`" in str(error)
+            named = f"`{name}`" in str(error) and f"`{name}s`" in str(error)
         else:
-            said = False
-        require_condition(said, f"Without the reading `{name}` it does not say that it is missing.")
+            named = False
+        require_condition(named, f"Without the reading `{name}` it does not say that it is missing.")
 
 
 def check_memory(controller: AbstractController) -> None:
-    """The memory of a controller consists of numbers, equally many at every sample."""
+    """The memory of a controller is a constant number of floats."""
     readings, target = list_readings(controller), find_target(controller)
     memory = tuple(flatten_numbers(tuple(controller.rest(floats, target, readings))))
     count = len(memory)
     for k in range(5):
-        found = {name: value * (1.0 + 0.01 * k) for name, value in readings.items()}
-        wanted = target + 1e-3 * (k - 2)
-        signal, memory = controller.answer(floats, memory, wanted, found, PERIOD)
-        held = len(memory) == count and all(isinstance(x, float | int) for x in memory)
-        require_condition(held, f"It remembers {count} numbers first, after {k + 1} samples {list(memory)}.")
+        scaled = {name: value * (1.0 + 0.01 * k) for name, value in readings.items()}
+        reference = target + 1e-3 * (k - 2)
+        signal, memory = controller.answer(floats, memory, reference, scaled, PERIOD)
+        numeric = len(memory) == count and all(isinstance(x, float | int) for x in memory)
+        require_condition(numeric, f"It remembers {count} numbers first, after {k + 1} samples {list(memory)}.")
         require_condition(math.isfinite(signal), f"Its signal is {signal}.")
 
 
 def check_no_time(controller: AbstractController) -> None:
-    """Without time between samples it answers, with a finite slope by the reference."""
+    """With zero time between samples, the signal and its derivative by the reference are finite."""
     readings, target = list_readings(controller), find_target(controller)
 
     def answer(xp: Namespace, reference: Scalar) -> Scalar:
@@ -82,7 +81,7 @@ def check_no_time(controller: AbstractController) -> None:
 
 
 def check_rest(controller: AbstractController) -> None:
-    """With its plant at rest and nothing to do, its signal stays as it is."""
+    """With its plant at rest at the reference, the signal is constant."""
     resting = controller.with_parts(reference=Constant(level=find_target(controller)))
     memory, signals = resting.init(), list[float]()
     for k in range(20):
@@ -96,7 +95,7 @@ def check_rest(controller: AbstractController) -> None:
 
 
 def find_limits(controller: AbstractController) -> tuple[float, float] | None:
-    """Return the least and largest signal that a controller declares, itself or in its law."""
+    """Return the lowest and highest declared signal of a controller or its law; None without limits."""
     for part in (controller, getattr(controller, "law", None)):
         levels = [getattr(part, name) for name in ("low", "high", "near") if hasattr(part, name)]
         if "high" in getattr(part, "declarations", {}):
@@ -105,31 +104,31 @@ def find_limits(controller: AbstractController) -> tuple[float, float] | None:
 
 
 def check_limits(controller: AbstractController) -> None:
-    """Whatever is read, its signal stays within the limits that it declares."""
+    """For any readings, its signal stays within its declared limits."""
     limits, readings = find_limits(controller), list_readings(controller)
     if limits is None:
         return
     target = find_target(controller)
     memory = controller.rest(floats, target, readings)
     for k in range(200):
-        found = {name: value + (k % 7 - 3) * 0.1 * k for name, value in readings.items()}
-        wanted = target + (k % 5 - 2) * 0.1
-        signal, memory = controller.answer(floats, memory, wanted, found, PERIOD)
+        scaled = {name: value + (k % 7 - 3) * 0.1 * k for name, value in readings.items()}
+        reference = target + (k % 5 - 2) * 0.1
+        signal, memory = controller.answer(floats, memory, reference, scaled, PERIOD)
         low, high = limits
         require_condition(low <= signal <= high, f"Its signal is {signal:.6g}, beyond {low:g} to {high:g}.")
 
 
 def check_bench(controller: AbstractController) -> None:
-    """On a bench, traced, it does what it does as a drive on plain floats beside it."""
+    """Traced on a bench, it gives the same signals as on plain floats in an outside loop."""
     plant = build_plant()
     if not set(controller.reads()) <= set(plant.outputs()):
         return
     low, high = find_range(controller.measured)
     low = find_target(controller)
-    ways = np.interp(np.arange(SAMPLES + 1), [5, 15, 35], [low, low + 0.3 * (high - low), low])
-    reference = Held(values=tuple(ways.tolist()), frequency=1.0 / PERIOD)
-    tried: Any = controller.with_parts(reference=reference)
-    bench = Bench(plant=plant, period=PERIOD, substeps=1, controllers=Controllers(drive=tried))
+    levels = np.interp(np.arange(SAMPLES + 1), [5, 15, 35], [low, low + 0.3 * (high - low), low])
+    reference = Held(values=tuple(levels.tolist()), frequency=1.0 / PERIOD)
+    moved: Any = controller.with_parts(reference=reference)
+    bench = Bench(plant=plant, period=PERIOD, substeps=1, controllers=Controllers(drive=moved))
     inside = simulate_bench(bench, SAMPLES * PERIOD, runtime="floats")
     rest, drive = open_loop(bench, "drive")
     outside = simulate_bench(rest, SAMPLES * PERIOD, outside={"drive": drive})

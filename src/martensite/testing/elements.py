@@ -1,4 +1,4 @@
-"""Suite for elements, heat losses, ends, fluids, resistances and sources: heat to the colder side, capacities."""
+"""Suite for elements, heat losses, ends, fluids, resistances and sources."""
 
 import math
 
@@ -19,7 +19,7 @@ from martensite.testing.examples import build_example
 
 
 def check_heat_loss(element: AbstractElement) -> None:
-    """An element loses more heat the hotter it is, and none at the temperature around it."""
+    """Heat loss grows with the temperature of an element, and is zero at the ambient temperature."""
     around = build_example(Environment, temperature=295.0)
     flows = [element.heat_loss(floats, t, around) for t in TEMPERATURES.tolist()]
     require_condition((np.diff(flows) > 0.0).all(), "The heat loss falls as the element gets hotter.")
@@ -28,19 +28,19 @@ def check_heat_loss(element: AbstractElement) -> None:
 
 
 def check_capacity(element: AbstractElement) -> None:
-    """Its heat capacity is above zero, and its latent heat not below."""
-    found = element.heat_capacity_total()
-    require_condition(found > 0.0, f"The heat capacity is {found} J/K.")
+    """Its heat capacity is positive, and its latent heat not negative."""
+    capacity = element.heat_capacity_total()
+    require_condition(capacity > 0.0, f"The heat capacity is {capacity} J/K.")
     if isinstance(element, AbstractLumped):
         latent = element.latent_heat_total(floats, 50e6, 330.0)
         require_condition(latent >= 0.0, f"The latent heat is {latent} J.")
 
 
 def check_stiffness(element: AbstractElement) -> None:
-    """An element gets longer under more force, and holds the force with which it is assembled."""
+    """An element gets longer under more force, and carries the force of its assembly."""
     state = element.init(floats, 2.0, 300.0)
-    held = element.force(state)
-    require_condition(abs(held - 2.0) < 1e-9, f"Assembled with 2 N, it holds {held:.6g} N.")
+    pull = element.force(state)
+    require_condition(abs(pull - 2.0) < 1e-9, f"Assembled with 2 N, it holds {pull:.6g} N.")
     lengths = [element.elongation(floats, state, force) for force in (0.0, 1.0, 2.0, 3.0)]
     require_condition((np.diff(lengths) > 0.0).all(), "It does not get longer under more force.")
 
@@ -50,7 +50,7 @@ SIGNALS = np.linspace(0.0, 20.0, 41).tolist()
 
 
 def check_length(model: AbstractResistance) -> None:
-    """A resistance is above zero and grows with length."""
+    """A resistance is positive and grows with length."""
     for fraction in (0.0, 0.3, 1.0):
         short, long = (
             model.resistance(floats, fraction, 0.01, 330.0, Conductor(3e-8, length)) for length in (0.1, 0.2)
@@ -61,7 +61,7 @@ def check_length(model: AbstractResistance) -> None:
 
 
 def check_unit(source: AbstractSource) -> None:
-    """A source says in which unit its signal is."""
+    """A source has a valid unit for its signal."""
     try:
         units.require_unit(source.unit)
     except UnitError as error:
@@ -81,7 +81,7 @@ def check_current(source: AbstractSource) -> None:
 
 
 def check_limits(source: AbstractSource) -> None:
-    """A source with limits of current and voltage keeps to them."""
+    """A source respects its limits of current and voltage."""
     for ohms in OHMS:
         most = max(source.current(floats, u, ohms) for u in SIGNALS)
         limit = getattr(source, "current_limit", np.inf)
@@ -92,18 +92,18 @@ def check_limits(source: AbstractSource) -> None:
 
 
 def check_heat(source: AbstractSource) -> None:
-    """A steady signal brings the heat of its current."""
+    """The heat of a constant signal is the power of its current."""
     if source.sets_temperature:
         return
     for ohms in OHMS:
         for u in SIGNALS[::8]:
             steady = Moments(u, u * u, u, u, 0.0, 0.0, 0.0)
-            found = source.heat(floats, steady, ohms).mean
+            heat = source.heat(floats, steady, ohms).mean
             current = source.current(floats, u, ohms)
             power = current * current * ohms
             require_condition(
-                abs(found - power) <= 1e-9 * max(power, 1e-12),
-                f"At a signal of {u:g} in {ohms} ohm the current brings {power:.6g} W, but `heat` says {found:.6g} W.",
+                abs(heat - power) <= 1e-9 * max(power, 1e-12),
+                f"At a signal of {u:g} in {ohms} ohm the current brings {power:.6g} W, but `heat` says {heat:.6g} W.",
             )
 
 
@@ -112,14 +112,14 @@ TEMPERATURES = np.linspace(260.0, 450.0, 96)
 
 
 def find_losses(cooling: AbstractCooling) -> np.ndarray:
-    """Return the heat flow per surface [W/m²] at all temperatures, surroundings at 295 K."""
+    """Return the heat flux [W/m²] at all temperatures, for an ambient of 295 K."""
     shape = Cylinder(0.2e-3, 0.2)
     films = [cooling.film(floats, t, AMBIENT, shape) for t in TEMPERATURES.tolist()]
     return np.array(films) * (TEMPERATURES - AMBIENT)
 
 
 def check_growth(cooling: AbstractCooling) -> None:
-    """The heat loss grows with temperature."""
+    """Heat loss grows with temperature."""
     falls = np.diff(find_losses(cooling)) <= 0.0
     hot = TEMPERATURES[int(np.argmax(falls))]
     require_condition(not falls.any(), f"In air of 295 K the heat loss falls above {hot:.0f} K.")
@@ -133,30 +133,30 @@ def check_side(cooling: AbstractCooling) -> None:
 
 
 def check_conductance(ends: AbstractEnds) -> None:
-    """With ends an element loses at least what its surface loses, and more with a larger film."""
+    """With ends, an element loses at least as much as through its surface, and more with a larger film coefficient."""
     for length in (1e-3, 0.02, 0.5):
         shape, before = Cylinder(0.2e-3, length), 0.0
         for film in (0.0, 1e-3, 5.0, 50.0, 500.0):
-            found = ends.conductance(floats, film, shape)
+            conductance = ends.conductance(floats, film, shape)
             surface = film * math.pi * shape.diameter * shape.length
-            words = f"At a film of {film:g} W/m²/K {length:g} m lose {found:.4g} W/K"
-            require_condition(found >= surface * (1.0 - 1e-9), f"{words}, the surface {surface}.")
-            require_condition(found >= before, f"{words}, less than at a smaller one.")
-            before = found
+            words = f"At a film of {film:g} W/m²/K {length:g} m lose {conductance:.4g} W/K"
+            require_condition(conductance >= surface * (1.0 - 1e-9), f"{words}, the surface {surface}.")
+            require_condition(conductance >= before, f"{words}, less than at a smaller one.")
+            before = conductance
 
 
 def check_properties(fluid: AbstractFluid) -> None:
-    """Conductivity, viscosity and Prandtl number are above zero over the span."""
+    """Conductivity, viscosity and Prandtl number are positive over the span."""
     low, high = fluid.span()
     require_condition(0.0 < low < high, f"Its span is {low:g} K to {high:g} K.")
     for kelvin in np.linspace(low, high, 60).tolist():
-        found = fluid.properties(floats, kelvin)
-        sound = all(math.isfinite(x) for x in found) and min(found[:3]) > 0.0
-        require_condition(sound, f"At {kelvin:.0f} K its properties are {found}.")
+        values = fluid.properties(floats, kelvin)
+        sound = all(math.isfinite(x) for x in values) and min(values[:3]) > 0.0
+        require_condition(sound, f"At {kelvin:.0f} K its properties are {values}.")
 
 
 def check_span(fluid: AbstractFluid) -> None:
-    """Beyond its span the properties are those at the nearer end."""
+    """Outside its span, properties equal those at the nearer end."""
     low, high = fluid.span()
     for beyond, end in ((0.1 * low, low), (10.0 * high, high)):
         same = fluid.properties(floats, beyond) == fluid.properties(floats, end)
@@ -167,7 +167,7 @@ def check_smoothness(fluid: AbstractFluid) -> None:
     """Over the span no property jumps."""
     low, high = fluid.span()
     rows = [fluid.properties(floats, t) for t in np.linspace(low, high, 4001).tolist()]
-    found = np.array(rows)
-    steps = np.abs(np.diff(found, axis=0)).max(axis=0)
-    spans = np.ptp(found, axis=0) + 1e-6 * np.abs(found).max(axis=0)
+    values = np.array(rows)
+    steps = np.abs(np.diff(values, axis=0)).max(axis=0)
+    spans = np.ptp(values, axis=0) + 1e-6 * np.abs(values).max(axis=0)
     require_condition((steps <= 0.05 * spans).all(), "A property jumps with the temperature.")

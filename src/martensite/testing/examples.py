@@ -1,7 +1,4 @@
-"""Examples of any part, made of the typical values that its declarations carry.
-
-What a part declares is enough to build one: a typical value, else the default. Nothing is known of a part by its name.
-"""
+"""Examples of any part, built from the typical values or defaults of its declarations."""
 
 import contextlib
 from collections.abc import Mapping
@@ -21,14 +18,14 @@ from martensite.signals.levels import HIGH
 
 Some = TypeVar("Some", bound=Parametrised)
 LEVEL = {DRIVE: "V"}
-"""SI unit in which a level is given whose unit depends on the place."""
+"""SI unit of levels whose unit depends on the use."""
 
 
 def build_example(cls: type[Some], /, **choices: Any) -> Some:
-    """Return an instance of a part, of typical values but for some choices.
+    """Return a part with typical values, except for the given choices.
 
     Raises:
-        ParameterError: something is required of which no typical value is declared.
+        ParameterError: a required value has no typical value.
     """
     values = {name: _read_level(cls, name, one) for name, one in choices.items()}
     for name, declared in cls.declarations.items():
@@ -39,12 +36,12 @@ def build_example(cls: type[Some], /, **choices: Any) -> Some:
 
 @cache
 def build_plant() -> System:
-    """Return a wire of typical numbers under a voltage: what parts of a loop are tried on."""
+    """Return a wire of typical values under a voltage source, the plant for tests of loop parts."""
     return build_example(System, source=VoltageSource())
 
 
 def list_variants(cls: type[Some], **choices: Any) -> list[Some]:
-    """Return an example of a part, and one for every other choice of each of its options."""
+    """Return an example of a part, and one for each other choice of each option."""
     options = {n: d for n, d in cls.declarations.items() if d.kind == "option" and n not in choices}
     usual = {n: d.typical if d.default is REQUIRED else d.default for n, d in options.items()}
     others = [usual | {n: w} for n, d in options.items() for w in d.choices if w != usual[n]]
@@ -81,7 +78,7 @@ def _find_value(cls: type[Parametrised], name: str, declared: Declared, values: 
 
 
 def _read_level(cls: type[Parametrised], name: str, value: Any) -> Any:
-    """Return a choice; in SI if it is a text with a unit for what has the unit of some reading."""
+    """Return a choice, converted to SI if it is text for a level with a dependent unit."""
     declared = cls.declarations.get(name)
     if isinstance(value, str) and declared is not None and declared.unit in units.OF_READINGS:
         for unit in (one for one in HIGH if one not in ("1", "delta_degC")):
@@ -91,14 +88,13 @@ def _read_level(cls: type[Parametrised], name: str, value: Any) -> Any:
 
 
 def _to_number(typical: Any, unit: str) -> float:
-    """Return a typical number in SI; differences of a reading in kelvin are no temperatures."""
     if not isinstance(typical, str):
         return float(typical)
     return units.parse_quantity(typical, unit)
 
 
 def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: Any) -> Any:
-    """Return a component: the typical one, the default, or what its class has."""
+    """Return a component: typical, default, or an example of its class."""
     inner = component_class(cls, name)
     if declared.typical is None and declared.default is not REQUIRED:
         return declared.default
@@ -121,7 +117,7 @@ def _unit_of(value: Any) -> str:
 
 
 def _build_typical(typical: Any, registry: Registry[Any] | None, inner: type[Parametrised] | None) -> Any:
-    """Return a component from a name or a table, as files have it."""
+    """Return a component from a name or a table in the form of scenario files."""
     table: dict[str, Any] = {"kind": typical} if isinstance(typical, str) else dict(typical)
     if registry is not None:
         return build_example(registry[table.pop("kind")], **table)

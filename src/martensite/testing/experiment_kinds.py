@@ -20,23 +20,23 @@ ASSUMED = re.compile(r"`([^`]+)` is assumed to be ([^:]+):")
 
 def _recognise(kind: AbstractExperimentKind) -> tuple[RecognisedExperiment, list[Record]]:
     records = kind.make_example()
-    found = kind.recognise(LogSurvey(records))
-    require_condition(found is not None, "it does not recognise its own example")
-    return found, records  # type: ignore[return-value]
+    experiment = kind.recognise(LogSurvey(records))
+    require_condition(experiment is not None, "it does not recognise its own example")
+    return experiment, records  # type: ignore[return-value]
 
 
 def check_words(kind: AbstractExperimentKind) -> None:
-    """Its meaning, and the columns that it needs, are given in words."""
+    """It describes its meaning and the columns that it needs."""
     for name in ("meaning", "needs"):
         require_condition(getattr(kind, name).strip(), f"`{name}` is empty")
 
 
 def check_recognition(kind: AbstractExperimentKind) -> None:
-    """Its example is recognised as this kind, by columns that the example has."""
-    found, records = _recognise(kind)
+    """Its example is recognised as this kind, by columns of the example."""
+    experiment, records = _recognise(kind)
     first = recognise_experiment(records).name
     require_condition(first == kind.registered_name, f"its example is recognised as `{first}`, whose `order` is lower")
-    lost = {*found.measured, *filter(None, [found.drive])} - {*records[0].columns}
+    lost = {*experiment.measured, *filter(None, [experiment.drive])} - {*records[0].columns}
     require_condition(not lost, f"its example has no column `{', '.join(lost)}`")
 
 
@@ -50,7 +50,7 @@ def check_silence(kind: AbstractExperimentKind) -> None:
 
 
 def check_proposals(kind: AbstractExperimentKind) -> None:
-    """Each proposal is a scenario with free parameters and compared columns that can be fitted to its rows."""
+    """Each proposal is a scenario with free parameters, and its columns can be fitted."""
     proposals, _ = propose_scenarios(*_recognise(kind), {})
     require_condition(proposals, "it proposes no scenario")
     for one in proposals:
@@ -62,10 +62,10 @@ def check_proposals(kind: AbstractExperimentKind) -> None:
 
 
 def check_assumptions(kind: AbstractExperimentKind) -> None:
-    """A value that is given is used and not assumed."""
-    found, records = _recognise(kind)
-    _, known = propose_scenarios(found, records, {})
-    given = dict(match for note in known.sentences for match in ASSUMED.findall(note))
-    _, again = propose_scenarios(found, records, given)
+    """A given value is used instead of an assumption."""
+    experiment, records = _recognise(kind)
+    _, proposal = propose_scenarios(experiment, records, {})
+    given = dict(match for note in proposal.sentences for match in ASSUMED.findall(note))
+    _, again = propose_scenarios(experiment, records, given)
     ignored = [path for path in given if any(f"`{path}` is assumed" in note for note in again.sentences)]
     require_condition(not ignored, f"`{', '.join(ignored)}` is assumed although it is given")

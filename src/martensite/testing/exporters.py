@@ -6,17 +6,16 @@ from martensite.testing.commands import list_options
 from martensite.testing.conformance import require_condition
 
 COMMON = ("--set", "--import", "--out", "--force")
-"""Options of all exporters."""
 
 
 def check_options(command: TyperCommand) -> None:
-    """It takes changes of the scenario, a place to write to, and leave to replace files."""
+    """It has the options for changes, imports, output folder and overwriting."""
     missing = [name for name in COMMON if name not in list_options(command)]
     require_condition(not missing, f"it has no option `{', '.join(missing)}`")
 
 
 def check_missing_scenario(command: TyperCommand) -> None:
-    """It refuses a scenario that does not exist, with exit code 2."""
+    """It refuses a missing scenario with exit code 2."""
     try:
         command.main(["no-such-scenario.toml"], standalone_mode=False)
     except Exception as error:  # of Martensite or of Typer; both have an exit code

@@ -1,4 +1,4 @@
-"""Suite for laws: bounds, independence of cuts, monotony, dissipation, finite answers."""
+"""Suite for laws: bounds, independence of step cuts, monotony, dissipation, finite results."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -16,26 +16,22 @@ from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.testing.conformance import require_condition
 
 Point = tuple[float, float]
-"""Stress [Pa], temperature [K]."""
 PATHS = 40
 CELSIUS = 273.15
 AROUND = 40.0
-"""Range beyond its temperatures in which a law is heated and cooled [K]."""
+"""Temperature margin around the law's own temperatures [K]."""
 TAIL = 0.01
-"""Martensite [-] that laws with exponential kinetics keep at their nominal finish line."""
+"""Martensite fraction that laws with exponential kinetics keep at their nominal finish line."""
 
 
 def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any]:
-    """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
+    """Return `kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
     kinetics, _, shape = _bind_law(law)
     return lambda memory, *point: shape.rebuild(kinetics(*flatten_numbers(memory), *point))
 
 
 def _bind_law(law: AbstractLaw) -> tuple[Callable[..., Sequence[float]], Callable[..., Sequence[float]], NestedShape]:
-    """Return the functions of the numbers of a memory, `kinetics` and strain, and the shape of a memory.
-
-    What takes many steps keeps to the numbers: to make a memory of them takes longer than a step.
-    """
+    """Return traced kinetics and strain on flat memories, and the shape of a memory."""
     bind, shape = _trace_law(Keyed(law))
     functions = bind(*(leaf.value for leaf in law.leaves()))
     return functions["kinetics"], functions["strain"], shape
@@ -64,9 +60,14 @@ def _trace_law(keyed: Keyed[Any]) -> Any:
 def follow_path(
     law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> list[Any]:
-    """Return memories of a law at points of (stress [Pa], temperature [K]), its martensite at the first all oriented.
+    """Return the memories of a law at the points (stress [Pa], temperature [K]) of a path.
 
-    Straight legs of dt [s] lead from each to the next, each cut into `substeps` of equal length.
+    Args:
+        law: the law.
+        points: corners of the path, joined by straight legs.
+        fraction: martensite fraction at the first point, all oriented.
+        substeps: equal steps per leg.
+        dt: duration of a leg [s].
     """
     memories = [law.init(floats, Fractions(fraction, fraction), *points[0])]
     kinetics, _, shape = _bind_law(law)
@@ -84,17 +85,17 @@ def follow_path(
 def find_end(
     law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> Fractions:
-    """Return the fractions at the end of a path."""
+    """Return the fractions at the end of a path; see `follow_path`."""
     return law.fractions(follow_path(law, points, fraction, substeps, dt)[-1])
 
 
 def find_strain(law: AbstractLaw, memory: Any) -> float:
-    """Return the strain [-] stored in a memory."""
+    """Return the strain [-] of a memory."""
     return law.strain(floats, law.fractions(memory), memory.stress, memory.temperature)
 
 
 def depends_on_time(law: AbstractLaw) -> bool:
-    """Return True for laws with rates; those with a history rule must never be."""
+    """Return whether a law is rate-dependent."""
     legs = [(0.0, 290.0), (0.0, 360.0), (300e6, 330.0), (50e6, 330.0)]
     slow, fast = (find_end(law, legs, 0.5, dt=dt) for dt in (1e3, 1e-3))
     return slow != fast
@@ -103,13 +104,13 @@ def depends_on_time(law: AbstractLaw) -> bool:
 @cache_answers(1)
 def _draw_paths() -> list[tuple[list[Point], float]]:
     rng = np.random.default_rng(7)
-    found: list[tuple[list[Point], float]] = []
+    paths: list[tuple[list[Point], float]] = []
     for _ in range(PATHS):
         count = int(rng.integers(2, 6))
         stress, kelvin = rng.uniform(0.0, 500e6, count), rng.uniform(270.0, 420.0, count)
         start = float(rng.integers(0, 2)) if rng.random() < 0.5 else float(rng.random())
-        found.append((list(zip(stress.tolist(), kelvin.tolist(), strict=True)), start))
-    return found
+        paths.append((list(zip(stress.tolist(), kelvin.tolist(), strict=True)), start))
+    return paths
 
 
 def _describe_path(points: Sequence[Point]) -> str:
@@ -117,17 +118,17 @@ def _describe_path(points: Sequence[Point]) -> str:
 
 
 def check_memory(law: AbstractLaw) -> None:
-    """A memory starts with the fractions, the stress and the temperature that it is told."""
+    """A memory starts with the given fractions, stress and temperature."""
     memory = law.init(floats, Fractions(0.4, 0.4), 30e6, 310.0)
-    found = law.fractions(memory)
-    near = abs(found.martensite - 0.4) < 1e-12 and abs(found.oriented - 0.4) < 1e-12
-    require_condition(near, f"`init` is told a fraction of 0.4, but `fractions` of it gives {found}.")
+    fractions = law.fractions(memory)
+    equal = abs(fractions.martensite - 0.4) < 1e-12 and abs(fractions.oriented - 0.4) < 1e-12
+    require_condition(equal, f"`init` is told a fraction of 0.4, but `fractions` of it gives {fractions}.")
     there = (memory.stress, memory.temperature)
     require_condition(there == (30e6, 310.0), f"`init` is told 30 MPa and 310 K, but remembers {there}.")
 
 
 def check_affine_strain(law: AbstractLaw) -> None:
-    """At fixed fractions the strain is affine in stress, with a compliance above zero."""
+    """At fixed fractions the strain is affine in stress, with a positive compliance."""
     for fraction in (0.0, 0.5, 1.0):
         frozen = Fractions(fraction, fraction)
         strains = [law.strain(floats, frozen, s, 310.0) for s in (0.0, 100e6, 200e6)]
@@ -135,18 +136,18 @@ def check_affine_strain(law: AbstractLaw) -> None:
         require_condition(slope > 0.0, f"The compliance at a fraction of {fraction} is {slope}.")
         free = law.free_strain(floats, frozen, 310.0)
         expected = [free + s * slope for s in (0.0, 100e6, 200e6)]
-        near = np.allclose(strains, expected, rtol=1e-9, atol=1e-14)
-        require_condition(near, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ.")
+        affine = np.allclose(strains, expected, rtol=1e-9, atol=1e-14)
+        require_condition(affine, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ.")
 
 
 def check_bounds(law: AbstractLaw) -> None:
-    """Fractions stay between 0 and 1, and no more is oriented than there is."""
+    """Fractions stay between 0 and 1, and the oriented fraction never exceeds the martensite."""
     for points, start in _draw_paths():
         for memory in follow_path(law, points, start):
-            found = law.fractions(memory)
-            held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (found.martensite + 1e-12)
-            held = held and 0.0 <= found.rphase <= 1.0
-            require_condition(held, f"On the path {_describe_path(points)} the fractions are {found}.")
+            fractions = law.fractions(memory)
+            bounded = 0.0 <= fractions.martensite <= 1.0 and abs(fractions.oriented) <= (fractions.martensite + 1e-12)
+            bounded = bounded and 0.0 <= fractions.rphase <= 1.0
+            require_condition(bounded, f"On the path {_describe_path(points)} the fractions are {fractions}.")
             share = law.trained_share(floats, memory.stress)
             require_condition(
                 0.0 <= share <= 1.0, f"At {memory.stress:.3g} Pa the share `trained_share` is {share:.6g}."
@@ -154,22 +155,22 @@ def check_bounds(law: AbstractLaw) -> None:
 
 
 def check_standstill(law: AbstractLaw) -> None:
-    """A move to the same point in no time changes nothing."""
+    """A step to the same point in zero time changes nothing."""
     for points, start in _draw_paths():
         memory = follow_path(law, points, start)[-1]
-        again, found = law.kinetics(floats, memory, *points[-1], 0.0)
-        same = again == memory and found == law.fractions(memory)
+        again, fractions = law.kinetics(floats, memory, *points[-1], 0.0)
+        same = again == memory and fractions == law.fractions(memory)
         require_condition(same, f"At the end of {_describe_path(points)} standing still changes the memory.")
 
 
 def check_clock(law: AbstractLaw) -> None:
-    """A law with a history rule does not read the clock."""
+    """A law with a history rule is rate-independent."""
     both = depends_on_time(law) and "history" in law.declarations
     require_condition(not both, "The law has a history rule, but depends on how long a move takes.")
 
 
 def check_cuts(law: AbstractLaw) -> None:
-    """A law without rates gives the same result for any cuts of a path into steps."""
+    """A rate-independent law gives the same result for any division of a path into steps."""
     if depends_on_time(law):
         return
     for number, (points, start) in enumerate(_draw_paths()):
@@ -199,14 +200,14 @@ def check_minor_loops(law: AbstractLaw) -> None:
 
 
 def check_direction(law: AbstractLaw) -> None:
-    """Without stress, heating takes martensite away and cooling brings it."""
+    """Without stress, heating removes martensite and cooling produces it."""
     own = [leaf.value for leaf in law.leaves() if leaf.declared.unit == "K" and leaf.value > 0.0]
     low, high = min([290.0, *own]) - AROUND, max([440.0, *own]) + AROUND
     up = [(0.0, float(t)) for t in range(max(int(low), 1), int(high) + 1)]
     for way, start, sign in ((up, 1.0, -1.0), (up[::-1], 0.0, 1.0)):
         memories = follow_path(law, way, start, dt=1e3)
-        found = [law.fractions(memory).martensite for memory in memories]
-        steps = sign * np.diff(found)
+        fractions = [law.fractions(memory).martensite for memory in memories]
+        steps = sign * np.diff(fractions)
         words = "heating" if sign < 0.0 else "cooling"
         worst = int(np.argmin(steps))
         require_condition(
@@ -215,18 +216,18 @@ def check_direction(law: AbstractLaw) -> None:
             f"way at {way[worst][1] - CELSIUS:.0f} °C.",
         )
         require_condition(
-            abs(found[-1] - (1.0 - start)) <= TAIL,
+            abs(fractions[-1] - (1.0 - start)) <= TAIL,
             f"On {words} to {way[-1][1] - CELSIUS:.0f} °C the martensite fraction ends at "
-            f"{found[-1]:.3g} instead of {1.0 - start:.0f}.",
+            f"{fractions[-1]:.3g} instead of {1.0 - start:.0f}.",
         )
 
 
 def check_stiffness(law: AbstractLaw) -> None:
-    """The strain after a move does not fall with its stress."""
+    """The strain after a step does not fall with its stress."""
     count, rng, paths = 101, np.random.default_rng(8), _draw_paths()
     ends = [follow_path(law, points, start)[-1] for points, start in paths]
     pairs = [(end.temperature, float(rng.uniform(270.0, 420.0))) for end in ends]
-    kelvins: Any = np.repeat(pairs, count)  # all at once: what arrays cost is the call
+    kelvins: Any = np.repeat(pairs, count)  # one call on arrays is cheaper
     stresses: Any = np.tile(np.linspace(0.0, 500e6, count), len(pairs) * 2)
     lanes = [np.repeat(numbers, 2 * count) for numbers in zip(*map(flatten_numbers, ends), strict=True)]
     xp, memory = ArrayNamespace(np), NestedShape(ends[0]).rebuild(lanes)
@@ -242,10 +243,10 @@ def check_stiffness(law: AbstractLaw) -> None:
 
 
 def find_austenite(law: AbstractLaw) -> float:
-    """Return the lowest whole temperature [K] at which unloaded martensite is gone.
+    """Return the lowest whole temperature [K] without martensite at zero stress.
 
     Raises:
-        ConformanceError: it is not gone below 480 K.
+        ConformanceError: martensite remains at 480 K.
     """
     kinetics, _, shape = _bind_law(law)
     cold = flatten_numbers(law.init(floats, Fractions(1.0, 1.0), 0.0, 250.0))
@@ -257,7 +258,7 @@ def find_austenite(law: AbstractLaw) -> float:
 
 
 def find_work(law: AbstractLaw, kelvin: float, stresses: Sequence[float]) -> tuple[float, float]:
-    """∮ σ dε [J/m³] along an isotherm, in steps of about 2 MPa, and the fraction at its end."""
+    """Return ∮ σ dε [J/m³] along an isotherm in steps of about 2 MPa, and the final martensite fraction."""
     kinetics, strain_of, shape = _bind_law(law)
     numbers: Sequence[float] = flatten_numbers(law.init(floats, Fractions(0.0, 0.0), stresses[0], kelvin))
     total, last_stress, (last_strain,) = 0.0, stresses[0], strain_of(*numbers)
@@ -271,7 +272,7 @@ def find_work(law: AbstractLaw, kelvin: float, stresses: Sequence[float]) -> tup
 
 
 def check_dissipation(law: AbstractLaw) -> None:
-    """A closed cycle at constant temperature above A_f takes work, and a large one some."""
+    """A closed cycle at constant temperature above A_f dissipates work."""
     rng, hot = np.random.default_rng(9), find_austenite(law) + 1.0
     for _ in range(10):
         turns = rng.uniform(0.0, 500e6, int(rng.integers(1, 7))).tolist()
@@ -284,7 +285,7 @@ def check_dissipation(law: AbstractLaw) -> None:
 
 
 def check_extremes(law: AbstractLaw) -> None:
-    """Whatever stress, temperature and time a move is given, answers are finite."""
+    """For any stress, temperature and time, results are finite."""
     count = 4_000
     rng, xp = np.random.default_rng(1), ArrayNamespace(np)
     xi: Any = np.where(rng.random(count) < 0.3, rng.integers(0, 2, count), rng.random(count))
@@ -304,7 +305,7 @@ def check_extremes(law: AbstractLaw) -> None:
 
 
 def _draw_extremes(law: AbstractLaw, rng: Any, count: int) -> tuple[Any, Any]:
-    """Return the stresses and temperatures, a third of them absurd or on the law's own numbers."""
+    """Return stresses and temperatures, a third of them extreme or equal to parameters of the law."""
     own = {"K": [0.0, 1e-300, CELSIUS, 1e5], "Pa": [0.0, -1e9, 1e12, 1e-300, -1e-300]}
     for leaf in law.leaves():
         if leaf.declared.unit in own:

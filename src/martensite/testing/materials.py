@@ -1,4 +1,4 @@
-"""Suite for materials: ordered temperatures, allowed numbers, a law that holds."""
+"""Suite for materials: ordered temperatures, allowed values, a law that passes its checks."""
 
 from typing import Any
 
@@ -12,26 +12,26 @@ from martensite.testing.conformance import require_condition
 from martensite.testing.laws import check_bounds, check_direction, check_stiffness
 
 ASCENDING = (("M_f", "M_s"), ("A_s", "A_f"), ("M_s", "A_f"), ("sigma_s", "sigma_f"))
-"""Pairs of numbers of which the first is the smaller one."""
+"""Pairs of parameters whose first is smaller."""
 
 
 def build_laws(material: Material) -> list[AbstractLaw]:
-    """Return the law that a material names, else every law that its numbers are enough for."""
+    """Return the law of a material, else every law for which its values suffice."""
     values = {name: number.value for name, number in material.values.items()}
     options: dict[str, Any] = dict(material.law or {})
     names = [options.pop("kind")] if options else LAWS.names()
-    found: list[AbstractLaw] = []
+    laws: list[AbstractLaw] = []
     for cls in (LAWS[name] for name in names):
         given = {n: values[n] for n in cls.declarations if n in values} | options
         needed = [n for n, d in cls.declarations.items() if d.default is REQUIRED]
         if all(n in given or cls.declarations[n].kind == "option" for n in needed):
             usual = {n: cls.declarations[n].choices[0] for n in needed if n not in given}
-            found.append(cls(**usual | given))
-    return found
+            laws.append(cls(**usual | given))
+    return laws
 
 
 def check_order(material: Material) -> None:
-    """Finish and start temperatures are in their order."""
+    """Start and finish values are in order."""
     for first, second in ASCENDING:
         if first in material.values and second in material.values:
             one, other = material.values[first], material.values[second]
@@ -42,7 +42,7 @@ def check_order(material: Material) -> None:
 
 
 def check_bounds_of_parts(material: Material) -> None:
-    """Every number is one that each part which takes it allows."""
+    """Every value is allowed by each part that uses it."""
     for registry in list_registries().values():
         for cls in (registry[name] for name in registry.names()):
             for name in set(cls.declarations) & set(material.values):
@@ -62,13 +62,13 @@ def check_sources(material: Material) -> None:
     """A material describes its contents and its limits, and every source is in the bibliography."""
     require_condition(material.summary.strip(), "It has no `summary`.")
     require_condition(material.limits.strip(), "It does not say its `limits`.")
-    known = read_bibliography()
-    unknown = [source.cite for source in material.sources.values() if source.cite not in known]
+    bibliography = read_bibliography()
+    unknown = [source.cite for source in material.sources.values() if source.cite not in bibliography]
     require_condition(not unknown, f"{', '.join(unknown)} is not in the bibliography; see `martensite cite`.")
 
 
 def check_laws(material: Material) -> None:
-    """Its numbers are enough for a law, which transforms with them as it should."""
+    """Its values suffice for a law, which passes the main checks."""
     laws = build_laws(material)
     require_condition(laws, "Its numbers are not enough for any law.")
     for law in laws:

@@ -1,7 +1,6 @@
-"""Suite for mechanisms, at one moment: equilibrium, levers, an energy, an inertia.
+"""Suite for mechanisms at one instant: equilibrium, levers, energy, inertia.
 
-A load line is asked for its force and position, a mechanism with coordinates for what a motion
-demands. Sources of truth are differences of what it says itself, and mechanics.
+Derivatives are compared with differences of the mechanism's functions.
 """
 
 import math
@@ -25,16 +24,16 @@ from martensite.testing.conformance import require_condition
 Numbers: TypeAlias = tuple[float, ...]
 Array: TypeAlias = NDArray[np.float64]
 FREE = np.linspace(-0.05, 0.05, 101).tolist()
-"""Elongations without force of the element that a load line meets [m]."""
+"""Free elongations of the test spring [m]."""
 
 
 def is_consistent(mechanism: AbstractMultibody) -> bool:
-    """Return False for a mechanism that is kept for comparison though it is known to be wrong."""
+    """Return False for a mechanism that is kept for comparison and known to be inconsistent."""
     return getattr(mechanism, "coupling", "lagrange") == "lagrange"
 
 
 def choose_places(mechanism: AbstractMultibody, share: float = 0.2) -> list[Numbers]:
-    """Return some positions near home."""
+    """Return four positions near home."""
     rng = np.random.default_rng(3)
     sizes = np.array([c.size for c in mechanism.coordinates()])
     home = np.array(mechanism.home(floats))
@@ -42,13 +41,13 @@ def choose_places(mechanism: AbstractMultibody, share: float = 0.2) -> list[Numb
 
 
 def choose_rates(mechanism: AbstractMultibody) -> list[Numbers]:
-    """Return some velocities."""
+    """Return four velocities."""
     sizes = [c.size for c in mechanism.coordinates()]
     return [tuple(s * math.sin(1 + i + 3 * k) for k, s in enumerate(sizes)) for i in range(4)]
 
 
 def find_demand(mechanism: AbstractMultibody, *motion: Column) -> Array:
-    """Return the demand for position, velocity, acceleration (zero if not given), without signals."""
+    """Return the demand for position, velocity and acceleration (zero if not given), without signals."""
     rest = (0.0,) * len(mechanism.coordinates())
     numbers = (tuple(motion[k]) if k < len(motion) else rest for k in range(3))
     signals = [0.0] * len(mechanism.signals())
@@ -56,14 +55,14 @@ def find_demand(mechanism: AbstractMultibody, *motion: Column) -> Array:
 
 
 def find_inertia(mechanism: AbstractMultibody, position: Column) -> Array:
-    """Return the slope of the demand in the acceleration."""
+    """Return the inertia matrix: the derivative of the demand by the acceleration."""
     rest = find_demand(mechanism, position)
     still, unit = [0.0] * len(rest), np.eye(len(rest)).tolist()
     return np.array([find_demand(mechanism, position, still, e) - rest for e in unit]).T
 
 
 def check_interface(mechanism: AbstractMechanism) -> None:
-    """A mechanism says a start force of every element, and a unit of all that goes in and out."""
+    """A mechanism has a start force for each element, and SI units for all inputs and outputs."""
     forces, ports = mechanism.start_forces(floats), mechanism.ports()
     require_condition(len(forces) == len(ports), f"{len(forces)} start forces of {len(ports)}.")
     pulls = all(math.isfinite(force) and force >= 0.0 for force in forces)
@@ -73,9 +72,9 @@ def check_interface(mechanism: AbstractMechanism) -> None:
     named = {name: output.unit for name, output in outputs.items()} | mechanism.signals() | mechanism.initial_numbers()
     for name, unit in named.items():
         require_condition(_is_unit(unit), f"`{name}` is in `{unit}`, which is no unit of SI.")
-    judged = mechanism.convergence_scales()
-    own = set(judged) <= set(outputs) and all(scale > 0.0 for scale in judged.values())
-    require_condition(own, f"It judges {judged}: outputs of its own, with ranges above 0.")
+    scales = mechanism.convergence_scales()
+    own = set(scales) <= set(outputs) and all(scale > 0.0 for scale in scales.values())
+    require_condition(own, f"It judges {scales}: outputs of its own, with ranges above 0.")
 
 
 def _is_unit(unit: str) -> bool:
@@ -102,10 +101,10 @@ def check_assembly(mechanism: AbstractLoadLine) -> None:
     force = mechanism.start_force(floats)
     spring = Spring(0.003, 2e-4)
     elongation = spring.free + spring.compliance * force
-    found = mechanism.force(floats, LoadLineReference(elongation), spring)
-    near = abs(found - force) <= 1e-9 * (1.0 + abs(force))
-    require_condition(near, f"Assembled with {force:.6g} N, it holds {found:.6g} N.")
-    zero = mechanism.position(floats, LoadLineReference(elongation), found, elongation)
+    actual = mechanism.force(floats, LoadLineReference(elongation), spring)
+    balanced = abs(actual - force) <= 1e-9 * (1.0 + abs(force))
+    require_condition(balanced, f"Assembled with {force:.6g} N, it holds {actual:.6g} N.")
+    zero = mechanism.position(floats, LoadLineReference(elongation), actual, elongation)
     require_condition(abs(zero) < 1e-12, f"As assembled it stands at {zero:.4g} instead of 0.")
 
 
@@ -119,7 +118,7 @@ def check_position(mechanism: AbstractLoadLine) -> None:
 
 
 def check_names(mechanism: AbstractMultibody) -> None:
-    """A mechanism has as many numbers as it has names for them, and judges what it shows."""
+    """A mechanism has one name per coordinate, and its convergence scales belong to its outputs."""
     coordinates, ports = mechanism.coordinates(), mechanism.ports()
     home = mechanism.home(floats)
     rest = Motion(tuple(home), (0.0,) * len(home), (0.0,) * len(home))
@@ -139,17 +138,17 @@ def check_names(mechanism: AbstractMultibody) -> None:
 
 
 def check_equilibrium(mechanism: AbstractMultibody) -> None:
-    """At home, under the start forces, nothing is missing."""
+    """At home, under the start forces, demand equals supply."""
     home, forces = mechanism.home(floats), mechanism.start_forces(floats)
     require_condition(min(forces, default=0.0) >= 0.0, "A start force is below zero.")
     supplied = np.array(mechanism.supply(floats, home, forces, [0.0] * len(home)))
     demand = find_demand(mechanism, home)
-    near = np.allclose(demand, supplied, rtol=1e-9, atol=1e-15)
-    require_condition(near, f"At home it demands {demand}, but the start forces supply {supplied}.")
+    balanced = np.allclose(demand, supplied, rtol=1e-9, atol=1e-15)
+    require_condition(balanced, f"At home it demands {demand}, but the start forces supply {supplied}.")
 
 
 def check_levers(mechanism: AbstractMultibody) -> None:
-    """The slopes of the paths, by which forces act, are those of their differences."""
+    """The derivatives of the paths agree with differences."""
     for place in choose_places(mechanism):
         paths, exact = compute_jacobian(floats, mechanism.contraction, place)
         require_condition(paths == mechanism.contraction(floats, place), "A path depends on who asks.")
@@ -158,40 +157,40 @@ def check_levers(mechanism: AbstractMultibody) -> None:
             moved = ([*place[:k], place[k] + s * h, *place[k + 1 :]] for s in (1.0, -1.0))
             up, down = (np.array(mechanism.contraction(floats, q)) for q in moved)
             slopes = np.array([row[k] for row in exact])
-            near = np.allclose(slopes, (up - down) / (2.0 * h), rtol=1e-7, atol=1e-9)
-            require_condition(near, f"A path has a wrong slope in `{coordinate.name}`.")
+            equal = np.allclose(slopes, (up - down) / (2.0 * h), rtol=1e-7, atol=1e-9)
+            require_condition(equal, f"A path has a wrong slope in `{coordinate.name}`.")
 
 
 def check_potential(mechanism: AbstractMultibody) -> None:
-    """At rest its forces come from an energy: ∂D_i/∂q_k is symmetric."""
+    """Static forces derive from an energy: ∂D_i/∂q_k is symmetric."""
 
-    def held(xp: Namespace, position: Column) -> Column:
+    def static_demand(xp: Namespace, position: Column) -> Column:
         rest = (0.0,) * len(position)
         signals = [0.0] * len(mechanism.signals())
         return mechanism.demand(xp, Motion(tuple(position), rest, rest), signals)
 
     for place in choose_places(mechanism):
-        stiffness = np.array(compute_jacobian(floats, held, place)[1])
+        stiffness = np.array(compute_jacobian(floats, static_demand, place)[1])
         apart = np.abs(stiffness - stiffness.T).max()
-        near = apart <= 1e-12 * np.abs(stiffness).max()
-        require_condition(near, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}.")
+        symmetric = apart <= 1e-12 * np.abs(stiffness).max()
+        require_condition(symmetric, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}.")
 
 
 def check_inertia(mechanism: AbstractMultibody) -> None:
-    """Whatever accelerates needs a force, and its inertia is symmetric."""
+    """The inertia is positive definite and symmetric."""
     if not mechanism.moves and not find_inertia(mechanism, choose_places(mechanism)[0]).any():
         return
     for place in choose_places(mechanism):
-        found = find_inertia(mechanism, place)
-        least = np.linalg.eigvalsh(found + found.T).min()
+        inertia = find_inertia(mechanism, place)
+        least = np.linalg.eigvalsh(inertia + inertia.T).min()
         require_condition(least > 0.0, "It accelerates in some direction without a force.")
         if is_consistent(mechanism):
-            apart = np.abs(found - found.T).max()
-            require_condition(apart <= 1e-12 * np.abs(found).max(), "Its inertia is not symmetric.")
+            apart = np.abs(inertia - inertia.T).max()
+            require_condition(apart <= 1e-12 * np.abs(inertia).max(), "Its inertia is not symmetric.")
 
 
 def check_gyration(mechanism: AbstractMultibody) -> None:
-    """Forces that grow with the square of a velocity move energy only: v·c = ½ v·(dM/dt) v."""
+    """Forces quadratic in velocity only move energy: v·c = ½ v·(dM/dt) v."""
     if not is_consistent(mechanism):
         return
     rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
@@ -207,12 +206,12 @@ def check_gyration(mechanism: AbstractMultibody) -> None:
         size = np.abs(v) @ np.abs(find_inertia(mechanism, place)) @ np.abs(v)
         rounding = np.abs(v) @ np.abs(find_demand(mechanism, place))
         missing = abs(v @ even - change)
-        held = missing <= 1e-8 * size + 2e-12 * rounding  # the inertia itself is a difference of demands
-        require_condition(held, f"Motion at a constant rate makes {missing:.3g} W of its own.")
+        conserved = missing <= 1e-8 * size + 2e-12 * rounding  # the inertia itself is a difference of demands
+        require_condition(conserved, f"Motion at a constant rate makes {missing:.3g} W of its own.")
 
 
 def check_damping(mechanism: AbstractMultibody) -> None:
-    """Forces that change their sign with the velocity never drive the motion."""
+    """Forces odd in velocity never drive the motion."""
     rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
     for place, rate in rows:
         back = [-v for v in rate]
@@ -223,7 +222,7 @@ def check_damping(mechanism: AbstractMultibody) -> None:
 
 
 def check_power(mechanism: AbstractMultibody) -> None:
-    """The forces of a motion change its energy, are dissipated, or come from outside."""
+    """The power of a motion is the change of its energy, plus dissipation, minus external power."""
     if not is_consistent(mechanism):
         return
     signals = [3.0 + k for k in range(len(mechanism.signals()))]
@@ -247,14 +246,11 @@ def check_power(mechanism: AbstractMultibody) -> None:
 
 
 def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | None:
-    """Change of what it holds [W]; without inertia, kinetic energy does not count.
-
-    None if it does not say what it holds.
-    """
+    """Return the rate of stored energy [W], without kinetic energy if massless; None without an `energy`."""
     if mechanism.energy(floats, motion) is None:
         return None
 
-    def held(xp: Namespace, time: Column) -> Column:
+    def stored_energy(xp: Namespace, time: Column) -> Column:
         (q, v, a), (t,) = motion, time
         place = tuple(x + t * (y + 0.5 * t * z) for x, y, z in zip(q, v, a, strict=True))
         speed = tuple(y + t * z for y, z in zip(v, a, strict=True))
@@ -264,4 +260,4 @@ def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | No
         kinetic = energy.kinetic if mechanism.moves else 0.0
         return [energy.springs + energy.gravity + energy.magnetic + kinetic]
 
-    return float(compute_jacobian(floats, held, [0.0])[1][0][0])
+    return float(compute_jacobian(floats, stored_energy, [0.0])[1][0][0])

@@ -1,4 +1,4 @@
-"""Suite for observers: estimates by name, always numbers, rest with the plant."""
+"""Suite for observers: names of estimates, finite values, steady state."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,24 +16,21 @@ Named = Mapping[str, float]
 ABSURD = ((1e9, 0.0), (-1e9, 0.0), (0.0, 0.0), (1e-300, 0.0), (1e9, NEVER))
 """Readings, and their ages [s]."""
 WITHIN = 2.0
-"""Standard deviations by which an estimate may be off where all is martensite.
-
-Sigma points beyond an end are put there, and pull the mean away from it.
-"""
+"""Allowed steady error in standard deviations; clipped sigma points shift the mean at full martensite."""
 
 
 def find_readings(observer: AbstractObserver, xp: Namespace, signal: Scalar) -> dict[str, Any]:
-    """Return the readings of the model under a signal from rest, and their ages."""
+    """Return the readings of the model at rest under a signal, and their ages."""
     model, count = observer.model, len(observer.model.drives())
     signals = [signal] * count
-    seen = model.observe(xp, model.init(xp, *signals), *signals)
-    both = dict(zip(model.outputs(), seen, strict=True))
-    found = {name: both[name] for name in observer.reads()}
-    return found | {f"{name}.age": 0.0 for name in found}
+    outputs = model.observe(xp, model.init(xp, *signals), *signals)
+    both = dict(zip(model.outputs(), outputs, strict=True))
+    readings = {name: both[name] for name in observer.reads()}
+    return readings | {f"{name}.age": 0.0 for name in readings}
 
 
 def set_drives(observer: AbstractObserver, signal: Scalar) -> dict[str, Scalar]:
-    """Return the same signal for every drive of the model."""
+    """Return the same signal for each drive of the model."""
     return {drive.name: signal for drive in observer.model.drives()}
 
 
@@ -44,7 +41,7 @@ def check_reads(observer: AbstractObserver) -> None:
 
 
 def check_memory(observer: AbstractObserver) -> None:
-    """An observer gives one number per name, and its memory has the same size at every sample."""
+    """An observer gives one value per name, and its memory has constant size."""
     readings, names = find_readings(observer, floats, 0.0), list(observer.estimates())
     guess, memory = observer.rest(floats, readings, set_drives(observer, 0.0))
     count = len(memory)
@@ -58,22 +55,22 @@ def check_memory(observer: AbstractObserver) -> None:
 
 
 def check_absurd_readings(observer: AbstractObserver) -> None:
-    """Whatever a sensor says, and if it never says anything, its estimates are numbers."""
+    """For any readings, and without any reading, its estimates are finite."""
     readings, drives = find_readings(observer, floats, 0.0), set_drives(observer, 0.3)
-    for said, age in ABSURD:
-        told = {name: age if name.endswith(".age") else said for name in readings}
-        guess, memory = observer.rest(floats, told, set_drives(observer, 0.0))
+    for level, age in ABSURD:
+        absurd = {name: age if name.endswith(".age") else level for name in readings}
+        guess, memory = observer.rest(floats, absurd, set_drives(observer, 0.0))
         for _ in range(3):
-            guess, memory = observer.update(floats, memory, told, drives, PERIOD, 1)
+            guess, memory = observer.update(floats, memory, absurd, drives, PERIOD, 1)
         finite = bool(np.isfinite([*guess, *memory]).all())
-        require_condition(finite, f"At readings of {said:g}, {age:g} s old, it says {list(guess)}.")
-        found = dict(zip(observer.estimates(), guess, strict=True))
-        fraction = found.get("martensite_fraction", 0.0)
+        require_condition(finite, f"At readings of {level:g}, {age:g} s old, it says {list(guess)}.")
+        estimates = dict(zip(observer.estimates(), guess, strict=True))
+        fraction = estimates.get("martensite_fraction", 0.0)
         require_condition(0.0 <= fraction <= 1.0, f"It estimates a fraction of {fraction:.4g}.")
 
 
 def check_rest(observer: AbstractObserver) -> None:
-    """With the plant at rest its estimates stay, or within what it says of their deviations."""
+    """With the plant at rest, its estimates stay within their declared deviations."""
     readings, drives = find_readings(observer, floats, 0.0), set_drives(observer, 0.0)
     guess, memory = observer.rest(floats, readings, drives)
     first = dict(zip(observer.estimates(), guess, strict=True))
@@ -92,11 +89,11 @@ def check_traced(observer: AbstractObserver) -> None:
     """Its estimates are a straight-line kernel."""
 
     def follow(one: AbstractObserver, xp: Namespace, u: Scalar, share: Scalar, age: Scalar) -> Any:
-        told = find_readings(one, xp, u)
-        told |= {name: share * told[name] for name in one.reads()}
-        told |= {f"{name}.age": xp.maximum(age, 0.0) for name in one.reads()}
-        first, memory = one.rest(xp, told, set_drives(one, u))
-        guess, memory = one.update(xp, memory, told, set_drives(one, u), PERIOD, 1)
+        readings = find_readings(one, xp, u)
+        readings |= {name: share * readings[name] for name in one.reads()}
+        readings |= {f"{name}.age": xp.maximum(age, 0.0) for name in one.reads()}
+        first, memory = one.rest(xp, readings, set_drives(one, u))
+        guess, memory = one.update(xp, memory, readings, set_drives(one, u), PERIOD, 1)
         return (*first, *guess, *memory)
 
     ranges = {"u": (0.0, 2.0), "share": (0.95, 1.05), "age": (-1.0, 1.0)}

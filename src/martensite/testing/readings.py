@@ -1,4 +1,4 @@
-"""Common inputs of suites for parts of a loop: ordinary readings, and a traced twin."""
+"""Common inputs of suites for parts of a loop: usual readings, and a comparison with a traced part."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -13,7 +13,7 @@ from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_plant
 
 PERIOD = 0.02
-"""From one sample to the next [s]."""
+"""Sampling period [s]."""
 RANGES: dict[str, tuple[float, float]] = {
     "temperature": (295.0, 400.0),
     "hottest": (295.0, 400.0),
@@ -35,21 +35,21 @@ USUAL = (0.1, 1.0)
 
 
 def observe_rest() -> dict[str, float]:
-    """Return the outputs of the plant at rest, by name, in SI."""
+    """Return the outputs of the plant at rest [SI]."""
     plant = build_plant()
-    seen = plant.observe(floats, plant.init(floats, 0.0), 0.0)
-    return dict(zip(plant.outputs(), seen, strict=True))
+    outputs = plant.observe(floats, plant.init(floats, 0.0), 0.0)
+    return dict(zip(plant.outputs(), outputs, strict=True))
 
 
 def find_range(name: str) -> tuple[float, float]:
-    """Return the usual range of a signal; also for `NAME.age` and names with a prefix such as `estimated.`."""
+    """Return the usual range of a signal; prefixes such as `estimated.` and ages are allowed."""
     if name.endswith(".age"):
         return 0.0, 1.0
     return RANGES.get(name.rpartition(".")[2], USUAL)
 
 
 def draw_readings(names: Iterable[str], rng: np.random.Generator) -> dict[str, float]:
-    """Return the random readings of these names, and their ages."""
+    """Return random readings and ages."""
     both = [entry for name in names for entry in (name, f"{name}.age")]
     return {name: float(rng.uniform(*find_range(name))) for name in both}
 
@@ -57,9 +57,13 @@ def draw_readings(names: Iterable[str], rng: np.random.Generator) -> dict[str, f
 def require_same_traced(
     part: Parametrised, kernel: Callable[..., Any], ranges: Mapping[str, tuple[float, float]], count: int = 12
 ) -> None:
-    """Raise unless a kernel means the same when it is traced, as it is for every run.
+    """Raise `ConformanceError` unless a traced kernel gives the same values as on plain floats.
 
-    It is a function (part, namespace, *inputs) of numbers in nested tuples, tried with random inputs of these ranges.
+    Args:
+        part: the part.
+        kernel: function (part, namespace, *inputs) of numbers in nested tuples.
+        ranges: names and ranges of the random inputs.
+        count: number of random inputs.
     """
     program = Program()
     twin = part.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in part.leaves()})
@@ -72,6 +76,6 @@ def require_same_traced(
     rng = np.random.default_rng(len(ranges))
     for _ in range(count):
         row = [float(rng.uniform(*both)) for both in ranges.values()]
-        meant = flatten_numbers((kernel(part, floats, *row),))
-        near = np.allclose(traced(*row), meant, rtol=1e-9, atol=1e-12)
-        require_condition(near, "Traced, as in a run, it says another number than on plain floats.")
+        expected = flatten_numbers((kernel(part, floats, *row),))
+        equal = np.allclose(traced(*row), expected, rtol=1e-9, atol=1e-12)
+        require_condition(equal, "Traced, as in a run, it says another number than on plain floats.")

@@ -1,4 +1,4 @@
-"""Suite for sensors: rest, a lag in any steps, whole steps in its range, its noise."""
+"""Suite for sensors: steady state, lag, resolution, range, noise."""
 
 import math
 
@@ -13,14 +13,14 @@ from martensite.testing.conformance import require_condition
 from martensite.testing.readings import find_range, require_same_traced
 
 MANY = 4000
-"""Readings of which the noise is judged."""
+"""Number of readings in a test of noise."""
 WILD = (0.0, -0.0, 1e-300, 1e-3, -1e-3, 0.7, 1.2345, -0.3, 3.3, 300.0, 1e12, -1e12)
 OWN_UNIT = ("noise", "resolution", "offset", "bias", "lowest", "highest", "range", "first")
 """Parameters of a sensor in the unit of its readings."""
 
 
 def change_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
-    """Return a sensor with those of some numbers that it has."""
+    """Return a sensor with changed values of the parameters that it has."""
     return sensor.with_parts(**{n: v for n, v in numbers.items() if n in sensor.declarations})
 
 
@@ -36,19 +36,19 @@ def choose_truth(sensor: AbstractSensor, share: float = 0.6) -> list[float]:
 
 
 def record_readings(sensor: AbstractSensor, truth: list[float], count: int) -> np.ndarray:
-    """Return the readings of what stays as it is."""
+    """Return readings of constant signals."""
     rng = np.random.default_rng(7)
     return simulate_readings(sensor, np.tile(truth, (count, 1)), 0.01, rng)
 
 
 def find_deviation(sensor: AbstractSensor, truth: list[float]) -> float:
-    """Return the standard deviation of a reading that it declares."""
+    """Return the declared standard deviation of a reading."""
     share = getattr(sensor, "relative_noise", 0.0)
     return math.hypot(sensor.noise, share * truth[0] / truth[1] if share else 0.0)
 
 
 def check_units(sensor: AbstractSensor) -> None:
-    """Its reading has a unit, and what it declares of a reading has the same."""
+    """Its reading has a unit, and its parameters in that unit declare the same."""
     if sensor.unit is None:
         return
     for name in OWN_UNIT:
@@ -64,24 +64,24 @@ def check_units(sensor: AbstractSensor) -> None:
 
 def check_rest(sensor: AbstractSensor) -> None:
     """A sensor gives a constant reading for a constant input, from the first reading on."""
-    found = record_readings(silence_sensor(sensor), choose_truth(sensor), 50)
-    near = np.allclose(found, found[0], rtol=1e-13, atol=1e-15)
-    require_condition(near, f"Its readings of the same go from {found[0]:.6g} to {found[-1]:.6g}.")
+    readings = record_readings(silence_sensor(sensor), choose_truth(sensor), 50)
+    constant = np.allclose(readings, readings[0], rtol=1e-13, atol=1e-15)
+    require_condition(constant, f"Its readings of the same go from {readings[0]:.6g} to {readings[-1]:.6g}.")
 
 
 def check_memory(sensor: AbstractSensor) -> None:
-    """The memory of a sensor consists of numbers, equally many at every time."""
+    """The memory of a sensor is a constant number of floats."""
     state = sensor.rest(floats, choose_truth(sensor))
     count = len(state)
     for k in range(5):
-        held = len(state) == count and all(isinstance(x, float) for x in state)
-        require_condition(held, f"After {k} readings it remembers {list(state)}.")
+        numeric = len(state) == count and all(isinstance(x, float) for x in state)
+        require_condition(numeric, f"After {k} readings it remembers {list(state)}.")
         truth = choose_truth(sensor, 0.2 * k)
         _, state = sensor.step(floats, state, truth, 0.1 * k, 0.01 * k)
 
 
 def check_no_time(sensor: AbstractSensor) -> None:
-    """In no time nothing changes."""
+    """In zero time a reading does not change."""
     still, truth = silence_sensor(sensor), choose_truth(sensor)
     state = still.rest(floats, choose_truth(sensor, 0.3))
     first, state = still.step(floats, state, truth, 0.0, 0.01)
@@ -91,7 +91,7 @@ def check_no_time(sensor: AbstractSensor) -> None:
 
 
 def check_lag(sensor: AbstractSensor) -> None:
-    """With a lag, it follows a step by exp(-t/lag), in whatever steps time goes."""
+    """With a lag, it follows a step by exp(-t/lag), for any step size."""
     if "lag" not in sensor.declarations:
         return
     slow = silence_sensor(sensor, lag=0.3)
@@ -112,7 +112,7 @@ def check_lag(sensor: AbstractSensor) -> None:
 
 
 def check_digits(sensor: AbstractSensor) -> None:
-    """Whatever the truth, a reading is a number, of whole steps, within the range."""
+    """For any input, a reading is finite, within the range, and a multiple of the resolution."""
     rng = np.random.default_rng(5)
     for dt in (0.0, 1e-6, 1e-3, 1e3):
         state = sensor.rest(floats, rng.choice(WILD, len(sensor.sees)).tolist())
@@ -125,29 +125,28 @@ def check_digits(sensor: AbstractSensor) -> None:
 
 
 def _require_digits(sensor: AbstractSensor, value: float) -> None:
-    """Raise unless a reading is one of those that the sensor has."""
     low, high = sensor.limits() or (-math.inf, math.inf)
     require_condition(low <= value <= high, f"It says {value:.6g}, beyond its range of {low:.6g} to {high:.6g}.")
     if sensor.resolution > 0.0 and value not in (low, high):
         steps = value / sensor.resolution
-        near = abs(steps - round(steps)) <= max(1e-9, 1e-15 * abs(steps))
-        require_condition(near, f"It says {value:.9g}, which is not a whole step.")
+        whole = abs(steps - round(steps)) <= max(1e-9, 1e-15 * abs(steps))
+        require_condition(whole, f"It says {value:.9g}, which is not a whole step.")
 
 
 def check_noise(sensor: AbstractSensor) -> None:
-    """Its readings scatter as it declares, about what it says without noise, each by itself."""
+    """Its noise has zero mean and the declared deviation, and is independent from reading to reading."""
     fine, truth = change_sensor(sensor, resolution=0.0), choose_truth(sensor)
     declared = find_deviation(fine, truth)
     if declared == 0.0:
         return
     quiet = record_readings(silence_sensor(sensor), truth, 1)[0]
-    found = record_readings(fine, truth, MANY) - quiet
-    mean, spread = abs(found.mean()) / declared, found.std() / declared
+    errors = record_readings(fine, truth, MANY) - quiet
+    mean, spread = abs(errors.mean()) / declared, errors.std() / declared
     require_condition(mean < 4.0 / math.sqrt(MANY), f"The mean of its noise is {mean:.2g} standard deviations.")
     require_condition(
         abs(spread - 1.0) < 4.0 / math.sqrt(2.0 * MANY), f"Its noise is {spread:.3g} times as large as it declares."
     )
-    together = abs(float(np.mean(found[1:] * found[:-1]))) / declared**2
+    together = abs(float(np.mean(errors[1:] * errors[:-1]))) / declared**2
     require_condition(together < 4.0 / math.sqrt(MANY), "The noise of a reading depends on the one before.")
 
 

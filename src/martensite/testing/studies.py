@@ -1,4 +1,4 @@
-"""Suite of studies: words, sources, claims and digest of an answer that came with a study, or is computed now."""
+"""Suite of studies: words, sources, claims and digest of the shipped or computed answer."""
 
 from collections import Counter
 
@@ -20,7 +20,7 @@ def check_sources(study: AbstractStudy) -> None:
 
 
 def check_claims(study: AbstractStudy) -> None:
-    """It has claims, each with a name of its own."""
+    """It has claims, each with a unique name."""
     answer = study.find_answer()
     counts = Counter(one.id for one in (*answer.claims, *answer.reports))
     double = [id for id, count in counts.items() if count > 1]
@@ -29,6 +29,6 @@ def check_claims(study: AbstractStudy) -> None:
 
 
 def check_digest(study: AbstractStudy) -> None:
-    """Its digest has the keys of all digests."""
+    """Its digest has only known keys."""
     unknown = sorted({*study.find_answer().digest} - {*DIGEST})
     require_condition(not unknown, f"`{', '.join(unknown)}` is no key of a digest; use {', '.join(DIGEST)}")

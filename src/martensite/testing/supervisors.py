@@ -1,4 +1,4 @@
-"""Suite for supervisors and checks: numbers, alarms, and no cut without an alarm."""
+"""Suite for supervisors and checks: finite values, alarms, and no cut without an alarm."""
 
 import math
 from typing import Any
@@ -13,7 +13,7 @@ from martensite.testing.conformance import require_condition
 from martensite.testing.readings import PERIOD, draw_readings, find_range, require_same_traced
 
 COUNT = 400
-"""Samples that are tried."""
+"""Number of samples."""
 DRIVE = "drive"
 ABSURD = (math.nan, math.inf, -math.inf, 1e300)
 WIDE = 3.0
@@ -21,13 +21,13 @@ WIDE = 3.0
 
 
 def name_drives(part: AbstractSupervisor | AbstractCheck) -> list[str]:
-    """Return the drives that it speaks of, or one."""
+    """Return the drives that a part names, or a default drive."""
     named = part.names() if isinstance(part, AbstractCheck) else part.drives()
     return list(dict.fromkeys(named)) or [DRIVE]
 
 
 def separate_readings(check: AbstractCheck) -> AbstractCheck:
-    """Return a check of other readings where it would compare a reading with itself."""
+    """Return a check with different readings where it would compare a reading with itself."""
     names, texts = check.reads(), dict[str, str]()
     for name, declared in check.declarations.items():
         value = getattr(check, name)
@@ -37,12 +37,12 @@ def separate_readings(check: AbstractCheck) -> AbstractCheck:
 
 
 def check_alarm(check: AbstractCheck) -> None:
-    """A check has a number for its alarm, above zero."""
+    """A check has a positive integer for its alarm."""
     require_condition(isinstance(check.alarm, int) and check.alarm > 0, f"Its `alarm` is {check.alarm}.")
 
 
 def check_size(check: AbstractCheck) -> None:
-    """The memory of a check has `size` numbers, at every sample."""
+    """The memory of a check has `size` numbers."""
     rng = np.random.default_rng(3)
     memory = check.rest(floats, draw_readings(check.reads(), rng))
     for _ in range(20):
@@ -57,7 +57,7 @@ def check_size(check: AbstractCheck) -> None:
 
 
 def check_trips(check: AbstractCheck) -> None:
-    """Something makes it trip, something clears it, and never both at once."""
+    """A check trips and clears on some readings, and never does both at once."""
     check, rng, tripped, cleared = separate_readings(check), np.random.default_rng(4), 0, 0
     names = check.reads()
     readings = draw_readings(names, rng)
@@ -78,29 +78,29 @@ def check_traced_check(check: AbstractCheck) -> None:
     """The findings of a check are a straight-line kernel."""
 
     def look(one: AbstractCheck, xp: Namespace, u: Scalar, *shares: Scalar) -> Any:
-        wanted, found = dict.fromkeys(name_drives(one), u), list[Scalar]()
+        wanted, findings = dict.fromkeys(name_drives(one), u), list[Scalar]()
         memory = one.rest(xp, place_readings(one.reads(), shares))
         for order in (shares, shares[::-1]):
             looked = one.look(xp, memory, wanted, place_readings(one.reads(), order), PERIOD)
-            found += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
+            findings += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
             memory = one.remember_allowed(xp, looked.memory, wanted, PERIOD)
-        return (*found, *memory, 0.0 * u)
+        return (*findings, *memory, 0.0 * u)
 
     require_same_traced(check, look, {"u": (-1.0, 1.0), "x": (0.0, 1.0), "y": (0.0, 1.0)})
 
 
 def place_readings(names: tuple[str, ...], shares: tuple[Scalar, ...]) -> dict[str, Scalar]:
-    """Return the readings and ages, each a share of the way through where it usually is."""
+    """Return readings and ages at these fractions of their usual ranges."""
     both = dict.fromkeys(entry for name in names for entry in (name, f"{name}.age"))
-    found: dict[str, Scalar] = {}
+    readings: dict[str, Scalar] = {}
     for k, name in enumerate(both):
         low, high = find_range(name)
-        found[name] = low + shares[k % len(shares)] * (high - low)
-    return found
+        readings[name] = low + shares[k % len(shares)] * (high - low)
+    return readings
 
 
 def check_verdict(supervisor: AbstractSupervisor) -> None:
-    """A supervisor gives a signal for every drive, a whole alarm, and a memory of constant size."""
+    """A supervisor gives a signal for each drive, an integer alarm, and a memory of constant size."""
     rng = np.random.default_rng(6)
     memory = supervisor.rest(floats, draw_readings(supervisor.reads(), rng))
     count = len(memory)
@@ -120,17 +120,17 @@ def check_verdict(supervisor: AbstractSupervisor) -> None:
 
 
 def check_absurd_readings(supervisor: AbstractSupervisor) -> None:
-    """Whatever is read, the signals that it allows are numbers."""
+    """For any readings, its signals are finite."""
     names = (*supervisor.reads(), *(f"{name}.age" for name in supervisor.reads()))
     wanted = dict.fromkeys(name_drives(supervisor), 0.5)
-    for said in ABSURD:
-        readings = dict.fromkeys(names, said)
+    for level in ABSURD:
+        readings = dict.fromkeys(names, level)
         memory = supervisor.rest(floats, readings)
         for _ in range(3):
             verdict = supervisor.judge(floats, memory, wanted, readings, PERIOD)
             memory = verdict.memory
             finite = all(math.isfinite(x) for x in (*verdict.signals.values(), verdict.alarm))
-            require_condition(finite, f"At readings of {said} it allows {verdict.signals}.")
+            require_condition(finite, f"At readings of {level} it allows {verdict.signals}.")
 
 
 def check_traced_verdict(supervisor: AbstractSupervisor) -> None:
@@ -138,12 +138,12 @@ def check_traced_verdict(supervisor: AbstractSupervisor) -> None:
 
     def judge(one: AbstractSupervisor, xp: Namespace, u: Scalar, *shares: Scalar) -> Any:
         memory = one.rest(xp, place_readings(one.reads(), shares))
-        found: list[Scalar] = []
+        outputs: list[Scalar] = []
         for order in (shares, shares[::-1]):
             wanted = dict.fromkeys(name_drives(one), u)
             verdict = one.judge(xp, memory, wanted, place_readings(one.reads(), order), PERIOD)
             memory = verdict.memory
-            found += [*verdict.signals.values(), verdict.alarm]
-        return (*found, *memory)
+            outputs += [*verdict.signals.values(), verdict.alarm]
+        return (*outputs, *memory)
 
     require_same_traced(supervisor, judge, {"u": (-1.0, 1.0), "x": (0.0, 3.0), "y": (0.0, 3.0)})

@@ -1,4 +1,4 @@
-"""Suite for waveforms, edges and means, and for measures: one number per run, with its slopes."""
+"""Suite for waveforms, edges and means, and for measures: one value per run, with its derivatives."""
 
 from itertools import pairwise
 
@@ -16,7 +16,7 @@ from martensite.testing.examples import build_plant
 DURATION = 6.0
 """Duration of the tested signals [s]."""
 CUTS = 60
-"""Intervals between two edges of which the mean is compared."""
+"""Number of intervals whose mean is compared."""
 
 
 def check_levels(wave: AbstractWaveform) -> None:
@@ -29,7 +29,7 @@ def check_levels(wave: AbstractWaveform) -> None:
 
 
 def check_edges(wave: AbstractWaveform) -> None:
-    """Edges ascend, and lie within the duration that is asked for."""
+    """Edges ascend, and lie within the requested duration."""
     edges = wave.edges(DURATION)
     require_condition(edges == sorted(set(edges)), "The edges do not ascend.")
     inside = all(0.0 < t < DURATION for t in edges)
@@ -37,7 +37,7 @@ def check_edges(wave: AbstractWaveform) -> None:
 
 
 def check_kinks(wave: AbstractWaveform) -> None:
-    """Every jump and bend is an edge: between edges the second difference falls as it should."""
+    """Every jump and bend is an edge: between edges second differences shrink with the step."""
     for a, b in pairwise([0.0, *wave.edges(DURATION), DURATION]):
         inner = np.linspace(a, b, 403)[1:-1]
         levels = np.array([wave.value(t) for t in inner.tolist()])
@@ -50,7 +50,7 @@ def check_kinks(wave: AbstractWaveform) -> None:
 
 
 def check_right_limits(wave: AbstractWaveform) -> None:
-    """The value at an edge is the one after it."""
+    """The value at an edge is the value after it."""
     for edge in wave.edges(DURATION):
         at, after = wave.value(edge), wave.value(edge + 1e-9)
         require_condition(
@@ -60,7 +60,7 @@ def check_right_limits(wave: AbstractWaveform) -> None:
 
 
 def check_means(wave: AbstractWaveform) -> None:
-    """Between edges the mean and the mean square are those of the values."""
+    """Between edges, mean and mean square are those of the values."""
     nodes, weights = np.polynomial.legendre.leggauss(24)
     for a, b in list(pairwise([0.0, *wave.edges(DURATION), DURATION]))[:CUTS]:
         pieces = np.linspace(a, b, 9)
@@ -68,11 +68,11 @@ def check_means(wave: AbstractWaveform) -> None:
         middles = 0.5 * (pieces[1:] + pieces[:-1])
         times = (middles[:, None] + half * nodes).ravel()
         levels = np.array([wave.value(t) for t in times.tolist()]).reshape(8, -1)
-        found = wave.moments(a, b)
+        moments = wave.moments(a, b)
         size = np.abs(levels).max()
         mean, square = ((x * weights).sum() / 16.0 for x in (levels, levels * levels))
-        near = abs(found.mean - mean) <= 1e-6 * size and abs(found.square - square) <= (1e-6 * size * size)
-        require_condition(near, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values.")
+        equal = abs(moments.mean - mean) <= 1e-6 * size and abs(moments.square - square) <= (1e-6 * size * size)
+        require_condition(equal, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values.")
 
 
 RUNS = 7
@@ -82,7 +82,7 @@ Array = NDArray[np.float64]
 
 
 def make_samples(columns: int = 2) -> Array:
-    """Smooth ways out and back, with ripples; (columns, samples, runs)."""
+    """Return smooth round trips with ripples, shape (columns, samples, runs)."""
     rng = np.random.default_rng(2)
     out = np.sin(np.pi * TIMES / TIMES[-1]) ** 2
     ripple = 0.02 * rng.standard_normal((columns, len(TIMES), RUNS))
@@ -94,18 +94,18 @@ def _value(measure: AbstractMeasure, samples: Array) -> Array:
 
 
 def find_differences(measure: AbstractMeasure, samples: Array) -> Array:
-    """Central differences by every sample."""
-    found = np.zeros(samples.shape)
+    """Return central differences by each sample."""
+    differences = np.zeros(samples.shape)
     for place in np.ndindex(samples.shape[:2]):
         step = np.zeros(samples.shape)
         step[place] = 1e-6
         up, down = _value(measure, samples + step), _value(measure, samples - step)
-        found[place] = (up - down) / 2e-6
-    return found
+        differences[place] = (up - down) / 2e-6
+    return differences
 
 
 def check_unit(measure: AbstractMeasure) -> None:
-    """Its number has a unit, whatever the unit of the output."""
+    """Its value has a unit, for any unit of the output."""
     for unit in ("m", "W", "Pa", "1"):
         try:
             units.require_unit(measure.unit(unit))
@@ -114,7 +114,7 @@ def check_unit(measure: AbstractMeasure) -> None:
 
 
 def check_runs(measure: AbstractMeasure) -> None:
-    """A measure gives one number per run, whatever runs are beside it, broken ones too."""
+    """A measure of one run does not depend on the other runs, even broken ones."""
     samples = make_samples()
     together = _value(measure, samples)
     require_condition(together.shape == (RUNS,), f"Of {RUNS} runs it gives numbers of shape {together.shape}.")
@@ -122,40 +122,40 @@ def check_runs(measure: AbstractMeasure) -> None:
     broken = samples.copy()
     broken[:, :, 2] = np.nan
     with np.errstate(all="ignore"):
-        found, others = _value(measure, broken), np.arange(RUNS) != 2
+        with_broken, others = _value(measure, broken), np.arange(RUNS) != 2
     alone = [_value(measure, samples[:, :, k : k + 1])[0] for k in range(RUNS)]
     same = (
         np.array_equal(alone, together)
         and np.array_equal(_value(measure, samples[:, :, order]), together[order])
-        and np.array_equal(found[others], together[others])
+        and np.array_equal(with_broken[others], together[others])
     )
     require_condition(same, "The number of a run depends on the runs beside it.")
 
 
 def check_weights(measure: AbstractMeasure) -> None:
-    """Its weights are its derivatives by every sample."""
+    """Its weights are its derivatives by each sample."""
     samples = make_samples()
     weights = measure.derivatives(tabulate_samples(TIMES, samples))
     require_condition(weights.shape == samples.shape, f"Its weights have the shape {weights.shape}.")
     require_condition(np.abs(weights).max() > 0.0, "It depends on no sample.")
-    meant = find_differences(measure, samples)
-    near = np.allclose(weights, meant, rtol=1e-6, atol=1e-8)
-    apart = np.abs(weights - meant).max()
-    require_condition(near, f"A weight is {apart:.3g} away from the difference.")
+    differences = find_differences(measure, samples)
+    equal = np.allclose(weights, differences, rtol=1e-6, atol=1e-8)
+    apart = np.abs(weights - differences).max()
+    require_condition(equal, f"A weight is {apart:.3g} away from the difference.")
 
 
 def check_still_weights(measure: AbstractMeasure) -> None:
-    """The weights of a run in which nothing happens are finite."""
+    """The weights of a constant run are finite."""
     still = measure.derivatives(tabulate_samples(TIMES, np.zeros((1, len(TIMES), 2))))
     require_condition(np.isfinite(still).all(), "A weight of a run that stays at 0 is not finite.")
 
 
 def check_unknown_output(measure: AbstractMeasure) -> None:
-    """An output that is not there is refused, with the nearest."""
+    """An unknown output is refused with the nearest name."""
     try:
         measure.with_parts(of="powr").columns(build_plant())
     except MartensiteError as error:
-        said = "Did you mean `power`" in str(error)
+        suggested = "Did you mean `power`" in str(error)
     else:
-        said = False
-    require_condition(said, "It takes the output `powr`, which is not there.")
+        suggested = False
+    require_condition(suggested, "It takes the output `powr`, which is not there.")
