@@ -102,5 +102,5 @@ def test_states_are_called_by_their_place():
 def test_what_is_missing_is_told():
     with pytest.raises(InputError, match="needs a `period`"):
         to_nonlinear_system(PLANT)
-    with pytest.raises(InputError, match=r"no output `positon`.*`position`"):
+    with pytest.raises(InputError, match=r"No output named `positon`.*`position`"):
         to_nonlinear_system(PLANT, PERIOD, outputs=("positon",))

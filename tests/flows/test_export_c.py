@@ -24,7 +24,7 @@ from builders import problem_a, volts_a
 from c_cores import BAD_INPUT, LONG_STEP, NOT_FINITE, OK, UNSOLVED, Called, built, compiled
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError
+from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.base import AbstractController
 from martensite.control.controllers.iterative_learning import IterativeLearning
 from martensite.control.controllers.mpc import Mpc
@@ -426,7 +426,7 @@ def test_operations_are_those_counted_by_hand() -> None:
     ],
 )
 def test_what_cannot_be_is_refused(arguments: dict[str, str], words: str) -> None:
-    with pytest.raises(ParameterError, match=words):
+    with pytest.raises(InputError, match=words):
         build_c_core(SYSTEM, **arguments)  # type: ignore[arg-type]
 
 

@@ -205,5 +205,5 @@ def test_a_second_importer(made: dict[str, Fmu]) -> None:
 def test_ports_are_chosen_by_name(scenario: Scenario, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="with ports"):
         to_fmu(scenario, tmp_path / "a.fmu", port="element", platforms=[])
-    with pytest.raises(InputError, match="no element at port `elemnt`"):
+    with pytest.raises(InputError, match="No element at port named `elemnt`"):
         to_fmu(scenario, tmp_path / "a.fmu", ports=True, port="elemnt", platforms=[])

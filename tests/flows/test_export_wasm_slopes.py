@@ -25,8 +25,9 @@ from martensite.cli import app
 from martensite.export.c_core import build_c_core
 from martensite.export.c_example import Step
 from martensite.export.wasm import build_wasm
-from martensite.export.wasm.module import FOLDER, list_sources
+from martensite.export.wasm.module import list_sources
 from martensite.export.wasm.slopes import CoreSlopes, choose_slopes
+from martensite.export.wasm.wrapper import read_text
 from martensite.scenario.scenario import load
 from martensite.signals import PulseWidthModulation
 from martensite.simulate.batch import compute_sensitivity
@@ -164,7 +165,7 @@ def test_without_the_option_nothing_is_added() -> None:
     assert choose_slopes(system, core, ["element.diameter"]).source
     again = build_c_core(system, name="wire")
     assert (again.source, list_sources(again)) == before
-    assert before[1]["lanes.c"].endswith((FOLDER / "lanes.c").read_text(encoding="utf-8"))
+    assert before[1]["lanes.c"].endswith(read_text("lanes.c"))
 
 
 # ---------------------------------------------------------------- refusals

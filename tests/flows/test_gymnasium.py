@@ -184,7 +184,7 @@ WRONG: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"output": "positon"}, InputError, "position"),
     ({"signals": {"drve": (0.0, 1.0)}}, InputError, "free drive"),
     ({"signals": {"drive": (1.0, 1.0)}}, InputError, "range of `drive`"),
-    ({"observed": {"posit": (0.0, 1.0)}}, InputError, "no reading `posit`"),
+    ({"observed": {"posit": (0.0, 1.0)}}, InputError, "No reading named `posit`"),
     ({"spreads": {"diametr": 0.1}}, ParameterError, "diametr"),
     ({"spreads": {"element.diameter": 2.0}}, ParameterError, "diameter"),
     ({"spreads": {"element.diameter": -0.1}}, ParameterError, "at least 0"),
@@ -213,7 +213,7 @@ def test_tasks_that_are_none(changes: dict[str, Any], said: str) -> None:
 
 
 def test_options_are_known_and_seeds_are_as_many(bench: Bench) -> None:
-    with pytest.raises(InputError, match="no option `refrence`"):
+    with pytest.raises(InputError, match="No option named `refrence`"):
         SmaEnv(bench, PLAIN).reset(options={"refrence": Sine(high=1.0, frequency=1.0)})
     with pytest.raises(InputError, match="3 environments, but 2 seeds"):
         SmaVectorEnv(bench, PLAIN, 3).reset(seed=[1, 2])

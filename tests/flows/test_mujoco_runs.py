@@ -207,7 +207,7 @@ def test_a_keyframe_is_where_it_starts(tmp_path: Path) -> None:
 
 def test_arguments_that_are_refused() -> None:
     one = actuator(start_force=1.0)
-    with pytest.raises(InputError, match=r"No coupling `centered`\. Did you mean `centred`"):
+    with pytest.raises(InputError, match=r"No coupling named `centered`\. Did you mean `centred`"):
         lifted(coupling="centered")
     with pytest.raises(InputError, match="each at its own tendon"):
         MujocoActuators(hanging(1e-3, MASS), [one, one])

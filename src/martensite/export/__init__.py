@@ -1,4 +1,4 @@
-"""Ways out: martensite elements in the programs of others, offered as `martensite.export`."""
+"""Exports of martensite models to other programs, offered as `martensite.export`."""
 
 import sys
 

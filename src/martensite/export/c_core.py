@@ -1,9 +1,8 @@
-"""A system, a bench, or the loop of a bench as C99, for microcontrollers and for FMUs.
+"""A system, a bench, or the loop of a bench as C99, for microcontrollers and FMUs.
 
-The C is generated from the kernels that every simulation runs, so the physics is the same. A
-model is one struct of numbers; what acts on it allocates nothing and needs no library but libm.
-A loop is the part to flash: observers, controllers and supervisor of a bench, by the same kernels
-as those of `martensite.control.loop.realtime.RealtimeStep`, without the plant.
+The C is generated from the kernels of simulations. A model is one struct of floats; its functions allocate no memory
+and need only libm. A loop holds observers, controllers and supervisor of a bench without the plant; its kernels are
+those of `martensite.control.loop.realtime.RealtimeStep`.
 """
 
 from __future__ import annotations
@@ -44,23 +43,22 @@ from martensite.kernels.program import Function, Program
 from martensite.simulate.compiled import compile_system
 
 Rows = list[tuple[str, str, str]]
-"""Name, unit and words."""
+"""Name, unit and description."""
 
 
 @dataclass(frozen=True)
 class CCore:
-    """A model in C: its text, and what is in it."""
+    """A model in C."""
 
     name: str
-    """Name of the files, and prefix of all names in them."""
+    """Name of the files, and prefix of all their names."""
     description: str
-    """Description in words."""
     precision: str
-    """float64 or float32."""
+    """`float64` or `float32`."""
     program: Program
     """With functions `init`, `step` and `observe`."""
     kept: Sequence[int]
-    """Places in the program of the parameters."""
+    """Indices of the parameters in the program."""
     parameters: tuple[CoreVariable, ...]
     inputs: tuple[CoreVariable, ...]
     outputs: tuple[CoreVariable, ...]
@@ -68,63 +66,61 @@ class CCore:
     reports: bool
     """True if steps end with residual and crossing."""
     sample: str | None
-    """Sample time of a system in discrete time, in C; None if a step may have any length."""
+    """C expression of the sample time in discrete time; None if steps may have any length."""
     sample_time: float
-    """The length of every step [s] of a system in discrete time; else 0."""
+    """Sample time [s] in discrete time; else 0."""
     answers: tuple[str, ...] = ()
-    """Outputs whose slopes a function `respond` gives, with a step that is tried; none without it."""
+    """Outputs whose derivatives a function `respond` gives; empty without it."""
     probes: tuple[float, ...] = ()
-    """Changes of inputs for differences, where steps may be taken in parts: see `ports.kernel`."""
+    """Input changes for central differences, where steps can be split: see `ports.kernel`."""
     continuous: tuple[int, ...] = ()
-    """Places in the state of numbers whose rates a function `differentiate` gives; none without it."""
+    """Indices in the state of numbers whose rates a function `differentiate` gives."""
 
     @cached_property
     def header(self) -> str:
-        """Return the text of the header."""
+        """Return NAME.h."""
         return header_text(self)
 
     @cached_property
     def source(self) -> str:
-        """Return the text of the source."""
+        """Return NAME.c."""
         return source_text(self)
 
     @property
     def constants(self) -> int:
-        """Return the numbers that follow from the parameters."""
+        """Return the number of constants that depend on parameters."""
         return len(self.program.hoisted_nodes)
 
     @property
     def operations(self) -> dict[str, dict[str, int]]:
-        """Return the largest costs of `prepare`, `start`, `step`, `observe` and, of a port, one `try`, by kind."""
-        graph, known = self.program.graph, self.program.hoisted_nodes
-        found = {"prepare": count_operations(graph, known)}
+        """Return worst-case operation counts of `prepare`, `start`, `step`, `observe` and, for a port, one `try`."""
+        graph, hoisted = self.program.graph, self.program.hoisted_nodes
+        costs = {"prepare": count_operations(graph, hoisted)}
         labels = {"init": "start", "step": "step", "observe": "observe"} | ({"respond": "try"} if self.answers else {})
         for name, label in labels.items():
-            found[label] = count_operations(graph, self.program.functions[name].outputs, known)
-        return found
+            costs[label] = count_operations(graph, self.program.functions[name].outputs, hoisted)
+        return costs
 
     @property
     def size(self) -> int:
-        """Size of the model [bytes]."""
+        """Return the size of the model [bytes]."""
         counts = (len(self.parameters), self.constants, self.states)
         return precision_of(self.precision).size * (sum(map(count_elements, counts)) + 2)
 
     @property
     def files(self) -> dict[str, str]:
-        """Texts by the name of their file."""
+        """Return the texts by file name."""
         return {f"{self.name}.h": self.header, f"{self.name}.c": self.source}
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write header and source into a folder, over existing files, and return their paths.
+        """Write header and source into a folder, and return their paths. Existing files are replaced.
 
         Raises:
             DataError: the folder does not exist or is not writable.
         """
-        found: list[Path] = []
         for name, text in self.files.items():
-            found.append(Path(folder) / name)
-            write_file(found[-1], text)
-        return found
+            write_file(Path(folder) / name, text)
+        return [Path(folder) / name for name in self.files]
 
 
 def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: str = "float64") -> CCore:
@@ -132,11 +128,12 @@ def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: 
 
     Args:
         system: a `System`, a `Machine`, or a `Bench` with its loops.
-        name: of the core, an identifier of C; by default made of the kinds of its parts.
-        precision: float64 (`double`), or float32 (`float`) for processors without doubles.
+        name: C identifier of the core; by default made of the kinds of its parts.
+        precision: `float64` (`double`), or `float32` (`float`) for processors without doubles.
 
     Raises:
-        ParameterError: the name is not an identifier, or the precision is unknown.
+        ParameterError: the name is not an identifier.
+        UnknownNameError: the precision is unknown.
     """
     compiled = compile_system(system)
     return core_of(
@@ -168,9 +165,19 @@ def core_of(
 ) -> CCore:
     """Return the core of a program with functions `init`, `step` and `observe`.
 
-    `reports` says whether steps end with residual and crossing, `pruned` whether parameters that
-    change nothing are left out, `answers` of which outputs a function `respond` gives slopes, `continuous`
-    of which numbers of the state a function `differentiate` gives rates.
+    Args:
+        whole: the system.
+        program: its traced functions.
+        states: size of the state.
+        inputs: name, unit and description of each input.
+        outputs: name, unit and description of each output.
+        name: C identifier; by default made of the description.
+        precision: `float64` or `float32`.
+        reports: whether steps end with residual and crossing.
+        pruned: whether to leave out parameters without effect.
+        answers: outputs whose derivatives `respond` gives.
+        probes: input changes for central differences.
+        continuous: indices of the state whose rates `differentiate` gives.
     """
     timed, leaves = _sample_path(whole), list(whole.leaves())
     places = {leaf.path: i for i, leaf in enumerate(leaves)}
@@ -199,18 +206,15 @@ def core_of(
 
 def _sample_path(whole: AbstractSystem) -> str | None:
     twin = whole.rebuilt({leaf.path: leaf.path for leaf in whole.leaves()})
-    found: Any = twin.sample_time()
-    return found if isinstance(found, str) else None
-
-
-# ---------------------------------------------------------------- names, units, words
+    time: Any = twin.sample_time()
+    return time if isinstance(time, str) else None
 
 
 def describe_drives(system: AbstractSystem) -> Rows:
-    """Return the name, unit and words of the inputs of a system."""
-    known = system.outputs()
+    """Return name, unit and description of the inputs of a system."""
+    outputs = system.outputs()
     return [
-        (one.name, one.unit, known[one.name].long_name if one.name in known else _describe_drive(one.name))
+        (one.name, one.unit, outputs[one.name].long_name if one.name in outputs else _describe_drive(one.name))
         for one in system.drives()
     ]
 
@@ -223,25 +227,21 @@ def _describe_drive(drive: str) -> str:
 
 
 def list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
-    """Return the outputs of a system, then what differs along its element."""
-    known = system.outputs()
-    described = [known[name] if name in known else PROFILES[name.split("[")[0]] for name in names]
+    """Return name, unit and description of the outputs, then of the profiles along the element."""
+    outputs = system.outputs()
+    described = [outputs[name] if name in outputs else PROFILES[name.split("[")[0]] for name in names]
     return [(name, o.unit, o.long_name) for name, o in zip(names, described, strict=True)]
-
-
-# ---------------------------------------------------------------- loops
 
 
 def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "float64") -> CCore:
     """Return observers, controllers and supervisor of a bench as C, without its plant.
 
-    Inputs are the readings, their ages, the references and the signals that no controller has.
-    `NAME_start` is the first sample, `NAME_step` every other, with the period for dt; outputs are
-    the signals of the drives for the period that begins, the alarm, what observers estimate
-    and what controllers say of themselves.
+    Inputs are the readings, their ages, the references, and the signals without a controller. `NAME_start` is the first
+    sample, `NAME_step` each other one, with the period as dt. Outputs are the drive signals of the next period, the
+    alarm, estimates, and outputs of controllers.
 
     Raises:
-        ParameterError: as for `c_core`; or the bench has no controller.
+        ParameterError: see `build_c_core`; or the bench has no controller.
     """
     if not bench.controllers.members():
         raise ParameterError("The loop of a bench without controllers gives no signals.")
@@ -261,22 +261,22 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
 
 
 def _loop_inputs(bench: Bench) -> Rows:
-    known, names = list_readings(bench), list_reads(bench)
-    rows = [(name, known[name].unit, known[name].long_name) for name in names]
+    readings, names = list_readings(bench), list_reads(bench)
+    rows = [(name, readings[name].unit, readings[name].long_name) for name in names]
     rows += [(name + AGE, "s", f"age of {name}") for name in names]
     followed = zip(list_references(bench), reference_units(bench), strict=True)
     units = dict(followed)
     rows += [(name, unit, "what the controller shall follow") for name, unit in units.items()]
     ahead = [(one.name, units[one.name.rpartition(".ahead.")[0]], one.time) for one in list_previews(bench)]
     rows += [(name, unit, f"what it shall follow {time:.4g} s later; as now, if unknown") for name, unit, time in ahead]
-    taken = bench.controllers.members()
-    free = [drive for drive in bench.plant.drives() if drive.name not in taken]
+    controlled = bench.controllers.members()
+    free = [drive for drive in bench.plant.drives() if drive.name not in controlled]
     rows += [(one.name, one.unit, _describe_drive(one.name)) for one in hand_drives(bench)]
     return rows + [(drive.name, drive.unit, f"signal of {drive.name}") for drive in free]
 
 
 def _loop_program(bench: Bench, traced: TracedLoop) -> tuple[Program, Rows]:
-    """Return the traced loop with a function that picks what it says from its state, and its outputs."""
+    """Return the traced loop with a function that reads its outputs from the state, and these outputs."""
     program, step = traced.program, traced.program.functions["step"]
     names = step.inputs[: traced.size]
     loop: LoopState = traced.shape.rebuild([program.graph.input(name, 0) for name in names])

@@ -1,7 +1,4 @@
-"""An example beside a C core: a program that plays inputs and prints the outputs as CSV.
-
-It plays the drive of a run, or the readings of a loop in one.
-"""
+"""Example program for a C core: it plays inputs and prints the outputs as CSV."""
 
 from __future__ import annotations
 
@@ -38,12 +35,12 @@ Step = tuple[float, tuple[float, ...]]
 
 
 def example_text(core: CCore, first: Sequence[float], steps: Sequence[Step]) -> str:
-    """NAME_example.c, which prints time and outputs at the start and after every step.
+    """Return NAME_example.c, which prints time and outputs at the start and after each step.
 
     Args:
-        core: what it calls.
+        core: the model.
         first: inputs at the start.
-        steps: what is played; equal steps in a row are one row of its table.
+        steps: the steps; equal consecutive steps become one row of its table.
     """
     precision = precision_of(core.precision)
     titles = ",".join(("time", *(one.name for one in core.outputs)))
@@ -126,25 +123,27 @@ int main(void) {
 """
 
 
-# ---------------------------------------------------------------- what is played
-
 Played = tuple[tuple[float, ...], list[Step]]
 """Inputs at the start, and the steps."""
 MOST = 5
-"""Times as many steps as wanted, at most."""
+"""Largest ratio of played to requested steps."""
 MOST_TRIED = 50
-"""Largest number of trial runs before an example is written."""
+"""Largest number of trial runs."""
 LONGEST = 120.0
-"""Time [s] for which a program is tried."""
+"""Timeout of a trial run [s]."""
 
 
 def played_by_system(
     system: AbstractSystem, waveform: Waveforms | Mapping[str, Any], duration: float, steps: int, most: int = MOST
 ) -> Played:
-    """Return the drive of a run of a system, or of a bench without noise, in so many steps or more.
+    """Return the inputs of a run of a system, or of a bench without noise.
 
-    None is longer than what a run begins with, and those of a system in discrete time are its
-    samples. A run of more than `most` times as many is not played to its end.
+    Args:
+        system: the system or bench.
+        waveform: its drive.
+        duration: duration of the run [s].
+        steps: smallest number of steps; steps are no longer than the first of a run, or are the samples.
+        most: the run is cut after `most * steps` steps.
     """
     waveforms: Mapping[str, AbstractWaveform]
     if isinstance(system, Bench):
@@ -160,9 +159,9 @@ def played_by_system(
 
 
 def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int, most: int = MOST) -> Played:
-    """Readings, ages, references and free signals of a run on the bench, sample by sample.
+    """Return readings, ages, references and free signals of a run on a bench, by sample.
 
-    At most `most` times so many samples.
+    At most `most * steps` samples are returned.
     """
     sensors, taken = bench.sensors.members(), bench.controllers.members()
     measured = [(MEASURED if sensors else "") + name for name in list_reads(bench)]
@@ -184,17 +183,11 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
     return rows[0], [(bench.period, row) for row in rows[1:]]
 
 
-# ---------------------------------------------------------------- does it hold?
-
-
 def try_program(core: CCore, played: Played) -> str:
-    """Compile a core and play it: a sentence on how far it was tried.
+    """Compile a core and play it, because single precision can be too coarse for a model.
 
-    Single precision may be too coarse for the numbers of a model, which only a run of it tells.
-
-    Raises:
-        ParameterError: the program stops; the sentence says when and why.
-        MartensiteError: the compiler failed.
+    Returns:
+        A sentence about the trial.
     """
     cc, length = find_compiler(), sum(dt for dt, _ in played[1])
     if cc is None:
@@ -219,11 +212,11 @@ def try_program(core: CCore, played: Played) -> str:
     return f"Tried in {core.precision} over {length:.6g} s of the scenario: it does not stop."
 
 
-def _explain_stop(said: str) -> str:
-    """When and why an example stopped, from what it says."""
-    found = re.search(r"status (\d+) at (\S+) s", said)
-    if found is None:
+def _explain_stop(stderr: str) -> str:
+    """Return when and why an example stopped, from its error output."""
+    match = re.search(r"status (\d+) at (\S+) s", stderr)
+    if match is None:
         return "."
-    status, bad = int(found[1]), len(STATUS_WORDS)
+    status, bad = int(match[1]), len(STATUS_WORDS)
     why = "An argument was not finite, or out of its range." if status == bad else Status(status).sentence
-    return f" at {found[2]} s of the scenario: {why.partition('. ')[0].rstrip('.')}."
+    return f" at {match[2]} s of the scenario: {why.partition('. ')[0].rstrip('.')}."

@@ -1,11 +1,8 @@
-"""Traced kernels as C for one run at a time: plain functions over arrays, in double or float.
+"""Traced kernels as C for single runs: plain functions over arrays, in double or float.
 
-The text is printed from the same graph as the Python. In double every operation is that of plain
-floats, in the same order, with the functions of libm where floats use them; so the results are
-equal bit for bit where Python and C share a libm and the compiler fuses nothing.
-
-In float the limits of `exp` and `log` follow the type, and constants that it cannot hold become
-the nearest that it can.
+In double, operations and their order equal those on Python floats. Results are equal bit for bit if Python and C share
+a libm and the compiler fuses no operations. In float the limits of `exp` and `log` follow the type, and constants are
+rounded to the nearest finite value.
 """
 
 from __future__ import annotations
@@ -16,7 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.errors import require_known
 from martensite.kernels.c99 import LoopCondition, scalar_dialect
 from martensite.kernels.graph import Expr, Graph
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
@@ -25,7 +22,7 @@ from martensite.kernels.program import Function, Program
 from martensite.simulate.march import SOLVED
 
 TINY, HUGE = 1.1754943508222875e-38, 3.4028234663852886e38
-"""Least and largest normal float."""
+"""Smallest and largest normal float."""
 
 _EVERY = {"both": "({} && {})", "either": "({} || {})"}
 _DOUBLE = {
@@ -52,7 +49,7 @@ _FLOAT = {
 
 @dataclass(frozen=True)
 class Precision:
-    """A type of numbers in C."""
+    """A floating-point type in C."""
 
     name: str
     number: str
@@ -60,14 +57,14 @@ class Precision:
     """Suffix of literals and of functions of libm."""
     largest: str
     size: int
-    """[bytes]"""
+    """Bytes."""
     near: float
     """Relative tolerance of a sample time."""
     solved: float
-    """Residual of the coupled step that counts as solved."""
+    """Residual below which the coupled step is solved."""
 
     def literal(self, value: float | bool) -> str:
-        """Return a constant."""
+        """Return a literal."""
         if isinstance(value, bool):
             return str(int(value))
         value = self.round_number(value)
@@ -77,14 +74,14 @@ class Precision:
         return f"{text if set(text) & set('.e') else f'{text}.0'}{self.suffix}"
 
     def round_number(self, value: float) -> float:
-        """Return the nearest finite number of the type; nothing becomes 0 that is not."""
+        """Return the nearest finite number of the type; a nonzero value stays nonzero."""
         if self.number == "double" or value == 0.0 or not math.isfinite(value):
             return value
         size = min(max(abs(value), TINY), HUGE)
         return math.copysign(struct.unpack("f", struct.pack("f", size))[0], value)
 
     def dialect(self, prefix: str) -> Dialect:
-        """Return the dialect of C in this type, with added functions named after a prefix."""
+        """Return the dialect of C in this type, with a prefix for added functions."""
         templates = _DOUBLE if self.number == "double" else _FLOAT
         own = {"erfcx": f"{prefix}erfcx({{}})"}
         going = LoopCondition(f"{{}} > {self.literal(0.0)}")
@@ -101,50 +98,45 @@ PRECISIONS = {
 
 
 def precision_of(name: str) -> Precision:
-    """Return a precision by name.
-
-    Raises:
-        ParameterError: there is none of that name.
-    """
-    if name not in PRECISIONS:
-        raise ParameterError(f"There is no precision `{name}`. {suggest_name(name, list(PRECISIONS))}")
+    """Return a precision by name."""
+    require_known("precision", name, PRECISIONS)
     return PRECISIONS[name]
 
 
 @dataclass(frozen=True)
 class CKernel:
-    """A traced function, and where C finds its inputs: `x[0]`, `u[1]`, `dt`."""
+    """A traced function, with the C expressions of its inputs: `x[0]`, `u[1]`, `dt`."""
 
     function: Function
     inputs: tuple[str, ...]
 
     @staticmethod
     def of(function: Function, states: int, drives: int) -> CKernel:
-        """Return a function of states, drives and, if it has one input more, the length of a step."""
+        """Return a kernel of states, drives and, for one more input, the length of a step."""
         places = [*(f"x[{i}]" for i in range(states)), *(f"u[{i}]" for i in range(drives))]
         places += ["dt"] * (len(function.inputs) - len(places))
         return CKernel(function, tuple(places[: len(function.inputs)]))
 
 
 def used_parameters(program: Program) -> set[int]:
-    """Return the places of the parameters that anything follows from."""
+    """Return the indices of the parameters that have an effect."""
     graph, stack = program.graph, [node.index for node in program.hoisted_nodes]
     numbers = {graph.input(f"p{i}", 0).index: i for i in range(len(program.parameters))}
-    seen: set[int] = set()
+    visited: set[int] = set()
     while stack:
         index = stack.pop()
-        if index not in seen:
-            seen.add(index)
+        if index not in visited:
+            visited.add(index)
             stack += graph.children(index)
-    return {numbers[index] for index in seen if index in numbers}
+    return {numbers[index] for index in visited if index in numbers}
 
 
 def kernels_text(
     program: Program, kept: Sequence[int], kernels: Sequence[CKernel], prefix: str, precision: Precision
 ) -> str:
-    """C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` of each.
+    """Return C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` for each kernel.
 
-    `kept` are the places in the program of the parameters that p holds.
+    `kept` are the program's indices of the parameters in p.
     """
     dialect, zero = precision.dialect(prefix), precision.literal(0.0)
     printer = KernelPrinter(program, dialect, test=f"({{}} != {zero})", kept=kept)
@@ -171,7 +163,7 @@ def _print_function(name: str, taken: Sequence[str], given: str, made: Statement
 
 
 def _print_erfcx(precision: Precision, prefix: str) -> str:
-    """exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
+    """Return C of exp(x²) erfc(x) for x ≥ 0; above 5 by the asymptotic continued fraction."""
     number, s, at = precision.number, precision.suffix, precision.literal
     return (
         f"static {number} {prefix}erfcx({number} x) {{\n"
@@ -181,8 +173,6 @@ def _print_erfcx(precision: Precision, prefix: str) -> str:
         f"    return {at(1.0)} / ({at(math.sqrt(math.pi))} * tail);\n}}\n\n"
     )
 
-
-# ---------------------------------------------------------------- operations
 
 COSTS: Mapping[str, Mapping[str, int]] = {
     "add": {"add": 1},
@@ -212,41 +202,41 @@ COSTS: Mapping[str, Mapping[str, int]] = {
     "quarter_sine": {"sin": 1, "mul": 1},
     "erfcx": {"erfcx": 1},
 }
-"""Cost of an operation in additions and other basic operations; 0 for a missing one. A subtraction and a change of sign
-are additions; `erfcx` is an `exp` and an `erfc`, or 24 divisions."""
+"""Basic operations of each graph operation; a missing one costs nothing. Subtraction and sign count as additions;
+`erfcx`
+is an `exp` and an `erfc`, or 24 divisions.
+"""
 _KINDS = "add mul div sqrt exp log power sin cos tanh erfcx round abs compare select logic"
 ORDER = _KINDS.split()
 
 
-def count_operations(graph: Graph, outputs: Iterable[Expr], known: Iterable[Expr] = ()) -> dict[str, int]:
-    """Return the most operations that computing `outputs` takes where the nodes `known` are there already.
+def count_operations(graph: Graph, outputs: Iterable[Expr], available: Iterable[Expr] = ()) -> dict[str, int]:
+    """Return the largest operation counts of `outputs`, if the nodes `known` are available.
 
-    Counted on the graph that the C is printed from. Every node counts once, in a loop once per turn.
-    The C leaves out what is not chosen, so that this is the worst case, and more than any step makes.
-    Reading and storing is not counted.
+    Each node counts once, in a loop once per turn. Skipped branches and memory access are not considered.
     """
-    found: Counter[str] = Counter()
-    _count_nodes(graph, [o.index for o in outputs], {k.index for k in known}, 0, 1, found)
-    return {name: found[name] for name in ORDER if found[name]}
+    counts: Counter[str] = Counter()
+    _count_nodes(graph, [o.index for o in outputs], {k.index for k in available}, 0, 1, counts)
+    return {name: counts[name] for name in ORDER if counts[name]}
 
 
 def _count_nodes(
-    graph: Graph, wanted: Iterable[int], known: set[int], inside: int, turns: int, found: Counter[str]
+    graph: Graph, outputs: Iterable[int], available: set[int], inside: int, turns: int, counts: Counter[str]
 ) -> None:
-    """Add up nodes and what they need, `turns` times; in a loop only those with its bit."""
-    seen, stack = set(known), list(wanted)
+    """Add the nodes of `wanted` and their inputs, `turns` times; within a loop only those that depend on it."""
+    visited, stack = set(available), list(outputs)
     while stack:
         index = stack.pop()
-        if index in seen or (inside and not graph.depends[index] & inside):
+        if index in visited or (inside and not graph.depends[index] & inside):
             continue
-        seen.add(index)
+        visited.add(index)
         for kind, count in COSTS.get(graph.operations[index], {}).items():
-            found[kind] += count * turns
+            counts[kind] += count * turns
         if index in graph.loops:
             loop = graph.loops[index]
             rows = turns * len(loop.columns[0])
-            _count_nodes(graph, loop.outputs, known, loop.bit, rows, found)
+            _count_nodes(graph, loop.outputs, available, loop.bit, rows, counts)
         elif index in graph.repeats:
             repeat = graph.repeats[index]
-            _count_nodes(graph, repeat.outputs, known, repeat.bit, turns * repeat.turns, found)
+            _count_nodes(graph, repeat.outputs, available, repeat.bit, turns * repeat.turns, counts)
         stack += graph.children(index)

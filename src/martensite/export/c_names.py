@@ -1,4 +1,4 @@
-"""Names and numbers of what a C core takes and gives: metadata, and identifiers made of them."""
+"""Metadata of the parameters, inputs and outputs of a C core, and identifiers made of their names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ protected public register restrict return short signed sizeof static struct swit
 try typedef typename union unsigned using virtual void volatile while
 """
 KEYWORDS = frozenset(_WORDS.split())
-"""Keywords of C and C++."""
 
 
 @dataclass(frozen=True)
@@ -26,34 +25,31 @@ class CoreVariable:
     """A parameter, an input or an output of a C core."""
 
     index: int
-    """In the array of its kind."""
+    """Index in the array of its kind."""
     name: str
-    """Name as in Python: the path of a parameter, or the name of a drive or an output."""
+    """Path of a parameter, or name of a drive or output."""
     identifier: str
-    """Identifier of the index in C, without the name of the core: `p_element_diameter`."""
+    """C identifier without the name of the core: `p_element_diameter`."""
     unit: str
-    """In SI."""
+    """SI unit."""
     words: str
     default: float
-    """A parameter: its value in the scenario. An input: 0. An output: NaN, for it has none."""
+    """Scenario value of a parameter, 0 for an input, NaN for an output."""
     low: float = -math.inf
     high: float = math.inf
-    """Ends of what is allowed; both belong to it."""
+    """Ends of the allowed closed range."""
     endless: bool = False
     """True if the value may be infinite, for a disabled limit."""
     used: bool = True
-    """True if anything follows from it: numbers that only decide the size of a program do not."""
+    """True if the parameter has an effect; parameters that only decide the size of a program have none."""
 
 
 def choose_identifier(name: str | None, text: str) -> str:
-    """Return a name that a user gave, or for None an identifier made of a text.
+    """Return the given name, or an identifier made of a text.
 
     Args:
-        name: the name that was given, which must be an identifier.
-        text: what an identifier is made of: letters, digits and single underscores.
-
-    Raises:
-        ParameterError: the name is not an identifier, or is a keyword.
+        name: an identifier, or None.
+        text: source of the identifier: letters, digits and single underscores are kept.
     """
     if name is None:
         return _make_identifier(text)
@@ -73,20 +69,20 @@ def _make_identifier(text: str) -> str:
 
 
 def make_identifiers(letter: str, names: Iterable[str]) -> list[str]:
-    """Return different identifiers of some names, after a letter: `p_element_length`."""
-    found: dict[str, None] = {}
+    """Return different identifiers of names, after a letter: `p_element_length`."""
+    identifiers: dict[str, None] = {}
     for name in names:
-        plain = wanted = f"{letter}_{re.sub(r'[^0-9A-Za-z]+', '_', name).strip('_')}"
+        plain = identifier = f"{letter}_{re.sub(r'[^0-9A-Za-z]+', '_', name).strip('_')}"
         count = 1
-        while wanted in found:
+        while identifier in identifiers:
             count += 1
-            wanted = f"{plain}_{count}"
-        found[wanted] = None
-    return list(found)
+            identifier = f"{plain}_{count}"
+        identifiers[identifier] = None
+    return list(identifiers)
 
 
 def list_parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[CoreVariable, ...]:
-    """Return the numbers of a system, with what is allowed for them."""
+    """Return the parameters of a system, with their allowed ranges."""
     every = list(leaves)
     names = make_identifiers("p", (leaf.path for leaf in every))
     rows = zip(every, names, used, strict=True)
@@ -104,7 +100,7 @@ def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> CoreVa
 
 
 def list_variables(letter: str, rows: Iterable[tuple[str, str, str]], default: float) -> tuple[CoreVariable, ...]:
-    """Return the inputs or outputs by name, unit and words."""
+    """Return inputs or outputs by name, unit and description."""
     every = list(rows)
     names = make_identifiers(letter, (name for name, _, _ in every))
     return tuple(

@@ -1,4 +1,4 @@
-"""The right-hand side of a core in C: `NAME_differentiate`, for who integrates continuous states himself."""
+"""Right-hand side of a core in C, `NAME_differentiate`, for external integrators."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ DIFFERENTIATE = "differentiate"
 
 
 def print_rates(core: CCore) -> str:
-    """`NAME_differentiate`, or nothing for a core without continuous states; a template, as the rest of the source."""
+    """Return a template of `NAME_differentiate`; empty without continuous states."""
     return _RATES if core.continuous else ""
 
 

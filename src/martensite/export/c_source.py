@@ -1,6 +1,6 @@
-"""Source of a C core: kernels, tables of parameters, and the calls that a caller sees.
+"""Source of a C core: kernels, tables of parameters, public functions.
 
-A step whose state is not finite is not taken.
+A step with a non-finite result leaves the state unchanged.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def source_text(core: CCore) -> str:
-    """NAME.c."""
+    """Return NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
     kernels = [CKernel.of(traced["init"], 0, count)]
     stepped = ("step", "observe", *["respond"] * bool(core.answers), *[DIFFERENTIATE] * bool(core.continuous))
@@ -34,7 +34,7 @@ def source_text(core: CCore) -> str:
 
 
 def fill_text(core: CCore, text: str) -> str:
-    """Return a template of the source with what it is filled with, such as `$REAL`."""
+    """Return a template with its placeholders, such as `$REAL`, filled in."""
     precision = precision_of(core.precision)
     return Template(text).substitute(
         NAME=core.name,
@@ -70,14 +70,14 @@ def _print_table(name: str, numbers: Sequence[str]) -> str:
 
 
 def _print_bound(core: CCore, variable: CoreVariable, value: float) -> str:
-    """Return an end of what is allowed; infinite only if the parameter may be."""
+    """Return an end of the allowed range; infinite only if the parameter may be."""
     if math.isinf(value) and not variable.endless:
         return f"{'-' if value < 0.0 else ''}{precision_of(core.precision).largest}"
     return precision_of(core.precision).literal(value)
 
 
 def print_step(core: CCore, begin: str = "", kernel: str = "", kept: str = "") -> str:
-    """Return a step as a template: its start, the call of its kernel, further checks and stored values."""
+    """Return a template of a step: its start, kernel call, further checks and stored values."""
     return "".join(
         [
             begin or _STEP_BEGIN,

@@ -1,4 +1,4 @@
-"""Header of a C core: the numbers of a model in one struct, and who acts on them."""
+"""Header of a C core: one struct per model, and the functions on it."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 
 def count_elements(count: int) -> int:
-    """Return the length of an array: C has none of length 0."""
+    """Return the length of an array; C has no arrays of length 0."""
     return max(1, count)
 
 
 def header_text(core: CCore) -> str:
-    """NAME.h."""
+    """Return NAME.h."""
     name, guard = core.name, f"{core.name.upper()}_H"
     return (
         f"{_describe_core(core)}#ifndef {guard}\n#define {guard}\n\n"
@@ -68,7 +68,6 @@ def _format_comment(text: str) -> str:
 
 
 def _print_answers(core: CCore) -> str:
-    """Return the places in what `NAME_try` gives."""
     if not core.answers:
         return ""
     rows = [f"    {core.name}_a_{answer} = {i},\n" for i, answer in enumerate(core.answers)]

@@ -1,7 +1,7 @@
-"""Steps that a host tries, in C: `NAME_try` of the core of a port, with slopes.
+"""Trial steps for a host in C: `NAME_try` of the core of a port, with derivatives.
 
-A step that is not solved at once is taken in equal parts where a core has `probes`; its slopes are then central
-differences. It is what `martensite.export.ports.kernel.PortKernel.try_step` does on floats.
+It computes the same as `martensite.export.ports.kernel.PortKernel.try_step` on floats: for a core with `probes`, an
+unsolved step is split into equal parts, and its derivatives are central differences.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from martensite.export.c_core import CCore
 
 PARTS = 64
-"""Into so many a step is divided at most."""
+"""Largest number of parts of a step."""
 
 
 def print_tried(core: CCore) -> str:
-    """`NAME_try`, or nothing for a core without answers; a template, as the rest of the source."""
+    """Return a template of `NAME_try`; empty without answers."""
     if not core.answers:
         return ""
     parts = (_IN_PARTS, _IN_PARTS_CALL) if core.probes else ("", "")

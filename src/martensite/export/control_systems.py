@@ -1,13 +1,11 @@
-"""Models, plants and benches for python-control: the thing itself, and its linear system.
+"""Models, plants and benches for python-control: the nonlinear system, and its linearisation.
 
-A model of blocks, a plant or a whole bench is a `NonlinearIOSystem` in discrete time with its own
-state, so that it can be put in a loop with whatever python-control offers; the linear system is a
-`StateSpace`, for Bode and Nyquist plots, margins and pole placement.
+A model of blocks, a plant or a bench becomes a `NonlinearIOSystem` in discrete time; its linearisation is a
+`StateSpace`.
 
-A plant remembers where it turned. Its linear system holds on one branch, the one of its operating
-point; `control.linearize` needs a signal a little above that of rest on the heating branch, and
-below it on the cooling one. Signals are held for a period. What a bench reads at the end of a
-period, such as the reference of its controller, is one sample earlier here than in `simulate`.
+A plant has hysteresis, so its linearisation holds on one branch only. For `control.linearize`, use a signal slightly
+above the operating point for the heating branch, and slightly below for the cooling branch. Readings of a bench at the
+end of a period, such as the reference of its controller, are one sample earlier here than in `simulate`.
 
 python-control comes with `pip install 'martensite[control]'`.
 """
@@ -20,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.base.lazy import import_extra
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.control.synthesis.linear import linearise_plant
@@ -34,10 +32,9 @@ from martensite.simulate.operating_point import SteadyPoint
 
 
 def to_control(chain: Chain) -> Any:
-    """Return the chain as a `control.NonlinearIOSystem` with its sample time as `dt`.
+    """Return a chain as a `control.NonlinearIOSystem` with its sample time as `dt`.
 
-    States are called after their block: `1.x1`, `1.x2`, …; python-control takes dots in names.
-    The state at rest under an input is that of `operating_point`.
+    States are named after their block: `1.x1`, `1.x2`, …
 
     Raises:
         InputError: python-control is not installed.
@@ -56,11 +53,11 @@ def to_control(chain: Chain) -> Any:
 
 
 def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
-    """Return a linear system as a `control.StateSpace`, without states that take no part.
+    """Return a linear system as a minimal `control.StateSpace`.
 
     Args:
-        system: a linear system, or a chain that is linearised at rest.
-        level: the input at which a chain is linearised, one number or one for each input.
+        system: a linear system, or a chain that is linearised at steady state.
+        level: input level of the linearisation, one value or one per input.
 
     Raises:
         InputError: python-control is not installed, the level does not fit, or it is an actuator.
@@ -86,16 +83,16 @@ def to_nonlinear_system(
 ) -> Any:
     """Return a plant or a bench as a `control.NonlinearIOSystem` in discrete time.
 
-    Inputs are its drives; noise and jitter of sensors are 0. Dots in names become underscores.
-    Its state at rest is that of `rest_state`.
+    Inputs are its drives, without noise and jitter of sensors. Dots in names become underscores. For its steady state
+    see `rest_state`.
 
     Args:
-        system: a plant, or a bench, whose own period counts.
-        period: time from sample to sample of a plant [s].
-        outputs: which outputs; all if none are named.
+        system: a plant, or a bench with its sample time.
+        period: sample time of a plant [s].
+        outputs: names of outputs; by default all.
 
     Raises:
-        InputError: python-control is not installed, a name does not fit, or no period is given.
+        InputError: python-control is not installed, a name is unknown, or the period is missing.
     """
     control = import_extra("control", "control", "python-control")
     step = _PlantStep(system, period, outputs)
@@ -111,11 +108,11 @@ def to_nonlinear_system(
 
 
 def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
-    """Return the flat state of a plant or bench at rest, as `to_nonlinear_system` takes it.
+    """Return the flat steady state of a plant or bench, as used by `to_nonlinear_system`.
 
     Args:
         system: the plant, or the bench.
-        signals: first ones of its drives, in their order; what is not given is 0.
+        signals: signals of the first drives; others are 0.
     """
     drives = len(system.drives())
     first = [*map(float, signals), *[0.0] * (drives - len(signals))][:drives]
@@ -130,34 +127,31 @@ def plant_state_space(
     outputs: Sequence[str] | None = None,
     inputs: Sequence[str] | None = None,
 ) -> Any:
-    """Return the linear system of a plant around an operating point, on its branch, as a `StateSpace`.
-
-    States that take no part are left out; those that do keep their names. Units are SI, those
-    of the outputs and drives of the plant.
+    """Return the minimal linearisation of a plant on the branch of an operating point, as a `StateSpace`.
 
     Args:
-        point: where the plant rests, and how it got there.
-        period: time for which signals are held [s]; of a system in discrete time its own.
-        outputs: which outputs; all if none are named.
-        inputs: which drives; the one that is varied if none are named.
+        point: operating point with its history.
+        period: sample time [s] of a plant in continuous time.
+        outputs: names of outputs; by default all.
+        inputs: names of drives; by default the varied drive.
 
     Raises:
-        InputError: python-control is not installed, or a name does not fit.
+        InputError: python-control is not installed, or a name is unknown.
     """
     control = import_extra("control", "control", "python-control")
     linear = linearise_plant(point, period, inputs=inputs)
     chosen = _choose_names(outputs, linear.output_names)
     rows = [linear.output_names.index(name) for name in chosen]
-    names, kept = state_names(point.system), linear.active
+    names, active = state_names(point.system), linear.active
     return control.ss(
-        linear.a[kept][:, kept],
-        linear.b[kept],
-        linear.c[rows][:, kept],
+        linear.a[active][:, active],
+        linear.b[active],
+        linear.c[rows][:, active],
         linear.d[rows],
         linear.interval,
         inputs=[_remove_dots(n) for n in linear.input_names],
         outputs=[_remove_dots(n) for n in chosen],
-        states=[names[k] for k in kept],
+        states=[names[k] for k in active],
     )
 
 
@@ -177,15 +171,14 @@ def _walk_numbers(name: str, nested: Any) -> Iterator[str]:
         yield from _walk_numbers(inner.removeprefix("_"), item)
 
 
-def _choose_names(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
+def _choose_names(wanted: Sequence[str] | None, valid: Sequence[str]) -> list[str]:
     for name in wanted or ():
-        if name not in known:
-            raise InputError(f"There is no output `{name}`. {suggest_name(name, known)}")
-    return list(wanted or known)
+        require_known("output", name, valid)
+    return list(wanted or valid)
 
 
 class _PlantStep:
-    """One period of a plant, as python-control calls it."""
+    """One period of a plant, in the interface of python-control."""
 
     def __init__(self, system: AbstractSystem, period: float | None, outputs: Sequence[str] | None) -> None:
         own = system.sample_time()
@@ -210,22 +203,22 @@ class _PlantStep:
         return signals
 
     def update(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """Return the state a period later."""
+        """Return the state after a period."""
         state, signals = tuple(np.asarray(x, dtype=float).tolist()), self._signals(u)
         for _ in range(self._turns):
-            found = self._functions["step"](*state, *signals, self.interval / self._turns)
-            state = found[: self._size]
+            results = self._functions["step"](*state, *signals, self.interval / self._turns)
+            state = results[: self._size]
         return np.array(state)
 
     def output(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """Return the outputs in a state under signals."""
+        """Return the outputs of a state under signals."""
         state = np.asarray(x, dtype=float).tolist()
-        seen = self._functions["observe"](*state, *self._signals(u))
-        return np.array([seen[k] for k in self._list_extras])
+        outputs = self._functions["observe"](*state, *self._signals(u))
+        return np.array([outputs[k] for k in self._list_extras])
 
 
 class _Step:
-    """One sample of a chain, as python-control calls it."""
+    """One sample of a chain, in the interface of python-control."""
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
@@ -240,7 +233,7 @@ class _Step:
         return y[0], state
 
     def update(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """Return the state for the next sample."""
+        """Return the state at the next sample."""
         return self._run(x, u)[1]
 
     def output(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
@@ -249,5 +242,5 @@ class _Step:
 
 
 def _remove_dots(text: str) -> str:
-    """Return a name that python-control takes: it refuses dots."""
+    """Return a name without dots, which python-control refuses."""
     return text.replace(".", "_")

@@ -1,11 +1,10 @@
-"""Episodes on a bench, many side by side: what environments for learners are made of.
+"""Episodes of parallel environments on a bench, the basis of environments for learners.
 
-Every environment is a lane of one `Lanes`. What an episode needs is drawn when it begins from the
-random numbers of that environment alone: its reference, its plant, the noise of its sensors. So
-an environment goes the same way alone as beside others.
+Each environment is one batch element of `Lanes`. Its random numbers alone decide reference, plant and noise of its
+episodes, so an environment runs the same alone as in a batch.
 
-Actions go from -1 to 1 between the lowest and highest signal of a drive. Observations are readings, the references
-now and their previews, scaled so that their ranges become -1 to 1, and cut at ±2.
+Actions from -1 to 1 span the signal range of a drive. Observations are readings, and references now and at the preview
+times, scaled to -1 to 1 over their ranges and clipped at ±2.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.actuators.assembly.base import DriveSignal
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.control.loop.run import reference_waveforms
@@ -33,9 +32,9 @@ from martensite.simulate.lanes import Lanes
 from martensite.simulate.march import SOLVED
 
 BOUND = 2.0
-"""Bound of observations."""
+"""Clipping bound of observations."""
 SHOWN = ("reference", "output", "power", "hottest")
-"""Additional information of an environment, in SI; several outputs as `reference.NAME` and `output.NAME`."""
+"""Additional information of an environment [SI]; several outputs are `reference.NAME` and `output.NAME`."""
 OPTIONS = ("reference", "values")
 
 
@@ -54,20 +53,16 @@ class Outcome(NamedTuple):
 
 
 class Episodes:
-    """Environments side by side."""
+    """Parallel environments on one bench."""
 
     def __init__(self, bench: Bench, task: LearningTask, count: int = 1, native: bool | None = None) -> None:
         """Create environments before their first episode.
 
         Args:
             bench: with at least one free drive.
-            task: what shall be done on it.
-            count: how many.
+            task: learning task on the bench.
+            count: number of environments.
             native: whether to run in C; by default if there is a compiler.
-
-        Raises:
-            InputError: a name does not fit, a range is missing, or the count is below 1.
-            ParameterError: a spread does not fit.
         """
         if count < 1:
             raise InputError(f"There must be an environment at least, but there are {count}.")
@@ -87,21 +82,24 @@ class Episodes:
         self._set_tables()
 
     def _find_places(self) -> None:
-        """Find the places of drives and outputs in the rows of lanes."""
-        bench, task, plant = self.bench, self.task, self.bench.plant
-        drives, seen = [one.name for one in self._drives], self._lanes.names.index
+        """Find the indices of drives and outputs in the rows of `Lanes`."""
+        bench, task = self.bench, self.task
+        drives, find_row = [one.name for one in self._drives], self._lanes.names.index
         self._acting = [drives.index(name) for name in self.signals]
         self._noisy = [k for k, name in enumerate(drives) if name.startswith((NOISE, JITTER))]
         self._followed = [drives.index(name) for name in reference_waveforms(bench)]
         for name in task.outputs:
-            if name not in plant.outputs():
-                raise InputError(f"There is no output `{name}`. {suggest_name(name, plant.outputs())}")
-        self._output = [seen(name) for name in task.outputs]
+            require_known("output", name, bench.plant.outputs())
+        self._output = [find_row(name) for name in task.outputs]
         self._labels = [""] if isinstance(task.output, str) else [f".{name}" for name in task.outputs]
-        self._read = [seen(name) for name in self.observed]
+        self._read = [find_row(name) for name in self.observed]
+        self._find_limits()
+
+    def _find_limits(self) -> None:
+        task, plant, find_row = self.task, self.bench.plant, self._lanes.names.index
         ports = list(plant.actuators())
         self._power, self._hottest, self._stress = (
-            [seen(plant.label(port, name)) for port in ports] for name in ("power", "hottest", "stress")
+            [find_row(plant.label(port, name)) for port in ports] for name in ("power", "hottest", "stress")
         )
         limits = [one.element.limits for one in plant.actuators().values()]
         hot, high = task.temperature_limit, task.stress_limit
@@ -111,7 +109,7 @@ class Episodes:
         self._most_stress = np.array([one.stress_limit if high is None else high for one in limits])[:, None]
 
     def _set_tables(self) -> None:
-        """Room for what is drawn, and what is played to the controllers of the bench."""
+        """Allocate references and noise, and tabulate the references of the bench."""
         self._at = np.zeros(self.count, int)
         self._times: Numbers = self.bench.period * np.arange(self.length + 1.0 + max(self._ahead))
         self._reference = np.zeros((len(self._times), len(self._output), self.count))
@@ -128,10 +126,8 @@ class Episodes:
 
     @property
     def sizes(self) -> tuple[int, int]:
-        """Return the numbers in an action and in an observation."""
+        """Return the sizes of an action and of an observation."""
         return len(self.signals), len(self._ranges)
-
-    # ---------------------------------------------------------------- an episode
 
     def begin(
         self, which: Any, random: Sequence[np.random.Generator], options: Mapping[str, Any] | None = None
@@ -139,21 +135,17 @@ class Episodes:
         """Begin episodes in some environments; the others keep their state.
 
         Args:
-            which: in which, shape (environments,).
+            which: mask of these environments, shape (environments,).
             random: one generator per environment.
-            options: `reference`, a waveform to follow or one by name of the output, and `values`, parameters of the
-                bench by path, in place of what would be drawn.
+            options: `reference`, a waveform or waveforms by output, and `values`, parameters of the bench by path; they
+                replace random ones.
 
         Returns:
-            Observations of all environments, and what is shown of them.
-
-        Raises:
-            InputError: an option or a parameter is unknown.
+            Observations and additional information of all environments.
         """
         given = dict(options or {})
         for name in given:
-            if name not in OPTIONS:
-                raise InputError(f"There is no option `{name}`. {suggest_name(name, OPTIONS)}")
+            require_known("option", name, OPTIONS)
         chosen: list[int] = np.flatnonzero(which).tolist()
         changed = [self._draw(k, random[k], given) for k in chosen]
         state, worst = self._lanes.state, self._lanes.worst.copy()
@@ -169,7 +161,7 @@ class Episodes:
         return self._observation(self.rows), self._list_extras(self.rows)
 
     def _draw(self, k: int, rng: np.random.Generator, options: Mapping[str, Any]) -> bool:
-        """Draw an episode of one environment; true if its plant is another."""
+        """Draw an episode of one environment; return True if its plant has changed."""
         before = [column[k] for column in self._values.values()]
         for spread in self._spreads:
             self._values[spread.path][k] = spread.draw(rng)
@@ -183,27 +175,22 @@ class Episodes:
         return before != [column[k] for column in self._values.values()]
 
     def _play_references(self, k: int, given: AbstractWaveform | Mapping[str, AbstractWaveform]) -> None:
-        """Let one environment follow waveforms where they are given."""
         outputs = self.task.outputs
         waves = given if isinstance(given, Mapping) else dict.fromkeys(outputs, given)
         for name, wave in waves.items():
-            if name not in outputs:
-                raise InputError(f"No output `{name}` follows a reference. {suggest_name(name, outputs)}")
+            require_known("output with a reference", name, outputs)
             self._reference[:, outputs.index(name), k] = [wave.value(float(t)) for t in self._times]
 
     def step(self, actions: Any) -> Outcome:
-        """Return one period of all environments.
+        """Return the results of one period of all environments.
 
         Args:
             actions: from -1 to 1, shape (environments, actions).
-
-        Raises:
-            InputError: an action is not a number.
         """
-        given = np.asarray(actions, float)
-        if np.isnan(given).any():
-            raise InputError(f"An action must hold numbers from -1 to 1, but holds NaN: {given.tolist()}.")
-        share = 0.5 * (np.clip(given, -1.0, 1.0).T + 1.0)
+        clean = np.asarray(actions, float)
+        if np.isnan(clean).any():
+            raise InputError(f"An action must hold numbers from -1 to 1, but holds NaN: {clean.tolist()}.")
+        share = 0.5 * (np.clip(clean, -1.0, 1.0).T + 1.0)
         signals = self._signals_at(self._low + share * self._span, 1)
         rows = self.rows = self._lanes.advance(signals[None], self.bench.period)[0]
         self._at = np.minimum(self._at + 1, self.length)
@@ -212,48 +199,44 @@ class Episodes:
         hot = (rows[self._hottest] > self._most_heat).any(axis=0)
         strained = (np.abs(rows[self._stress]) > self._most_stress).any(axis=0)
         over = hot | strained | ~solved
-        apart = np.abs(self._wanted() - rows[self._output]) / (self.task.high - self.task.low)
-        error = np.minimum(apart, 1.0).mean(axis=0)
+        deviation = np.abs(self._wanted() - rows[self._output]) / (self.task.high - self.task.low)
+        error = np.minimum(deviation, 1.0).mean(axis=0)
         cost = self.task.energy_weight * self.bench.period * shown["power"]
         lost = self._penalty + (self.length - self._at)
         rewards = np.where(solved, -error - cost, -1.0) - lost * over
         return Outcome(self._observation(rows), rewards, over, self._at >= self.length, shown)
 
-    # ---------------------------------------------------------------- rows
-
     def list_outputs(self, k: int) -> dict[str, float]:
-        """Return the outputs of one environment now [SI], by name."""
+        """Return the present outputs of one environment [SI], by name."""
         return dict(zip(self._lanes.names, self.rows[:, k].tolist(), strict=True))
 
     def list_followed(self) -> tuple[Numbers, Numbers, Any]:
-        """References and outputs now, shape (outputs, environments), and the periods since the episodes began."""
+        """Return present references and outputs (outputs, environments), and the periods since the start."""
         return self._wanted(), self.rows[self._output], self._at
 
     def _signals_at(self, acting: Numbers, later: int) -> Numbers:
-        """Return the signals of all drives: references and noise are those at the end of the period."""
-        found = np.zeros((len(self._drives), self.count))
+        """Return the signals of all drives, with noise `later` periods ahead."""
+        signals = np.zeros((len(self._drives), self.count))
         at, lanes = np.minimum(self._at + later, self.length), np.arange(self.count)
-        found[self._acting] = acting
-        found[self._noisy] = self._noise[at, :, lanes].T
-        found[self._followed] = self._played[at].T
-        return found
+        signals[self._acting] = acting
+        signals[self._noisy] = self._noise[at, :, lanes].T
+        signals[self._followed] = self._played[at].T
+        return signals
 
     def _observation(self, rows: Numbers) -> Any:
-        """Return the observations of the learner, shape (environments, observations)."""
         ahead = self._at[None, :] + np.array(self._ahead)[:, None]
         lanes = np.arange(self.count)
-        wanted = [self._reference[at, :, lanes].T for at in ahead]
-        found = scale_values(np.concatenate([rows[self._read], *wanted]), self._ranges)
-        cut = np.clip(np.nan_to_num(found, nan=0.0), -BOUND, BOUND)
+        references = [self._reference[at, :, lanes].T for at in ahead]
+        scaled = scale_values(np.concatenate([rows[self._read], *references]), self._ranges)
+        cut = np.clip(np.nan_to_num(scaled, nan=0.0), -BOUND, BOUND)
         return np.ascontiguousarray(cut.T, np.float32)
 
     def _wanted(self) -> Numbers:
-        """Return the references now, shape (outputs, environments)."""
+        """Return the present references, shape (outputs, environments)."""
         return self._reference[self._at, :, np.arange(self.count)].T
 
     def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:
-        """Return the additional information, in the order of `SHOWN`."""
-        found = {f"reference{name}": row for name, row in zip(self._labels, self._wanted(), strict=True)}
-        found |= {f"output{name}": rows[k] for name, k in zip(self._labels, self._output, strict=True)}
+        extras = {f"reference{name}": row for name, row in zip(self._labels, self._wanted(), strict=True)}
+        extras |= {f"output{name}": rows[k] for name, k in zip(self._labels, self._output, strict=True)}
         hottest = rows[self._hottest].max(axis=0, initial=0.0)
-        return found | {"power": rows[self._power].sum(axis=0), "hottest": hottest}
+        return extras | {"power": rows[self._power].sum(axis=0), "hottest": hottest}

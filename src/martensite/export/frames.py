@@ -1,11 +1,10 @@
-"""Pictures of environments: the mechanism as it stands, and what was followed since the episode began.
+"""Pictures of environments: the mechanism, and references and outputs of the episode.
 
-The shapes are those that every mechanism says of itself (`draw_shapes`), seen a little from above and from the side,
+The shapes are those of `draw_shapes` of the mechanism, projected by
 
     x' = x + y/3,    y' = z + y/4
 
-with wires in the colour of their temperature, from blue in the surroundings to red at the limit. Nothing but
-matplotlib is needed, and no screen.
+Wires are coloured by temperature, from blue at ambient to red at the limit. Only matplotlib is needed, and no screen.
 """
 
 from __future__ import annotations
@@ -26,14 +25,14 @@ BARS = ("link", "phalanx", "fingertip", "beam")
 WIDTHS = {"ground": 5.0, "wall": 5.0, **dict.fromkeys(BARS, 4.0), "wire": 1.8, "joint": 3.0}
 """Line widths by kind of shape [points]; 1.2 for all others."""
 HOTTER = 60.0
-"""By how much a wire without a limit is red [K]."""
+"""Temperature rise at which a wire without a limit is red [K]."""
 
 
 class Frames:
-    """Pictures of the environments of one `Episodes`, which it watches."""
+    """Pictures of the environments of an `Episodes`."""
 
     def __init__(self, episodes: Episodes) -> None:
-        """Call it after the first episodes have begun: pictures start from how the mechanism stands then."""
+        """Create pictures after the first episodes have begun, at the present pose."""
         self._episodes, self._plant = episodes, episodes.bench.plant
         rest = episodes.list_outputs(0)
         self._lengths = measure_lengths(self._plant, {name: [value] for name, value in rest.items()})
@@ -43,15 +42,15 @@ class Frames:
         self._seen: list[list[tuple[float, Any, Any]]] = [[] for _ in range(episodes.count)]
 
     def watch(self) -> None:
-        """Keep what was followed and reached up to now; an episode that has begun forgets what was before it."""
-        wanted, reached, at = self._episodes.list_followed()
-        for k, seen in enumerate(self._seen):
+        """Record present references and outputs; a new episode clears the record."""
+        references, reached, at = self._episodes.list_followed()
+        for k, episode in enumerate(self._seen):
             if at[k] == 0:
-                seen.clear()
-            seen.append((float(at[k]) * self._episodes.bench.period, wanted[:, k], reached[:, k]))
+                episode.clear()
+            episode.append((float(at[k]) * self._episodes.bench.period, references[:, k], reached[:, k]))
 
     def draw(self, k: int) -> Any:
-        """Return the picture of one environment, of 8 bits, shape (height, width, 3)."""
+        """Return the picture of one environment, 8 bits, shape (height, width, 3)."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -69,7 +68,6 @@ class Frames:
         return self._plant.mechanism.draw_shapes(DrawingState(self._episodes.list_outputs(k), self._lengths))
 
     def _draw_mechanism(self, axes: Any, k: int) -> None:
-        """Bars, springs and wires as lines."""
         from matplotlib.collections import LineCollection
 
         shapes = self._list_shapes(k)
@@ -86,17 +84,15 @@ class Frames:
         axes.set_axis_off()
 
     def _choose_colours(self, outputs: Mapping[str, float]) -> dict[str, tuple[float, float, float]]:
-        """Red, green and blue of the wire at each port."""
-        found: dict[str, tuple[float, float, float]] = {}
+        colours: dict[str, tuple[float, float, float]] = {}
         limits = self._episodes.temperature_limits
         for port, name, cold, limit in zip(self._plant.actuators(), self._hottest(), self._cold, limits, strict=True):
             most = limit - cold if np.isfinite(limit) else HOTTER
             share = float(np.clip((outputs[name] - cold) / most, 0.0, 1.0))
-            found[port] = 0.15 + 0.75 * share, 0.35 * (1.0 - share) + 0.05, 0.75 * (1.0 - share)
-        return found
+            colours[port] = 0.15 + 0.75 * share, 0.35 * (1.0 - share) + 0.05, 0.75 * (1.0 - share)
+        return colours
 
     def _draw_course(self, axes: Any, k: int) -> None:
-        """References and outputs over the episode."""
         times, wanted, reached = (np.array(one) for one in zip(*self._seen[k], strict=True))
         axes.plot(times, wanted, color=WANTED, linewidth=0.9, linestyle="--")
         axes.plot(times, reached, color=DARK, linewidth=1.2)
@@ -112,13 +108,12 @@ def _project(point: Point) -> tuple[float, float]:
 
 
 def _close_line(shape: DrawingShape) -> list[tuple[float, float]]:
-    """Return a plate goes back to its first corner."""
+    """Return the projected points; a plate is closed."""
     points = [*shape.points, shape.points[0]] if shape.kind == "plate" else shape.points
     return [_project(point) for point in points]
 
 
 def _find_box(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Left and right, below and above, with a fifth of the larger one as room to move in."""
     xs, ys = np.transpose(points)
     room = 0.2 * max(np.ptp(xs), np.ptp(ys), 1e-3)
     return (xs.min() - room, xs.max() + room), (ys.min() - room, ys.max() + room)

@@ -1,9 +1,8 @@
-"""A bench as an environment of Gymnasium: a learner has the drives that no controller has.
+"""A bench as an environment of Gymnasium. The learner controls the drives without a controller.
 
     environment = SmaEnv(bench, Task(output="position", low=0.0, high=4e-3, duration=20.0))
 
 `martensite.export.episodes` and `martensite.export.learning_task` define observations, rewards and references.
-`martensite.export.gymnasium_names` registers the names for `gymnasium.make`.
 
 Gymnasium comes with `pip install 'martensite[gymnasium]'`.
 """
@@ -17,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import require_known
 from martensite.base.lazy import import_extra
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import BOUND, Episodes
@@ -32,16 +31,12 @@ BASE: Any = import_module("gymnasium").Env if HERE else object
 
 
 def import_gymnasium() -> Any:
-    """Return the package.
-
-    Raises:
-        InputError: Gymnasium is not installed.
-    """
+    """Return the package."""
     return import_extra("gymnasium", "gymnasium", "Gymnasium")
 
 
 class SharedEpisodes:
-    """Episodes of a bench and their pictures: the common part of one and of many environments."""
+    """Episodes of a bench and their pictures, the base of single and vector environments."""
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
 
@@ -53,15 +48,10 @@ class SharedEpisodes:
         native: bool | None,
         render_mode: str | None,
     ) -> tuple[Any, Any]:
-        """Make the episodes; return the spaces of the actions and of the observations of one environment.
-
-        Raises:
-            InputError: Gymnasium is not installed, or a name or range does not fit.
-            ParameterError: a spread does not fit.
-        """
+        """Create the episodes, and return the action and observation spaces of one environment."""
         box: Any = import_gymnasium().spaces.Box
-        if render_mode not in (None, *RENDER_MODES):
-            raise InputError(f"There is no render mode `{render_mode}`. {suggest_name(render_mode, RENDER_MODES)}")
+        if render_mode is not None:
+            require_known("render mode", render_mode, RENDER_MODES)
         bench, task = find_bench(bench, task)
         self._episodes = Episodes(bench, task, count, native)
         self._frames: Frames | None = None
@@ -71,7 +61,7 @@ class SharedEpisodes:
         return box(-1.0, 1.0, (actions,), np.float32), box(-BOUND, BOUND, (observations,), np.float32)
 
     def _watch(self) -> None:
-        """Record the last period for pictures, if any are wanted."""
+        """Record the last period for pictures, if there is a render mode."""
         if self.render_mode is not None:
             self._frames = self._frames or Frames(self._episodes)
             self._frames.watch()
@@ -80,8 +70,8 @@ class SharedEpisodes:
 class SmaEnv(SharedEpisodes, BASE):
     """A bench as a `gymnasium.Env`.
 
-    An action has one number per free drive, from -1 to 1; an observation the readings, the
-    reference and its preview, from -2 to 2. Both are of 32 bits.
+    An action holds one value from -1 to 1 per free drive. An observation holds readings, the reference and its preview,
+    from -2 to 2. Both are float32.
     """
 
     def __init__(
@@ -96,13 +86,13 @@ class SmaEnv(SharedEpisodes, BASE):
 
         Args:
             bench: with at least one free drive; or the name of a packaged task.
-            task: what shall be done on it; for a packaged task the fields that shall be others, if any.
+            task: learning task; for a packaged task optional changes of its fields.
             native: whether to run in C; by default if there is a compiler.
-            render_mode: `rgb_array`, if pictures are wanted.
+            render_mode: `rgb_array` for pictures.
 
         Raises:
             InputError: Gymnasium is not installed, or a name or range does not fit.
-            ParameterError: a spread does not fit.
+            ParameterError: a spread is not allowed.
         """
         self.action_space, self.observation_space = self._prepare(bench, task, 1, native, render_mode)
 
@@ -111,32 +101,31 @@ class SmaEnv(SharedEpisodes, BASE):
 
         Args:
             seed: of reference, plant and noise of this and all later episodes.
-            options: `reference`, a waveform, and `values`, parameters of the bench by path, in
-                place of what would be drawn.
+            options: `reference`, a waveform, and `values`, parameters of the bench by path; they replace random ones.
 
         Raises:
             InputError: the option is unknown.
         """
         super().reset(seed=seed)
-        found, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
+        observations, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
         self._watch()
-        return found[0], {name: float(row[0]) for name, row in shown.items()}
+        return observations[0], {name: float(row[0]) for name, row in shown.items()}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Run one period and return observation, reward, terminated, truncated, and what is true [SI]."""
-        found = self._episodes.step(np.asarray(action, float)[None])
+        """Run one period; return observation, reward, terminated, truncated, and true values [SI]."""
+        outcome = self._episodes.step(np.asarray(action, float)[None])
         self._watch()
-        shown = {name: float(row[0]) for name, row in found.shown.items()}
+        shown = {name: float(row[0]) for name, row in outcome.shown.items()}
         return (
-            found.observations[0],
-            float(found.rewards[0]),
-            bool(found.terminated[0]),
-            bool(found.truncated[0]),
+            outcome.observations[0],
+            float(outcome.rewards[0]),
+            bool(outcome.terminated[0]),
+            bool(outcome.truncated[0]),
             shown,
         )
 
     def render(self) -> Any:
-        """Return the picture now, 8 bits, shape (height, width, 3); None without a `render_mode` or before `reset`."""
+        """Return the picture, 8 bits, shape (height, width, 3); None without a `render_mode` or before `reset`."""
         return None if self._frames is None else self._frames.draw(0)
 
 

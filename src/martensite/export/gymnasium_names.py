@@ -1,20 +1,19 @@
-"""Names of the environments that `gymnasium.make` finds.
+"""Names of the environments for `gymnasium.make`.
 
-They are registered when `martensite.export.gymnasium` is imported, or this package after Gymnasium, which has had no
-entry points for that since its version 1.0. A name may say itself what to import, in whatever order all else was:
-`martensite.export.gymnasium:martensite/Finger-v0`.
+They are registered when `martensite.export.gymnasium` is imported, or this package after Gymnasium. A name can also
+name its module: `martensite.export.gymnasium:martensite/Finger-v0`.
 """
 
 from __future__ import annotations
 
 NAMESPACE = "martensite"
 NAMES = ("Finger", "Hand", "Platform", "Wire")
-"""Tasks that come with the package; `martensite.export.packaged_tasks` says what they are."""
+"""Tasks of `martensite.export.packaged_tasks`."""
 MODULE = "martensite.export.gymnasium"
 
 
 def register_environments() -> None:
-    """Register `martensite/Finger-v0`, its siblings, and `martensite/Bench-v0` for user benches in Gymnasium."""
+    """Register the packaged tasks, such as `martensite/Finger-v0`, and `martensite/Bench-v0` for user benches."""
     from gymnasium.envs.registration import register, registry
 
     packaged = {f"{name}-v0": {"bench": name.lower()} for name in NAMES}

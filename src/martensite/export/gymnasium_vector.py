@@ -1,9 +1,8 @@
-"""Many environments of Gymnasium at once: all are lanes of one run in C.
+"""Vector environment of Gymnasium: all environments run as one batch in C.
 
-Environment k under a seed s goes the way of a `SmaEnv` under the seed s + k. What happens when an
-episode is over is said by the mode of Gymnasium: it begins anew in the next step, whose action is
-left out (`NEXT_STEP`), in the same step, with the last observation in `final_obs` (`SAME_STEP`),
-or when it is reset by `options["reset_mask"]` (`DISABLED`).
+Environment k with seed s runs like a `SmaEnv` with seed s + k. The autoreset mode of Gymnasium decides when a finished
+episode restarts: in the next step, whose action is ignored (`NEXT_STEP`); in the same step, with the last observation
+in `final_obs` (`SAME_STEP`); or by `options["reset_mask"]` (`DISABLED`).
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import Outcome
 from martensite.export.gymnasium import HERE, SharedEpisodes, import_gymnasium
@@ -42,15 +41,15 @@ class SmaVectorEnv(SharedEpisodes, BASE):
 
         Args:
             bench: with at least one free drive; or the name of a packaged task.
-            task: what shall be done on it; for a packaged task the fields that shall be others, if any.
-            num_envs: how many.
+            task: learning task; for a packaged task optional changes of its fields.
+            num_envs: number of environments.
             autoreset_mode: one of `gymnasium.vector.AutoresetMode`.
             native: whether to run in C; by default if there is a compiler.
-            render_mode: `rgb_array`, if pictures are wanted.
+            render_mode: `rgb_array` for pictures.
 
         Raises:
             InputError: Gymnasium is not installed, or a name or range does not fit.
-            ParameterError: a spread does not fit.
+            ParameterError: a spread is not allowed.
         """
         import_gymnasium()
         self._mode = _find_mode(getattr(autoreset_mode, "value", autoreset_mode))
@@ -66,11 +65,11 @@ class SmaVectorEnv(SharedEpisodes, BASE):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode in every environment.
+        """Begin an episode in each environment.
 
         Args:
-            seed: of the first environment, the next number for the next; or one for each.
-            options: as for `SmaEnv`, and `reset_mask`, which environments are meant.
+            seed: of the first environment, increased by 1 for each next; or one per environment.
+            options: as for `SmaEnv`, and `reset_mask`, a mask of environments.
 
         Raises:
             InputError: the option is unknown, or the number of seeds is wrong.
@@ -78,13 +77,13 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         given = dict(options or {})
         which = np.asarray(given.pop("reset_mask", np.ones(self.num_envs, bool)), bool)
         self._seed_environments(seed, which)
-        found, shown = self._episodes.begin(which, self._random, given)
+        observations, shown = self._episodes.begin(which, self._random, given)
         self._over &= ~which
         self._watch()
-        return found, _arrange_info(shown, which)
+        return observations, _arrange_info(shown, which)
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return a picture of every environment, each of shape (height, width, 3)."""
+        """Return a picture of each environment, shape (height, width, 3)."""
         return None if self._frames is None else tuple(map(self._frames.draw, range(self.num_envs)))
 
     def _seed_environments(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
@@ -98,55 +97,54 @@ class SmaVectorEnv(SharedEpisodes, BASE):
                 self._random[k] = fresh(seeds[k])[0]
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Run one period of all environments and return arrays, and the true values by name [SI]."""
+        """Run one period of all environments; return arrays, and the true values by name [SI]."""
         answer = self._step_all(actions)
         self._watch()
         return answer
 
     def _step_all(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        found, before = self._episodes.step(actions), self._over
-        over = found.terminated | found.truncated
+        outcome, before = self._episodes.step(actions), self._over
+        over = outcome.terminated | outcome.truncated
         if self._mode is MODES["NextStep"]:
-            return self._next_step(found, before, over)
+            return self._next_step(outcome, before, over)
         self._over = over
         if self._mode is MODES["SameStep"] and over.any():
-            return self._same_step(found, over)
-        return *found[:4], _arrange_info(found.shown)
+            return self._same_step(outcome, over)
+        return *outcome[:4], _arrange_info(outcome.shown)
 
-    def _next_step(self, found: Outcome, begun: Any, over: Any) -> Any:
-        """Return the results of a step; environments whose episode ended before have begun a new one."""
+    def _next_step(self, outcome: Outcome, begun: Any, over: Any) -> Any:
+        """Return the results of a step, where episodes that ended before restart."""
         self._over = over & ~begun
         if not begun.any():
-            return *found[:4], _arrange_info(found.shown)
-        seen, shown = self._episodes.begin(begun, self._random)
-        seen[~begun] = found.observations[~begun]
-        shown = {name: np.where(begun, row, found.shown[name]) for name, row in shown.items()}
-        rewards = np.where(begun, 0.0, found.rewards)
-        ended = found.terminated & ~begun, found.truncated & ~begun
-        return seen, rewards, *ended, _arrange_info(shown)
+            return *outcome[:4], _arrange_info(outcome.shown)
+        observations, shown = self._episodes.begin(begun, self._random)
+        observations[~begun] = outcome.observations[~begun]
+        shown = {name: np.where(begun, row, outcome.shown[name]) for name, row in shown.items()}
+        rewards = np.where(begun, 0.0, outcome.rewards)
+        ended = outcome.terminated & ~begun, outcome.truncated & ~begun
+        return observations, rewards, *ended, _arrange_info(shown)
 
-    def _same_step(self, found: Outcome, over: Any) -> Any:
-        """Return the results of a step; environments whose episode ends now begin a new one at once."""
-        seen, shown = self._episodes.begin(over, self._random)
-        seen[~over] = found.observations[~over]
+    def _same_step(self, outcome: Outcome, over: Any) -> Any:
+        """Return the results of a step, where episodes that end now restart at once."""
+        observations, shown = self._episodes.begin(over, self._random)
+        observations[~over] = outcome.observations[~over]
         infos: dict[str, Any] = {}
         for k in np.flatnonzero(over):
-            last = {name: float(row[k]) for name, row in found.shown.items()}
-            final = {"final_obs": found.observations[k], "final_info": last}
+            last = {name: float(row[k]) for name, row in outcome.shown.items()}
+            final = {"final_obs": outcome.observations[k], "final_info": last}
             infos = self._add_info(infos, final, int(k))
-        shown = {name: np.where(over, row, found.shown[name]) for name, row in shown.items()}
-        return seen, *found[1:4], infos | _arrange_info(shown)
+        shown = {name: np.where(over, row, outcome.shown[name]) for name, row in shown.items()}
+        return observations, *outcome[1:4], infos | _arrange_info(shown)
 
 
 def _find_mode(name: str) -> Any:
-    if name not in MODES:
-        raise InputError(f"There is no autoreset mode `{name}`. {suggest_name(name, MODES)}")
+    require_known("autoreset mode", name, MODES)
     return MODES[name]
 
 
 def _arrange_info(shown: Mapping[str, Any], which: Any = None) -> dict[str, Any]:
-    """Return the additional information as Gymnasium expects it: an array and its mask."""
-    found: dict[str, Any] = {}
+    """Return the additional information in Gymnasium's form: arrays and their masks."""
+    arrays: dict[str, Any] = {}
     for name, row in shown.items():
-        found |= {name: row, f"_{name}": np.ones(len(row), bool) if which is None else which}
-    return found
+        arrays |= {name: row, f"_{name}": np.ones(len(row), bool) if which is None else which}
+    return arrays

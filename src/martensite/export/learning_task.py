@@ -3,16 +3,15 @@
     r = −min(|y* − y| / (high − low), 1) − w P T
 
 is the reward of a period T, with the true output y, its reference y*, the electrical power P of all elements and the
-weight w; the error is the mean over the outputs if there are several. The error is limited to the whole range, so
-idling costs at most 1 per period for any output. An exceeded limit ends the episode; the last reward is reduced by the
-penalty and by 1 for every remaining period. By default the penalty is the number N of periods. The sum is then below
--N, which is less than the sum of idling. So an early end never pays: idling for the rest would cost less.
+weight w. For several outputs the error is their mean. The error is limited to the whole range, so idling costs at most
+1 per period. An exceeded limit ends the episode; the last reward is reduced by the penalty and by 1 for each remaining
+period. The default penalty is the number N of periods, so the sum is below -N: ending an episode early never pays.
 
-Every episode draws new references and, within declared spreads, a new plant:
+Each episode draws new references and, within declared spreads, a new plant:
 
-    p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
+    p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z uniform in [-1, 1]
 
-Only the plant is drawn; the models in controllers and observers of the bench stay nominal.
+Models in controllers and observers of the bench stay nominal.
 """
 
 from __future__ import annotations
@@ -25,21 +24,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.errors import InputError, ParameterError, require_known, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, MEASURED, list_readings
 from martensite.control.loop.plant_leaves import PLANT, find_plant_leaf, parse_half_width, require_allowed
 
 Numbers = NDArray[np.float64]
 SHARES = (0.1, 0.4)
-"""Shortest and longest level of steps, as shares of an episode, unless given."""
+"""Default shortest and longest level of steps, as fractions of an episode."""
 TURNS = (1.0, 4.0)
-"""Fewest and most periods of a sine in an episode, unless given."""
+"""Default lowest and highest number of sine periods in an episode."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LearningTask:
-    """Task of a learner; all numbers in SI."""
+    """Task of a learner, in SI."""
 
     output: str | tuple[str, ...]
     """Output of the plant that follows the reference, or several, each with a separate reference."""
@@ -50,29 +49,27 @@ class LearningTask:
     duration: float
     """Length of an episode [s]."""
     signals: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
-    """Lowest and highest signal by drive; drives that take a duty need none and get 0 to 1."""
+    """Signal range by drive; drives in duty cycle default to 0 to 1."""
     observed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
-    """Range by name of the reading; by default those of `output`, with the range of references."""
+    """Range by reading; by default the outputs, with the range of references."""
     preview: tuple[float, ...] = ()
-    """Preview times of the reference, besides now [s]."""
+    """Preview times of the reference [s], in addition to the present."""
     references: tuple[str, ...] = ("steps", "sines")
-    """Kinds of references, one of which is drawn for an episode."""
+    """Kinds of references, drawn at random."""
     hold: tuple[float, float] | None = None
-    """Shortest and longest time on a level of steps [s]; by default 0.1 and 0.4 of an episode."""
+    """Shortest and longest level of steps [s]; by default 0.1 and 0.4 of an episode."""
     frequency: tuple[float, float] | None = None
     """Lowest and highest frequency of sines [Hz]; by default 1 and 4 periods in an episode."""
     spreads: Mapping[str, float] = field(default_factory=dict[str, Any])
-    """Half the width by path, or unique ending of a path, in the plant: in shares of the number,
-    in K for temperatures."""
+    """Half-width by path, or unique ending of a path, in the plant: a fraction of the value, in K for temperatures."""
     energy_weight: float = 0.0
     """Cost of an electrical joule."""
     penalty: float | None = None
-    """Cost of exceeding a limit, which ends the episode, besides 1 for every remaining period; by default the number of
-    periods of an episode, so that overheating a wire scores below idling."""
+    """Cost of exceeding a limit, in addition to 1 for each remaining period; by default the number of periods."""
     temperature_limit: float | None = None
-    """Highest temperature of any element [K]; by default that of the limits of each."""
+    """Highest temperature of any element [K]; by default the limit of each element."""
     stress_limit: float | None = None
-    """Highest stress of any element [Pa]; by default that of the limits of each."""
+    """Highest stress of any element [Pa]; by default the limit of each element."""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
@@ -83,7 +80,7 @@ class LearningTask:
             raise ParameterError(f"A task needs a kind of reference: {', '.join(KINDS)}.")
         for kind in self.references:
             if kind not in KINDS:
-                raise ParameterError(f"There is no reference `{kind}`. {suggest_name(kind, KINDS)}")
+                raise ParameterError(f"No reference named `{kind}`. {suggest_name(kind, KINDS)}")
         if min(self.preview, default=0.0) < 0.0:
             raise ParameterError(f"A preview is ahead, but one is {min(self.preview):g} s.")
         if not self.outputs:
@@ -91,23 +88,23 @@ class LearningTask:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Return the names of all outputs that follow a reference."""
+        """Return the names of the outputs that follow a reference."""
         return (self.output,) if isinstance(self.output, str) else tuple(self.output)
 
     def reference(self, rng: np.random.Generator, times: Numbers) -> Numbers:
-        """Return a reference of an episode at times [s], shape (samples,)."""
+        """Return a random reference at times [s], shape (samples,)."""
         kind = self.references[int(rng.integers(len(self.references)))]
         return KINDS[kind](self, rng, times)
 
 
 def _draw_steps(task: LearningTask, rng: np.random.Generator, times: Numbers) -> Numbers:
     shortest, longest = task.hold or tuple(share * task.duration for share in SHARES)
-    found, begin = np.empty_like(times), 0.0
+    reference, begin = np.empty_like(times), 0.0
     while begin <= times[-1]:
-        level, held = rng.uniform(task.low, task.high), rng.uniform(shortest, longest)
-        found[times >= begin] = level
-        begin += max(held, 1e-6 * task.duration)
-    return found
+        level, time = rng.uniform(task.low, task.high), rng.uniform(shortest, longest)
+        reference[times >= begin] = level
+        begin += max(time, 1e-6 * task.duration)
+    return reference
 
 
 def _draw_sine(task: LearningTask, rng: np.random.Generator, times: Numbers) -> Numbers:
@@ -129,21 +126,17 @@ class EpisodeSpread:
     """A parameter of the plant that differs from episode to episode."""
 
     path: str
-    """In the bench."""
+    """Path in the bench."""
     middle: float
     wide: float
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Return a value within the spread."""
+        """Return a random value within the spread."""
         return float(self.middle + self.wide * rng.uniform(-1.0, 1.0))
 
 
 def spreads_of(bench: Bench, task: LearningTask) -> list[EpisodeSpread]:
-    """Return the parameters that differ from episode to episode.
-
-    Raises:
-        ParameterError: an unknown name, or a spread that is invalid or exceeds the allowed range.
-    """
+    """Return the spreads of a task."""
     return [_check_spread(bench, name, spread) for name, spread in task.spreads.items()]
 
 
@@ -157,48 +150,38 @@ def _check_spread(bench: Bench, name: str, spread: float) -> EpisodeSpread:
 
 
 def scale_values(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:
-    """Return the rows of values in -1 to 1 where they go through their ranges."""
+    """Return rows of values, scaled to -1 to 1 over their ranges."""
     low, high = np.array(ranges, float).reshape(-1, 2).T[:, :, None]
     return 2.0 * (values - low) / (high - low) - 1.0
 
 
 def free_signals(bench: Bench, task: LearningTask) -> dict[str, tuple[float, float]]:
-    """Return the lowest and highest signal of every free drive.
-
-    Raises:
-        InputError: the drive is unknown, or a range is missing or invalid.
-    """
-    taken = bench.controllers.members()
-    free = {one.name: one.unit for one in bench.plant.drives() if one.name not in taken}
+    """Return the signal range of each free drive."""
+    controlled = bench.controllers.members()
+    free = {one.name: one.unit for one in bench.plant.drives() if one.name not in controlled}
     if not free:
         raise InputError("Every drive of this bench has a controller; leave one to the learner.")
     for name in task.signals:
-        if name not in free:
-            raise InputError(f"There is no free drive `{name}`. {suggest_name(name, free)}")
+        require_known("free drive", name, free)
     for name, unit in free.items():
         if name not in task.signals and unit != "1":
             raise InputError(
                 f"Drive `{name}` takes a signal in {unit}: give its lowest and highest value in `signals`."
             )
-    found = {name: task.signals.get(name, (0.0, 1.0)) for name in free}
-    _require_ranges(found)
-    return found
+    ranges = {name: task.signals.get(name, (0.0, 1.0)) for name in free}
+    _require_ranges(ranges)
+    return ranges
 
 
 def observed_readings(bench: Bench, task: LearningTask) -> dict[str, tuple[float, float]]:
-    """Return the ranges of the observations, by the name of the output of the bench.
-
-    Raises:
-        InputError: the reading is unknown, or a range is invalid.
-    """
-    known = [name for name in list_readings(bench) if not name.endswith(AGE)]
-    wanted = dict(task.observed) or dict.fromkeys(task.outputs, (task.low, task.high))
-    for name in wanted:
-        if name not in known:
-            raise InputError(f"There is no reading `{name}` to observe. {suggest_name(name, known)}")
-    _require_ranges(wanted)
+    """Return the ranges of the observations, by output of the bench."""
+    readings = [name for name in list_readings(bench) if not name.endswith(AGE)]
+    ranges = dict(task.observed) or dict.fromkeys(task.outputs, (task.low, task.high))
+    for name in ranges:
+        require_known("reading", name, readings)
+    _require_ranges(ranges)
     mounted = bench.sensors.members()
-    return {MEASURED + n if n in mounted else n: span for n, span in wanted.items()}
+    return {MEASURED + n if n in mounted else n: span for n, span in ranges.items()}
 
 
 def _require_ranges(ranges: Mapping[str, tuple[float, float]]) -> None:

@@ -1,11 +1,9 @@
-"""Systems as MJCF, the model format of MuJoCo, and as MuJoCo models that their elements move.
+"""Systems as MJCF, the model format of MuJoCo, and as MuJoCo models driven by their elements.
 
-For every mechanism that has a writer in `WRITERS` the model holds the same geometry, inertia,
-springs and damping as the equations of the mechanism, and a tendon for every port, called
-after it; joints are called after the coordinates. The elements are not in the model, for MuJoCo
-has none: `to_mujoco` puts the elements of the system along the tendons, in the same state.
+The model of a mechanism in `WRITERS` has a tendon named after each port, and joints named after the coordinates.
+`to_mujoco` adds the shape-memory elements along the tendons.
 
-A mechanism without inertia (`motion = "quasi-static"`) gets that of its parameters.
+A mechanism without inertia (`motion = "quasi-static"`) gets the inertia of its parameters.
 """
 
 from __future__ import annotations
@@ -27,42 +25,38 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 
 TIMESTEP = 2e-3
-"""MuJoCo's own default [s]."""
+"""Default time step of MuJoCo [s]."""
 
 Writer = Callable[[Model, Any, float], None]
-"""Fills a model with a mechanism, for a time step [s]."""
+"""Function that adds a mechanism to a model with a time step [s]."""
 
 WRITERS: dict[type[AbstractMechanism], Writer] = {Finger: write_finger, ParallelPlatform: write_platform}
-"""Mechanism -> writer; a subclass may have other equations and needs a separate writer."""
+"""Writer by mechanism; a subclass can have other equations and needs a separate writer."""
 
 
 def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:
-    """Write the mechanism of a system as MJCF text, with a tendon for every element.
+    """Return the mechanism of a system as MJCF text, with a tendon for each element.
 
     Args:
         system: a `System` or a `Machine`.
-        timestep: of the model [s].
+        timestep: time step of the model [s].
 
     Raises:
-        InputError: nothing writes this mechanism, or MuJoCo cannot do something it does.
+        InputError: the mechanism has no writer, or a feature that MuJoCo lacks.
     """
     return model_of(system, timestep=timestep).text()
 
 
 def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
-    """Return the sections of the document that `to_mjcf` writes.
-
-    Raises:
-        InputError: as `to_mjcf`.
-    """
+    """Return the sections of the document of `to_mjcf`, with the same errors."""
     if not 0.0 < timestep < 1.0:
         raise ParameterError(f"Argument `timestep` must be above 0 s and below 1 s, but is {timestep:.6g}.")
     mechanism = system.mechanism
     write = WRITERS.get(type(mechanism))
     if write is None:
-        known = ", ".join(f"`{cls.registered_name}`" for cls in WRITERS)
+        writable = ", ".join(f"`{cls.registered_name}`" for cls in WRITERS)
         raise InputError(
-            f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: {known}. Any model "
+            f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: {writable}. Any model "
             "of your own can be driven by `MujocoActuators`; `martensite export mujoco --snippet` writes what it needs."
         )
     model = new_model(str(mechanism.registered_name), timestep)
@@ -81,7 +75,7 @@ def to_mujoco(system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: s
         coupling: `centred` is of second order, as runs of a system are; `end` is stable at any step.
 
     Returns:
-        The model of `to_mjcf` with an actuator at every tendon.
+        The model of `to_mjcf` with an actuator at each tendon.
 
     Raises:
         InputError: the system cannot be written as MJCF, or MuJoCo is missing.
@@ -98,22 +92,18 @@ def to_mujoco(system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: s
 
 
 def start_forces(system: AbstractSystem) -> dict[str, float]:
-    """Return the force of the element at each port at assembly [N].
-
-    Raises:
-        InputError: the sources share a supply, which is not taken along.
-    """
+    """Return the force of the element at each port at assembly [N]."""
     if getattr(system, "supply", None) is not None:
         raise InputError(
             "A `supply` that several sources share is not known to a model of MuJoCo, in which every element is on its "
             "own; leave it out, or give every source its own limits."
         )
-    found = zip(system.actuators(), system.mechanism.start_forces(floats), strict=True)
-    return {port: float(force) for port, force in found}
+    forces = zip(system.actuators(), system.mechanism.start_forces(floats), strict=True)
+    return {port: float(force) for port, force in forces}
 
 
 def tendon_signals(system: AbstractSystem, waveform: Waveforms) -> dict[str, AbstractWaveform]:
-    """Return the waveforms of a run by the names of tendons; what is not named gets 0.
+    """Return the waveforms of a run by tendon; missing ones are 0.
 
     Args:
         system: the argument of `to_mujoco`.

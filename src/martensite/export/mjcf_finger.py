@@ -1,6 +1,6 @@
-r"""Finger as MJCF: one hinge, a tendon through sites at (∓g, -r), and a return spring.
+"""Finger as MJCF: one hinge, a tendon through sites at (∓g, -r), and a return spring.
 
-Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanisms.finger`:
+The model has the equation of `martensite.actuators.mechanisms.finger`:
 
     wire              2 |g cos θ/2 - r sin θ/2| between the sites, n times by a pulley of divisor
                       1/n: the path that the bowstring shortens by n ΔL
@@ -8,20 +8,18 @@ Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanis
     fixed spring      a tendon of stiffness k and rest length H - δ₀
     inertia, damping  of the hinge; the centre of mass is on it
 
-End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only the nearer. At rest
-they have the stiffness K of the mechanism; but they are critically damped, with a time constant t of two steps, where
-the mechanism bounces. With MuJoCo's impedance d a limit that is overrun by x holds the torque
+End stops, and brackets that meet at 2 φ, are limits of the joint; if there are two on one side, only the nearer. Their
+static stiffness is K of the mechanism. They are critically damped with a time constant t of two steps, whereas the
+mechanism bounces. With MuJoCo's impedance d, a limit that is exceeded by x has the torque
 
     I s x/(1 - d),        hence s = K (1 - d)/I,        d = 1/(1 + I/(K t²)).
 
-With `contact` stops are limits without a declared stiffness. Stops and the cylinder are as hard as MuJoCo allows at
-this time step, since it has no rigid contact. Cylinder and phalanx are capsules that collide without friction. The
-weight is the weight of the model, with the mass at its centre and the remaining inertia about it.
+With `contact`, stops have no declared stiffness. Stops and the cylinder are as stiff as MuJoCo allows at this time
+step. Cylinder and phalanx are capsules that collide without friction. The mass is at its centre, with the remaining
+inertia about it.
 
-Where the brackets meet the path has no length, and past that it grows again: while they touch,
-the two agree to about a degree only.
-
-MuJoCo takes the damping b at the end of a step, as if the inertia were b Δt/2 larger.
+Beyond the angle where the brackets meet, the path grows again; during contact both models agree to about a degree only.
+MuJoCo evaluates the damping b at the end of a step, as if the inertia were b Δt/2 larger.
 
 The phalanges lie along ∓x, the wire below them; θ grows as it pulls and turns about +y. The drawn shapes have no effect
 on the mechanism.
@@ -38,18 +36,13 @@ from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, Value, add_ele
 from martensite.kernels import floats
 
 SETTLES = 2.0
-"""Time constant of a limit or contact, in steps: the least that MuJoCo allows."""
+"""Time constant of a limit or contact, in steps: the minimum of MuJoCo."""
 HARD = (0.9999, 0.9999, 1e-3)
-"""Impedance of what is rigid: the largest that MuJoCo allows."""
+"""Impedance of rigid contacts: the maximum of MuJoCo."""
 
 
 def write_finger(model: Model, finger: Finger, timestep: float) -> None:
-    """Write the finger.
-
-    Raises:
-        InputError: it has something that MuJoCo does not: friction of the wire, a spring that is longer at rest
-            than nothing, or a centre of mass without inertia about it.
-    """
+    """Write the finger."""
     _check_finger(finger)
     r, g = finger.offset, finger.bracket
     (port,), (start,) = finger.ports(), finger.start_forces(floats)
@@ -85,17 +78,17 @@ def _check_finger(finger: Finger) -> None:
 
 
 def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
-    found: dict[str, Value] = {"name": "angle", "axis": "0 1 0", "damping": finger.damping}
+    attributes: dict[str, Value] = {"name": "angle", "axis": "0 1 0", "damping": finger.damping}
     if finger.spring == "follower":
-        found["stiffness"] = finger.stiffness * finger.arm**2
-        found["springref"] = -finger.extension / finger.arm
+        attributes["stiffness"] = finger.stiffness * finger.arm**2
+        attributes["springref"] = -finger.extension / finger.arm
     if finger.stop > 0.0 or finger.contact != "springs":
-        found |= _describe_limits(finger, SETTLES * timestep)
-    return found
+        attributes |= _describe_limits(finger, SETTLES * timestep)
+    return attributes
 
 
 def _describe_limits(finger: Finger, settles: float) -> dict[str, Value]:
-    """Return the range of the hinge, and how a limit gives way; it settles in `settles` [s]."""
+    """Return range and compliance of the hinge limits, which settle in `settles` [s]."""
     met = 2.0 * math.atan2(finger.bracket, finger.offset)
     reach = (finger.lowest, min(finger.highest, met))
     if finger.contact != "springs":
@@ -111,7 +104,7 @@ def _describe_limits(finger: Finger, settles: float) -> dict[str, Value]:
 
 
 def _add_inertia(model: Model, body: Element, finger: Finger) -> None:
-    """About the hinge in all; with a weight, of a mass at its centre and the rest about that."""
+    """Add the inertia about the hinge; with a weight, as a mass at its centre and the remainder."""
     if finger.weight == "none":
         append_element(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
         return
@@ -128,7 +121,7 @@ def _add_inertia(model: Model, body: Element, finger: Finger) -> None:
 
 
 def _add_contact(world: Element, body: Element, finger: Finger, settles: float) -> None:
-    """A cylinder across the plane, and the far phalanx that collides with it."""
+    """Add a cylinder across the plane, and the far phalanx that collides with it."""
     hard: dict[str, Value] = {"contype": "1", "conaffinity": "1", "condim": "1"}
     hard |= {"solref": (settles, 1.0), "solimp": HARD, "type": "capsule"}
     x, z, half = finger.cylinder_along, -finger.cylinder_inwards, 4.0 * finger.cylinder_radius
@@ -139,7 +132,7 @@ def _add_contact(world: Element, body: Element, finger: Finger, settles: float) 
 
 
 def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:
-    """From the phalanx at a to a fixed point at (a, H)."""
+    """Add a spring from the phalanx at a to a fixed point at (a, H)."""
     append_element(model.world, "site", name="anchor", pos=(finger.arm, 0.0, finger.height), size="0.0005")
     append_element(body, "site", name="arm", pos=(finger.arm, 0.0, 0.0), size="0.0005")
     rest = finger.height - finger.extension

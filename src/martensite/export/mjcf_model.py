@@ -1,7 +1,7 @@
-"""An MJCF document in the making: what the writers of mechanisms fill.
+"""An MJCF document under construction, for the writers of mechanisms.
 
-Numbers are written so that they read back as they were; angles in rad, everything in SI.
-Geoms are for the eye: they collide with nothing, and bodies have their inertia said.
+Numbers are written to the last digit; angles in rad, all else in SI. Geoms are for display: they do not collide, and
+bodies have explicit inertia.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ HEADER = (
 
 
 class Model(NamedTuple):
-    """The sections of a document that a writer fills."""
+    """Sections of a document."""
 
     root: Element
     option: Element
@@ -52,15 +52,15 @@ def new_model(name: str, timestep: float) -> Model:
 
 
 def append_element(parent: Element, tag: str, **attributes: Value) -> Element:
-    """Return a new element in another, with its attributes."""
+    """Return a new child element with attributes."""
     return SubElement(parent, tag, {name: write_attribute(value) for name, value in attributes.items()})
 
 
 def add_element(model: Model, port: str, sites: Sequence[str], start_force: Scalar, passes: Scalar = 1.0) -> None:
     """Add a tendon through sites for the shape-memory element at a port.
 
-    With `passes` n a pulley in front of the sites makes every length, and so every moment arm,
-    n times as large: an element that goes there and back has n of them in a row.
+    With `passes` n a pulley in front of the sites multiplies lengths and moment arms by n: an element that goes back
+    and forth has n strands in series.
     """
     tendon = append_element(model.tendons, "spatial", name=port, width=6e-4, rgba=ORANGE)
     if passes != 1.0:
@@ -71,7 +71,7 @@ def add_element(model: Model, port: str, sites: Sequence[str], start_force: Scal
 
 
 def write_attribute(value: Value) -> str:
-    """Return an attribute: text as it is, numbers to their last digit."""
+    """Return an attribute: text unchanged, numbers to the last digit."""
     if isinstance(value, str):
         return value
     if isinstance(value, Sequence):

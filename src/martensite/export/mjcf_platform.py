@@ -1,9 +1,9 @@
-"""Parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
+"""Parallel platform as MJCF: a plate on two hinges, and a straight tendon at each vertex.
 
-The frame of `martensite.actuators.mechanics.platform_kinematics` has Z down; here z is up, so its points (X, Y, Z)
-are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x, which makes R_Y(β) R_X(α). Plate and
-joint are exact: mass, moments of inertia I, I and 2 I at the centroid, its height over the joint, gravity, damping.
-The drawn plates and post have no effect on the mechanism.
+The frame of `martensite.actuators.mechanics.platform_kinematics` has Z down; here z is up, so its points (X, Y, Z) are
+at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x, which makes R_Y(β) R_X(α). Plate and joint
+are exact: mass, moments of inertia I, I and 2 I at the centroid, its height over the joint, gravity, damping. The drawn
+shapes have no effect on the mechanism.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from martensite.kernels import floats
 
 
 def write_platform(model: Model, platform: ParallelPlatform, timestep: float) -> None:
-    """Write the platform."""
+    """Add the platform to a model."""
     joint, above = platform.height - platform.eccentricity, platform.eccentricity
     side, plate = platform.side, platform.top_plate(floats)
     model.option.set("gravity", f"0 0 {-float(platform.gravity)!r}")

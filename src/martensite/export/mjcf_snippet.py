@@ -1,9 +1,9 @@
-"""Lines to paste into a MuJoCo model of your own for the elements of a system.
+"""MJCF lines of the elements of a system, to paste into another MuJoCo model.
 
-Each element needs a tendon through sites; `MujocoActuators` adds the actuator. The document can also be
-included, by MuJoCo's `<include file="..."/>`; sites are in its comment, for they belong into the bodies of the model.
-For a mechanism that has a writer in `martensite.export.mjcf` sites and paths are those of its model; any other gets
-two sites per element, at places that are left to the reader.
+Each element needs a tendon through sites; `MujocoActuators` adds the actuator. The document can also be included by
+MuJoCo's `<include file="..."/>`; its sites are in a comment, since they belong to bodies. For a mechanism with a writer
+in `martensite.export.mjcf`, sites and paths are those of its model; for any other, the reader places two sites per
+element.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FRAMES: dict[type[AbstractMechanism], str] = {
     "the\n   wire is below them.",
     ParallelPlatform: "The origin is in the middle of the base, z is up; that of the plate is on the joint.",
 }
-"""Frame of the sites of a mechanism, in words."""
+"""Description of the frame of the sites, by mechanism."""
 ANYWHERE = (
     "Every element needs one where it is held and one where it pulls: `pos` and names are\n"
     "   yours. What counts is how the path between them changes, not how long it is."
@@ -36,20 +36,20 @@ class Parts(NamedTuple):
     """Parts of a snippet."""
 
     sites: list[tuple[str, Element]]
-    """Sites: the body of each, in words, and its line."""
+    """Name of the body and element of each site."""
     tendons: list[Element]
     where: str
-    """Frame of the places."""
+    """Description of the frame."""
 
 
 def to_mjcf_snippet(system: AbstractSystem) -> str:
-    """Write the tendons of the elements of a system, with sites and advice in a comment.
+    """Return the tendons of the elements of a system as MJCF, with sites and advice in a comment.
 
     Args:
         system: a `System` or a `Machine`.
 
     Raises:
-        InputError: it has no elements, or MuJoCo cannot do something that its mechanism does.
+        InputError: it has no elements, or its mechanism has a feature that MuJoCo lacks.
     """
     if not system.actuators():
         raise InputError(f"There is no shape-memory element in {system.description()}.")

@@ -1,12 +1,12 @@
-r"""Shape-memory elements as actuators of a MuJoCo model, in C that `mj_step` calls.
+"""Shape-memory elements as actuators of a MuJoCo model, in C that `mj_step` calls.
 
-`mj_step` asks for the bias of an actuator of type `user` by a callback (`mjcb_act_bias`). Here the callback is C
-generated from the kernel of the element. The force is found on a load line, together with law and heat:
+`mj_step` gets the bias of an actuator of type `user` from a callback (`mjcb_act_bias`). Here the callback is C
+generated from the kernel of the element. The force is solved on a load line, together with law and heat:
 
     l(F) = l + dt J (v + dt (M + dt D)⁻¹ (f - Jᵀ F))
 
 with the length l of the tendon, its Jacobian J, the mass matrix M, the joint damping D and the smooth forces f. Contact
-and limit forces are those of the step before. The force that acts in a step is a choice:
+and limit forces are those of the previous step. The force that acts in a step depends on `coupling`:
 
     end       F = f₁                        stable at any step, first order; damps an oscillation of angular frequency
                                             ω by the fraction ω dt/2 of critical damping (implicit Euler)
@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.actuators.assembly import Actuator
-from martensite.base.errors import InputError, ParameterError, SolveError, suggest_name
+from martensite.base.errors import InputError, ParameterError, SolveError, require_known
 from martensite.base.parameters import Number, param, part
 from martensite.export.mujoco_models import (
     add_tendon_actuator,
@@ -51,7 +51,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import Compiled, compile_system
 
 HEAD, OWN = 2, 7
-"""Numbers in `userdata` for a group, and for each of its elements besides its states."""
+"""Numbers in `userdata` for a group, and for each of its elements in addition to its states."""
 COUPLINGS = {"end": (1.0, 0.0, 0.0), "centred": (0.25, 0.5, 0.25)}
 """Weights of the forces that act in a step: at its end, at its start, one step earlier."""
 FAILURES = {
@@ -66,7 +66,7 @@ FAILURES = {
 class TendonActuator(Actuator):
     """An element along a tendon of a MuJoCo model, with its environment and its source.
 
-    In the pose in which the model starts it is under `start_force`, or loose by `slack`.
+    At the start of the model it has `start_force`, or is loose by `slack`.
     """
 
     tendon: str = part("name of the tendon")
@@ -103,26 +103,24 @@ class StrandStep(NamedTuple):
 class MujocoActuators:
     """A MuJoCo model with elements along its tendons, as actuators that any program can step.
 
-    `model` has an actuator for each element, named after its tendon, behind the actuators that it had. Its control is
-    the drive signal, in the unit of the source. MuJoCo's `mjcb_act_bias` is set for the whole process.
+    `model` has an additional actuator for each element, named after its tendon, after its other actuators. Its control
+    is the drive signal, in the unit of the source. MuJoCo's `mjcb_act_bias` is set for the whole process.
 
     Args:
-        model: the path of an MJCF file, MJCF text, or an `MjSpec`, which stays as it is.
-        actuators: one per tendon; other tendons of the model stay as they are.
-        keyframe: name of the keyframe in whose pose each element is under its `start_force`; by default the pose of
-            the model.
+        model: the path of an MJCF file, MJCF text, or an `MjSpec`, which is not changed.
+        actuators: one per tendon; other tendons of the model are not changed.
+        keyframe: name of the keyframe in which each element has its `start_force`; by default the pose of the model.
         coupling: `end` or `centred`, the force of an element that acts in a step.
 
     Raises:
-        InputError: MuJoCo is missing or too old, or cannot drive this model; the sentence says why.
+        InputError: MuJoCo is missing or too old, or cannot drive this model.
         CompileError: a C compiler is missing.
     """
 
     def __init__(
         self, model: Any, actuators: Sequence[TendonActuator], *, keyframe: str | None = None, coupling: str = "end"
     ) -> None:
-        if coupling not in COUPLINGS:
-            raise InputError(f"No coupling `{coupling}`. {suggest_name(coupling, COUPLINGS)}")
+        require_known("coupling", coupling, COUPLINGS)
         self.tendons = [one.tendon for one in actuators]
         if not actuators or len(set(self.tendons)) < len(actuators):
             raise InputError("There must be actuators, each at its own tendon.")
@@ -148,20 +146,20 @@ class MujocoActuators:
         return group
 
     def begin(self) -> Any:
-        """Make new data (`MjData`) in the pose in which the elements start."""
+        """Return new data (`MjData`) in the start pose of the elements."""
         return begin_data(self.model, self._keyframe)
 
     def observe(self, data: Any) -> dict[str, dict[str, float]]:
-        """Measure all elements at the present time and coordinates, under the present controls.
+        """Measure all elements at the present time, coordinates and controls.
 
         Args:
             data: `MjData` of the model. Its tendon lengths are updated.
 
         Returns:
-            Outputs in SI by tendon and name, among them the `length` of the tendon [m].
+            Outputs in SI by tendon and name, including the `length` of the tendon [m].
 
         Raises:
-            SolveError: a step failed since the last call; the sentence says when and why.
+            SolveError: a step failed since the last call.
         """
         self.require_solved()
         lengths = measure_tendons(self.model, data)[self._numbers].tolist()
@@ -182,8 +180,8 @@ class MujocoActuators:
     ) -> MujocoResult:
         """Make steps for `duration` [s] and record them.
 
-        A step takes the signal at its middle (at its end if that is a temperature), at the time of the data. Steps do
-        not end at the edges of a waveform: choose the time step accordingly.
+        A step uses the signal at its middle (at its end for a temperature), at the time of the data. Steps do not end
+        at the edges of a waveform: choose the time step accordingly.
 
         Args:
             duration: length of the run [s]; rounded up to whole steps.
@@ -205,16 +203,16 @@ class MujocoActuators:
         """Return the newest step of each element, in the order of `tendons`."""
         return [self._read_step(data.userdata, *one) for one in zip(self.strands, self._places, strict=True)]
 
-    def _read_step(self, kept: Any, strand: TracedStrand, place: int) -> StrandStep:
-        if kept[self._first] == 0.0:  # no step yet
+    def _read_step(self, userdata: Any, strand: TracedStrand, place: int) -> StrandStep:
+        if userdata[self._first] == 0.0:  # no step yet
             return StrandStep(strand.drive, strand.reach, 0.0, strand.force, 0.0, strand.state, strand.state)
-        force, drive, reach, give, crossing, *_ = kept[place : place + OWN].tolist()
+        force, drive, reach, give, crossing, *_ = userdata[place : place + OWN].tolist()
         size = len(strand.state)
-        states = kept[place + OWN : place + OWN + 2 * size].tolist()
+        states = userdata[place + OWN : place + OWN + 2 * size].tolist()
         return StrandStep(drive, reach, give, force, crossing, tuple(states[:size]), tuple(states[size:]))
 
     def _has_moved(self, data: Any) -> bool:
-        """Return True if time is beyond the start of the newest step."""
+        """Return whether time is beyond the start of the newest step."""
         return bool(data.time > data.userdata[self._first + 1])
 
     def require_solved(self) -> None:
@@ -227,11 +225,7 @@ class MujocoActuators:
 
 
 def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) -> list[TracedStrand]:
-    """Trace elements along the tendons of a model, in the pose of its data.
-
-    Raises:
-        InputError: the tendon does not exist, or the integrator asks for forces within a step.
-    """
+    """Trace elements along the tendons of a model, in the pose of its data."""
     integrators = load_mujoco().mjtIntegrator
     if model.opt.integrator not in (
         integrators.mjINT_EULER,
@@ -247,7 +241,7 @@ def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) ->
 
 
 def place_strands(compiled: Sequence[Compiled], first: int) -> list[int]:
-    """Return where in `userdata` the memory of each element begins, and where the last one ends."""
+    """Return the first index in `userdata` of each element, and the end of the last one."""
     places = [first]
     for one in compiled:
         places.append(places[-1] + OWN + 2 * one.size)
@@ -260,11 +254,8 @@ def add_actuators(spec: Any, tendons: Sequence[str], group: tuple[int, int], end
     Args:
         spec: the specification; the actuators are added to it.
         tendons: their names.
-        group: number of the group, and its first place in `userdata`.
-        end: first place in `userdata` that is free.
-
-    Raises:
-        InputError: MuJoCo cannot compile it.
+        group: number of the group, and its first index in `userdata`.
+        end: first free index in `userdata`.
     """
     for k, tendon in enumerate(tendons):
         actuator = add_tendon_actuator(spec, tendon, name=tendon)

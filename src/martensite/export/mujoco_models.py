@@ -1,7 +1,7 @@
-"""Read MuJoCo models, and find the tensions that hold one still.
+"""Read MuJoCo models, and compute the tensions of a static pose.
 
-A model is the path of an MJCF file, MJCF text, or an `MjSpec`. Elements are added to a copy of it, as actuators behind
-those that it has.
+A model is the path of an MJCF file, MJCF text, or an `MjSpec`. Elements are added to a copy of it, as actuators after
+its own ones.
 """
 
 from __future__ import annotations
@@ -12,28 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import InputError, SolveError, UnknownNameError
+from martensite.base.errors import InputError, SolveError, require_known
 from martensite.base.lazy import import_extra
 
 OLDEST = 4
-"""Oldest major version of MuJoCo whose structures the C is written for."""
+"""Oldest major version of MuJoCo that the C supports."""
 TRIAL_TENSION = 1.0
-"""Difference of a tension by which compliances are measured [N]."""
+"""Change of tension for measured compliances [N]."""
 REGULARISATION = 1e-9
 """Fraction of the largest compliance that is added to all, so that redundant tendons share a load."""
 HOLDING_TOLERANCE = 1e-3
-"""Fraction of the motion without tensions that may remain."""
+"""Allowed remaining motion, as a fraction of the motion without tensions."""
 
 
 def load_mujoco() -> Any:
-    """Import MuJoCo.
-
-    Returns:
-        The module `mujoco`.
-
-    Raises:
-        InputError: it is not installed, or too old.
-    """
+    """Return the module `mujoco`."""
     mujoco = import_extra("mujoco", "mujoco", "MuJoCo")
     if int(mujoco.__version__.split(".")[0]) < OLDEST:
         raise InputError(
@@ -44,16 +37,10 @@ def load_mujoco() -> Any:
 
 
 def read_spec(model: Any) -> Any:
-    """Read a model.
+    """Return a new `MjSpec` of a model.
 
     Args:
         model: the path of an MJCF file, MJCF text, or an `MjSpec`, which is copied.
-
-    Returns:
-        A new `MjSpec`.
-
-    Raises:
-        InputError: MuJoCo cannot read it.
     """
     kind = load_mujoco().MjSpec
     if isinstance(model, kind):
@@ -68,11 +55,7 @@ def read_spec(model: Any) -> Any:
 
 
 def compile_spec(spec: Any) -> Any:
-    """Compile an `MjSpec`.
-
-    Raises:
-        InputError: MuJoCo cannot compile it, or it disables actuation.
-    """
+    """Compile an `MjSpec`."""
     mujoco = load_mujoco()
     try:
         model = spec.compile()
@@ -84,31 +67,21 @@ def compile_spec(spec: Any) -> Any:
 
 
 def begin_data(model: Any, keyframe: str | None) -> Any:
-    """Make new data, in a keyframe if one is named.
-
-    Raises:
-        UnknownNameError: the model has no keyframe of this name.
-    """
+    """Return new data, optionally in a keyframe."""
     mujoco = load_mujoco()
     data = mujoco.MjData(model)
     if keyframe is not None:
         names = [model.key(k).name for k in range(model.nkey)]
-        if keyframe not in names:
-            raise UnknownNameError("keyframe of the model is", keyframe, names)
+        require_known("keyframe of the model is", keyframe, names)
         mujoco.mj_resetDataKeyframe(model, data, names.index(keyframe))
     return data
 
 
 def find_tendons(model: Any, tendons: Sequence[str]) -> list[int]:
-    """Return the numbers of tendons by name.
-
-    Raises:
-        UnknownNameError: the model has no tendon of this name.
-    """
+    """Return the indices of tendons by name."""
     names = [model.tendon(k).name for k in range(model.ntendon)]
     for name in tendons:
-        if name not in names:
-            raise UnknownNameError("tendon of the model is", name, names)
+        require_known("tendon of the model is", name, names)
     return [names.index(name) for name in tendons]
 
 
@@ -125,14 +98,11 @@ def measure_tendons(model: Any, data: Any) -> Any:
 
 
 def find_joints(model: Any, joints: Sequence[str] | None) -> dict[str, int]:
-    """Return where the position of each hinge or slide stands among the coordinates.
+    """Return the index of the position of each hinge or slide among the coordinates.
 
     Args:
         model: an `MjModel`.
         joints: names of hinges and slides; by default all that have names.
-
-    Raises:
-        UnknownNameError: the hinge or slide does not exist.
     """
     kinds = load_mujoco().mjtJoint
     simple = (int(kinds.mjJNT_HINGE), int(kinds.mjJNT_SLIDE))
@@ -142,17 +112,12 @@ def find_joints(model: Any, joints: Sequence[str] | None) -> dict[str, int]:
         if model.jnt_type[k] in simple and model.joint(k).name
     }
     for name in joints or ():
-        if name not in places:
-            raise UnknownNameError("hinge or slide", name, places)
+        require_known("hinge or slide", name, places)
     return places if joints is None else {name: places[name] for name in joints}
 
 
 def add_tendon_actuator(spec: Any, tendon: str, **settings: Any) -> Any:
-    """Add an actuator without limits and dynamics to a tendon, whatever the defaults of the model are.
-
-    Returns:
-        The new element of the specification.
-    """
+    """Add an actuator without limits and dynamics to a tendon, regardless of the model's defaults, and return it."""
     mujoco = load_mujoco()
     actuator = spec.add_actuator(trntype=mujoco.mjtTrn.mjTRN_TENDON, target=tendon, **settings)
     actuator.gaintype, actuator.dyntype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtDyn.mjDYN_NONE
@@ -162,22 +127,22 @@ def add_tendon_actuator(spec: Any, tendon: str, **settings: Any) -> Any:
 
 
 def holding_tensions(model: Any, tendons: Sequence[str], *, keyframe: str | None = None) -> dict[str, float]:
-    """Find the tensions that hold a model still at its tendons.
+    """Return the tensions that keep a model at rest.
 
     MuJoCo makes one step from rest, without tensions and with trial tensions. If several tendons can share a load, the
-    smallest tensions (in the sum of squares) are returned: add the preload to them.
+    solution with the smallest sum of squares is returned: add the preload to it.
 
     Args:
         model: the path of an MJCF file, MJCF text, or an `MjSpec`.
         tendons: names of the tendons that may pull.
-        keyframe: name of the keyframe with the pose to hold; by default the pose of the model.
+        keyframe: name of the keyframe with the pose; by default the pose of the model.
 
     Returns:
         Tension [N] by tendon, the `start_force` of an element.
 
     Raises:
         InputError: the model cannot be read, or has no such tendon or keyframe.
-        SolveError: no tensions of these tendons hold it.
+        SolveError: no tensions of these tendons keep it at rest.
     """
     trial = _HoldingTrial(model, tendons, keyframe)
     free = trial.find_motion(np.zeros(len(tendons)))
@@ -207,7 +172,7 @@ class _HoldingTrial:
         self._lengths = measure_tendons(self._model, self._start)[self._tendons]
 
     def find_motion(self, tensions: Any) -> Any:
-        """Return how far the tendons lengthen [m] in a step under tensions [N]."""
+        """Return the lengthening of the tendons [m] in a step under tensions [N]."""
         mujoco = load_mujoco()
         data = mujoco.MjData(self._model)
         mujoco.mj_copyData(data, self._model, self._start)

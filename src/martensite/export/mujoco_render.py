@@ -1,9 +1,8 @@
-"""Pictures and films of a run of a MuJoCo model, on machines without a screen too.
+"""Pictures and films of a run of a MuJoCo model, with or without a screen.
 
-Drawing needs OpenGL. Without a screen there are two ways, `egl` and `osmesa`; they are tried one
-after the other, and then `glfw` with a screen, unless the environment variable `MUJOCO_GL` names
-one. Frames are drawn in a separate process (this module, as a program), because MuJoCo chooses its
-graphics when it is imported, and because a graphics driver that fails may end the process.
+Drawing needs OpenGL. Without a screen, `egl` and `osmesa` are tried, then `glfw` with a screen, unless the environment
+variable `MUJOCO_GL` names one. A separate process (this module, as a program) draws, because a failing graphics
+driver can end it.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.child_python import python_command, python_environment
-from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
+from martensite.base.errors import DataError, MartensiteError, ParameterError, require_known
 from martensite.base.files import replace_file
 from martensite.export.mujoco_models import load_mujoco
 from martensite.export.mujoco_result import MujocoResult
@@ -45,34 +44,32 @@ def render_mujoco(
     size: tuple[int, int] = (640, 480),
     camera: str | None = None,
 ) -> Path:
-    """Draw a run: one pose as `.png`, or all of it as `.mp4` or `.gif`; the path written.
+    """Draw a pose of a run as `.png`, or all of it as `.mp4` or `.gif`; return the written path.
 
-    An MP4 needs the program ffmpeg (or the package `imageio-ffmpeg`); where there is none, a GIF
-    is written beside it, with a warning.
+    An MP4 needs the program ffmpeg (or the package `imageio-ffmpeg`); without it a GIF is written, with a warning.
 
     Args:
         model: the `mjModel` of the run.
         result: the result of `MujocoActuators.run`; its samples are the available poses.
         path: file to write; the suffix is the format.
-        time: of the pose [s], for a picture; by default the last one.
+        time: time of the pose [s]; by default the last one.
         fps: frames per second of a film.
-        speed: how many times faster than life a film is.
+        speed: playback speed of a film, 1 for real time.
         size: width and height in pixels.
         camera: name of a camera of the model; by default the free one.
 
     Raises:
-        DataError: the suffix is another one, or the file cannot be written.
+        DataError: the suffix is unknown, or the file cannot be written.
         ParameterError: an argument is out of range.
-        MartensiteError: nothing on this machine can draw; the sentence says what to install.
+        MartensiteError: drawing fails; the sentence says what to install.
     """
     path = Path(path)
     if path.suffix.lower() not in (".png", *FILMS):
         raise DataError(f"The picture `{path}` has no suffix that can be drawn: .png, .mp4, .gif.")
     if not (fps > 0.0 and speed > 0.0 and min(size) > 0):
         raise ParameterError("Arguments `fps`, `speed` and `size` must be above 0.")
-    known = [model.camera(i).name for i in range(model.ncam)]
-    if camera is not None and camera not in known:
-        raise UnknownNameError("camera of the model is", camera, known)
+    if camera is not None:
+        require_known("camera of the model is", camera, [model.camera(i).name for i in range(model.ncam)])
     film = path.suffix.lower() in FILMS
     times = _film_times(result, fps, speed) if film else [result.times[-1] if time is None else time]
     frames = draw_poses(model, [_find_pose(result, t) for t in times], size, camera)
@@ -82,11 +79,7 @@ def render_mujoco(
 def draw_poses(
     model: Any, poses: Sequence[Sequence[float]], size: tuple[int, int], camera: str | None = None
 ) -> np.ndarray:
-    """Pictures (frames, height, width, 3) of poses, by the first OpenGL that works.
-
-    Raises:
-        MartensiteError: none does.
-    """
+    """Return pictures of poses, shape (frames, height, width, 3), by the first working OpenGL."""
     reasons: list[str] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -116,8 +109,8 @@ def _draw_in_process(folder: Path, backend: str) -> str | None:
     )
     if done.returncode == 0:
         return None
-    said = [line for line in done.stderr.splitlines() if line.strip()]
-    return said[-1].strip() if said else f"ended with {done.returncode}"
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    return lines[-1].strip() if lines else f"ended with {done.returncode}"
 
 
 def _find_pose(result: MujocoResult, time: float) -> list[float]:
@@ -155,19 +148,19 @@ def _write_film(frames: np.ndarray, path: Path, fps: float) -> Path:
 
 
 def _find_ffmpeg() -> str | None:
-    found = shutil.which("ffmpeg")
-    if found is None:
+    program = shutil.which("ffmpeg")
+    if program is None:
         try:
             from imageio_ffmpeg import get_ffmpeg_exe  # type: ignore[import-not-found]
 
-            found = get_ffmpeg_exe()
+            program = get_ffmpeg_exe()
         except (ImportError, RuntimeError):
             return None
-    return found
+    return program
 
 
 def _write_mp4(program: str, frames: np.ndarray, path: Path, fps: float) -> None:
-    """H.264 in an MP4, whose sides must be even: an odd last line or column is left out."""
+    """Write H.264 in an MP4. Its sides must be even: an odd last line or column is cropped."""
     _, height, width, _ = frames.shape
     with replace_file(path) as part:
         read = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps} -i -"
@@ -175,8 +168,8 @@ def _write_mp4(program: str, frames: np.ndarray, path: Path, fps: float) -> None
         command = [program, *f"-y -loglevel error {read} {write}".split(), str(part)]
         done = subprocess.run(command, input=frames.tobytes(), capture_output=True, check=False)
         if done.returncode:
-            said = done.stderr.decode(errors="replace").strip().splitlines()
-            raise DataError(f"ffmpeg could not write `{path}`: {said[-1] if said else ''}")
+            lines = done.stderr.decode(errors="replace").strip().splitlines()
+            raise DataError(f"ffmpeg could not write `{path}`: {lines[-1] if lines else ''}")
 
 
 def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
@@ -192,8 +185,8 @@ def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
 def draw_folder(folder: Path) -> None:
     """Draw all poses in a folder, in the process that `draw_poses` starts.
 
-    `model.mjb`, `poses.npy` (frames, coordinates) and `view.json` are read, `frames.npy` (frames,
-    height, width, 3) is written.
+    It reads `model.mjb`, `poses.npy` (frames, coordinates) and `view.json`, and writes `frames.npy` (frames, height,
+    width, 3).
     """
     mujoco = load_mujoco()
     view = json.loads((folder / "view.json").read_text(encoding="utf-8"))

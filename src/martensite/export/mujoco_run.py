@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError
+from martensite.base.errors import InputError, ParameterError, SolveError, require_known
 from martensite.export.mujoco_models import find_joints, load_mujoco
 from martensite.export.mujoco_result import MujocoResult
 from martensite.export.strand import TracedStrand
@@ -55,7 +55,7 @@ def _make_step(actuators: MujocoActuators, data: Any, result: MujocoResult) -> N
     time, faults = float(data.time), _count_faults(data)
     load_mujoco().mj_step(actuators.model, data)
     actuators.require_solved()
-    if not data.time > time or _count_faults(data) != faults:  # MuJoCo begins anew by itself
+    if not data.time > time or _count_faults(data) != faults:  # MuJoCo restarts the model
         raise SolveError(
             f"MuJoCo found the motion of the model unstable at t = {time:.6g} s. "
             "Try a smaller `timestep`, or more damping or armature of light joints."
@@ -70,7 +70,7 @@ def _count_faults(data: Any) -> int:
 
 
 def _set_controls(data: Any, waves: Waves, later: Mapping[str, float]) -> None:
-    """Set each control to its signal, some time [s] after that of the data."""
+    """Set each control to its signal, `later` [s] after the time of the data."""
     for name, wave in waves.items():
         data.actuator(name).ctrl = wave.value(float(data.time) + later[name])
 
@@ -81,8 +81,7 @@ def _read_waveforms(
     if not 0.0 < duration < math.inf:
         raise ParameterError(f"Argument `duration` must be above 0 s, but is {duration}.")
     for name in signals:
-        if name not in actuators.tendons:
-            raise UnknownNameError("tendon with an element is", name, actuators.tendons)
+        require_known("tendon with an element is", name, actuators.tendons)
     missing = [name for name in actuators.tendons if name not in signals]
     if missing:
         raise InputError(f"A signal is missing for tendon {', '.join(missing)}.")

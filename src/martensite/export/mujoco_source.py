@@ -14,8 +14,9 @@ from martensite.kernels.compiler import load_library
 from martensite.simulate.compiled import Compiled
 
 NUMBERS = {"SOLVED": 1e-8, "AGREED": 1e-10, "LEAST": 1e-3, "TURNS": 50, "SWEEPS": 200, "MOST": 4096}
-"""Residual of a solved element; relative change of a force, and least force [N] that counts, at which elements are
-balanced; turns and sweeps until then; groups of elements in one process."""
+"""Residual of a solved element; relative change and smallest significant force [N] of balanced elements; iterations and
+sweeps until then; groups of elements in a process.
+"""
 
 
 def list_flags() -> tuple[str, ...]:
@@ -39,10 +40,10 @@ def write_source(compiled: Sequence[Compiled]) -> str:
         "KEPT": max(one.size for one in compiled),
         "CONSTANTS": max(1, *(one.program.constants for one in compiled)),
     }
-    mine = [kinds[id(one.program)] for one in compiled]
+    numbers_of_kinds = [kinds[id(one.program)] for one in compiled]
     tables = [
-        f"#define STEPS ((const Kernel[]){{{', '.join(f'k{k}_kernel_step' for k in mine)}}})",
-        f"#define PREPARES ((const Prepare[]){{{', '.join(f'k{k}_kernel_prepare' for k in mine)}}})",
+        f"#define STEPS ((const Kernel[]){{{', '.join(f'k{k}_kernel_step' for k in numbers_of_kinds)}}})",
+        f"#define PREPARES ((const Prepare[]){{{', '.join(f'k{k}_kernel_prepare' for k in numbers_of_kinds)}}})",
         f"#define STATES ((const int[]){{{', '.join(str(one.size) for one in compiled)}}})",
     ]
     return "\n".join([*_define_numbers(numbers), *texts, *tables, _read_text("mujoco_callback.c")])
@@ -59,11 +60,7 @@ def _read_text(name: str) -> str:
 
 @cache
 def load_dispatcher() -> Any:
-    """Load the library that MuJoCo calls back, once in a process.
-
-    Raises:
-        InputError: another program has set the callback.
-    """
+    """Return the library that MuJoCo calls back, loaded once per process."""
     mujoco = load_mujoco()
     if mujoco.get_mjcb_act_bias() is not None:
         raise InputError("MuJoCo's callback `mjcb_act_bias` is taken; set it to None first.")

@@ -1,7 +1,7 @@
-"""Tasks that come with the package: a scenario of `scenarios/` each, and what shall be done on it.
+"""Packaged learning tasks, each with a scenario of `scenarios/`.
 
-A task and its scenario stay as they are under one version of a name: what is found on `martensite/Wire-v0` today can
-be compared tomorrow. Temperature limits of finger and platform, whose materials have none, are assumed.
+A task and its scenario never change under a versioned name, so that results on `martensite/Wire-v0` stay comparable.
+Temperature limits of finger and platform, whose materials have none, are assumed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.export.learning_task import LearningTask
@@ -67,39 +67,27 @@ TASKS: dict[str, LearningTask] = {
         energy_weight=0.01,
     ),
 }
-"""Tasks by name, which is that of their scenario."""
+"""Tasks by name of their scenario."""
 
 
 def load_bench(name: str) -> Bench:
-    """Return the bench of a packaged task, without controller and guard: overheating is part of the task.
-
-    Raises:
-        InputError: the task does not exist.
-    """
-    if name not in TASKS:
-        raise InputError(f"There is no packaged task `{name}`. {suggest_name(name, TASKS)}")
+    """Return the bench of a packaged task, without controller and guard: overheating is part of the task."""
+    require_known("packaged task", name, TASKS)
     bench = cast(Bench, load(FOLDER / f"{name}.toml").bench)
     return bench.with_parts(controllers=Controllers(), supervisor=None)
 
 
 def find_bench(bench: Bench | str, task: LearningTask | Mapping[str, Any] | None) -> tuple[Bench, LearningTask]:
-    """Return bench and task; each may be a packaged one.
+    """Return bench and task, each given or packaged.
 
     Args:
         bench: a bench, or the name of a packaged task.
-        task: what shall be done on it. For a packaged task it may be left out, or be the fields of the task that
-            shall be others.
-
-    Raises:
-        InputError: the packaged task does not exist, or a user bench has no task.
-        ParameterError: a task has no such field, or it does not fit.
+        task: a task; for a packaged task None, or changed fields.
     """
     if isinstance(task, LearningTask):
         return load_bench(bench) if isinstance(bench, str) else bench, task
     if not isinstance(bench, str):
         raise InputError("Your own bench needs a `task`, a `LearningTask`.")
-    known = [one.name for one in fields(LearningTask)]
     for name in task or {}:
-        if name not in known:
-            raise InputError(f"A task has no field `{name}`. {suggest_name(name, known)}")
+        require_known("field of a task", name, [one.name for one in fields(LearningTask)])
     return load_bench(bench), replace(TASKS[bench], **(task or {}))

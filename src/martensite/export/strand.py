@@ -1,12 +1,11 @@
-"""An element between two points of a machine: its state, and its step on a load line.
+"""An element along a path of another simulator: its state, and its step on a load line.
 
-Whatever an element pulls on, over one short step its path ends at
+Over one short step the path ends at
 
     elongation = reach - give · force,        force ≥ 0,
 
-where `reach` is the elongation at which the path would end without force, and `give` is how much it yields per force
-(for a mass, dt² over the mass). Both are signals of the mechanism, so that a simulator of the machine can say them;
-the element solves its step on that line, implicit in its own force. It cannot push.
+where `reach` is the elongation without force, and `give` its compliance (for a mass, dt² over the mass). Both are
+signals from the other simulator. The element solves its step on that line, implicit in its own force. It cannot push.
 """
 
 from __future__ import annotations
@@ -27,31 +26,31 @@ from martensite.simulate.compiled import compile_system
 
 
 class ElementEnd(NamedTuple):
-    """State and outputs of the element at the end of a step."""
+    """Force and tangent of the element at the end of a step."""
 
     force: Scalar
-    """[N]"""
+    """Force [N]."""
     free: Scalar
-    """Elongation [m] of its tangent without force; 0 before the first step."""
+    """Elongation of its tangent without force [m]; 0 before the first step."""
     compliance: Scalar
-    """Compliance of the tangent of the element [m/N]; 0 before the first step."""
+    """Compliance of its tangent [m/N]; 0 before the first step."""
 
 
 class TendonLine(AbstractMechanism):
-    """A straight load line, told by two signals."""
+    """A straight load line, given by two signals."""
 
     start: Number = param("N", "force at assembly", low=0.0, high=1e6, default=0.0)
 
     def signals(self) -> dict[str, str]:
-        """Return the signals: end of the path without force, and compliance."""
+        """Return the path end without force, and the compliance."""
         return {"reach": "m", "give": "m/N"}
 
     def outputs(self) -> dict[str, Output]:
-        """Return the elongation of the path."""
+        """Return the elongation output."""
         return {"elongation": Output("m", "elongation of the path of the element", "e")}
 
     def convergence_scales(self) -> dict[str, float]:
-        """Nothing: its path is not its own."""
+        """Return an empty table: the path belongs to the other simulator."""
         return {}
 
     def start_forces(self, xp: Namespace) -> Column:
@@ -67,7 +66,7 @@ class TendonLine(AbstractMechanism):
     def advance(
         self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[ElementEnd, list[Any], StepReport]:
-        """The element solves the step alone, on the line."""
+        """Return the step of the element on the line."""
         ((element, state, heating),) = loads
         after, report = element.advance(xp, state, heating, _build_pull(signals), dt)
         force = element.force(after)
@@ -76,7 +75,7 @@ class TendonLine(AbstractMechanism):
     def observe(
         self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
-        """Return the force at which element and line meet, and the elongation of the path there."""
+        """Return the force at which element and line meet, and the elongation there."""
         (load,) = loads
         force = load.meet_pull(xp, _build_pull(signals))
         reach, give = signals
@@ -84,7 +83,6 @@ class TendonLine(AbstractMechanism):
 
 
 def _build_pull(signals: Column) -> Pull:
-    """Return the line as the element sees it."""
     reach, give = signals
 
     def pull(xp: Namespace, spring: Spring) -> Scalar:
@@ -94,7 +92,7 @@ def _build_pull(signals: Column) -> Pull:
 
 
 class TracedStrand:
-    """One element, traced, with its state."""
+    """One traced element with its state."""
 
     def __init__(self, name: str, actuator: Actuator, start_force: float, slack: float, length: float) -> None:
         self.name = name
@@ -116,12 +114,12 @@ class TracedStrand:
         state = self.system.init(floats, self.drive, 0.0, 0.0)
         spring = actuator.element.tangent(floats, state.elements[0], start_force)
         self.state = tuple(flatten_numbers(state))
-        """At the start."""
+        """Start state."""
         self.force = start_force
         self.reach = spring.free + spring.compliance * start_force - slack
-        """Elongation of the path at the start [m]."""
+        """Path elongation at the start [m]."""
         self.reference = length - self.reach
-        """Length of the path at which the element has no elongation [m]."""
+        """Path length at zero elongation of the element [m]."""
 
     def observe(self, state: Sequence[float], drive: float, length: float) -> dict[str, float]:
         """Measure the element.

@@ -1,4 +1,4 @@
-"""A scenario as an FMU: one module per part of the archive."""
+"""Export of a scenario as an FMU."""
 
 from __future__ import annotations
 

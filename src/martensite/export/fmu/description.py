@@ -14,13 +14,13 @@ CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 
 
 def write_description(fmi: str, plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> str:
-    """modelDescription.xml of an FMI version, 2.0 or 3.0."""
+    """Return modelDescription.xml for FMI 2.0 or 3.0."""
     made = _write_version_2(plan, variables, token) if fmi == "2.0" else _write_version_3(plan, variables, token)
     return as_text(made)
 
 
 def build_description(identifier: str, sources: Sequence[str]) -> str:
-    """buildDescription.xml of FMI 3.0."""
+    """Return buildDescription.xml of FMI 3.0."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     made = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
     files = SubElement(made, "SourceFileSet", language="C99")
@@ -31,7 +31,7 @@ def build_description(identifier: str, sources: Sequence[str]) -> str:
 
 
 def as_text(root: Element) -> str:
-    """XML of an element and all below it."""
+    """Return an element as an XML document."""
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
@@ -98,21 +98,21 @@ def _write_version_3(plan: FmuPlan, variables: Sequence[FmuVariable], token: str
 
 
 def _offer_exchange(root: Element, plan: FmuPlan, *abilities: str) -> None:
-    """Model exchange: what an importer integrates."""
+    """Add the element of model exchange."""
     SubElement(root, "ModelExchange", {"modelIdentifier": plan.identifier, **dict.fromkeys(abilities, "true")})
 
 
 def _list_unknowns(variables: Sequence[FmuVariable]) -> dict[str, list[FmuVariable]]:
-    """Return the variables that are calculated, by what the model structure of FMI 3.0 calls them."""
+    """Return the calculated variables by their elements in the model structure of FMI 3.0."""
     outputs = [one for one in variables if one.causality == "output"]
     rates = [one for one in variables if one.rate_of is not None]
     states = [one for one in variables if one.nominal is not None]
-    found = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": [*outputs, *states, *rates]}
-    return {name: listed for name, listed in found.items() if listed or name != "ContinuousStateDerivative"}
+    groups = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": [*outputs, *states, *rates]}
+    return {name: listed for name, listed in groups.items() if listed or name != "ContinuousStateDerivative"}
 
 
 def _write_head(root: Element, plan: FmuPlan, variables: Sequence[FmuVariable]) -> None:
-    """Write the common parts of both versions between capabilities and variables."""
+    """Write units, log categories and default experiment, which both versions share."""
     used = {one.unit: None for one in variables if one.unit is not None}
     add_units(root, list({**used, "s": None}))
     logged = SubElement(root, "LogCategories")
@@ -122,12 +122,12 @@ def _write_head(root: Element, plan: FmuPlan, variables: Sequence[FmuVariable]) 
 
 
 def _write_experiment(plan: FmuPlan) -> dict[str, str]:
-    found, scenario = {"startTime": "0.0"}, plan.scenario
+    attributes, scenario = {"startTime": "0.0"}, plan.scenario
     interval = plan.period
     if scenario is not None:
-        found["stopTime"] = repr(scenario.duration)
+        attributes["stopTime"] = repr(scenario.duration)
         interval = interval or scenario.duration / (scenario.samples - 1)
-    return found | ({"stepSize": repr(interval)} if interval else {})
+    return attributes | ({"stepSize": repr(interval)} if interval else {})
 
 
 def _name_variable(one: FmuVariable) -> dict[str, str]:
@@ -145,16 +145,16 @@ def _name_variable(one: FmuVariable) -> dict[str, str]:
 
 
 def _type_variable(one: FmuVariable) -> dict[str, str]:
-    found: dict[str, str] = {}
+    attributes: dict[str, str] = {}
     if one.unit is not None:
-        found["unit"] = one.unit
+        attributes["unit"] = one.unit
     if one.display is not None:
-        found["displayUnit"] = one.display
-    shown = ("min", one.low), ("max", one.high), ("nominal", one.nominal), ("start", one.start)
-    for name, value in shown:
+        attributes["displayUnit"] = one.display
+    numbers = ("min", one.low), ("max", one.high), ("nominal", one.nominal), ("start", one.start)
+    for name, value in numbers:
         if value is not None and math.isfinite(value):
-            found[name] = repr(float(value))
-    return found
+            attributes[name] = repr(float(value))
+    return attributes
 
 
 def _time_name(variables: Sequence[FmuVariable]) -> str:

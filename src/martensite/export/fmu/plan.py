@@ -21,49 +21,44 @@ FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
 
 @dataclass(frozen=True)
 class ModelNumber:
-    """A number of the system."""
+    """A parameter of the system."""
 
     leaf: Leaf
     name: str
-    """By which it is reached: that of `--set` for a scenario, else its path."""
+    """Name of `--set` for a scenario, else the path."""
     unit: str
     kind: str
-    """FREE to be set, CONSTANT, or HIDDEN: not used, or a limit that is infinite."""
+    """FREE to be set, CONSTANT, or HIDDEN if unused or an infinite limit."""
     place: int
-    """Among the parameters of the core, if it is one of them."""
+    """Index among the parameters of the core."""
 
 
 @dataclass(frozen=True)
 class FmuPlan:
-    """A model in C, and all that the archive says of it."""
+    """A model in C with the metadata of its archive."""
 
     identifier: str
     title: str
     system: AbstractSystem
     core: CCore
     step: float
-    """The inner step, or the period of a system in discrete time [s]."""
+    """Inner step, or period in discrete time [s]."""
     numbers: tuple[ModelNumber, ...]
-    """All numbers of the system, in its order."""
+    """All parameters of the system."""
     first: tuple[float, ...]
     """Start values of the inputs."""
     scenario: Scenario | None
     continuous: tuple[ContinuousState, ...] = ()
-    """Continuous states, of a model that is for model exchange too."""
+    """Continuous states for model exchange."""
 
     @property
     def period(self) -> float:
-        """Return the sample time of a system in discrete time [s]; else 0."""
+        """Return the sample time in discrete time [s]; else 0."""
         return self.system.sample_time()
 
 
 def plan_port(model: Scenario | AbstractSystem, identifier: str, step: float | None, port: str | None) -> FmuPlan:
-    """Return the plan of an element alone; its variables are named by their paths in it.
-
-    Raises:
-        InputError: the port does not exist, or several ports need a choice.
-        ParameterError: the step is out of range.
-    """
+    """Return the plan of an element alone; its variables are named by their paths in it."""
     scenario = None if isinstance(model, AbstractSystem) else model
     system = model if isinstance(model, AbstractSystem) else model.system
     alone = build_element_port(system, port=port, velocity="given")
@@ -74,11 +69,7 @@ def plan_port(model: Scenario | AbstractSystem, identifier: str, step: float | N
 
 
 def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> FmuPlan:
-    """Return the plan of a scenario or a system.
-
-    Raises:
-        ParameterError: the step is out of range, or is not to be chosen.
-    """
+    """Return the plan of a scenario or a system."""
     scenario = None if isinstance(model, AbstractSystem) else model
     system = _fix_steps(model if isinstance(model, AbstractSystem) else model.whole)
     chosen = _choose_step(system, scenario, step)
@@ -98,7 +89,7 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
 
 
 def _fix_steps(system: AbstractSystem) -> AbstractSystem:
-    """Return a bench with as many steps in a period as it has now, whatever its numbers become."""
+    """Return a bench with a fixed number of steps per period, whatever its parameters become."""
     if isinstance(system, Bench) and not system.substeps:
         return system.with_parts(substeps=system.turns)
     return system
@@ -122,25 +113,22 @@ def _choose_step(system: AbstractSystem, scenario: Scenario | None, step: float 
 
 
 def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
-    """Return the references as they begin, temperatures those of the surroundings, all others 0."""
-    known: dict[str, float] = {}
+    """Return the start of references, ambient temperatures for inputs in kelvin, and 0 for others."""
+    levels: dict[str, float] = {}
     if isinstance(system, Bench):
-        known = {name: one.value(0.0) for name, one in reference_waveforms(system).items()}
+        levels = {name: one.value(0.0) for name, one in reference_waveforms(system).items()}
     if isinstance(system, ElementPort):
-        known["ambient"] = system.environment.temperature
+        levels["ambient"] = system.environment.temperature
     for port, one in system.actuators().items():
         if one.source.sets_temperature:
-            known.setdefault(system.drive_at(port), one.environment.temperature)
-    return tuple(known.get(one.name, 0.0) for one in core.inputs)
-
-
-# ---------------------------------------------------------------- numbers
+            levels.setdefault(system.drive_at(port), one.environment.temperature)
+    return tuple(levels.get(one.name, 0.0) for one in core.inputs)
 
 
 def _list_numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> tuple[ModelNumber, ...]:
     places = {one.name: one.index for one in core.parameters}
     sampled = bool(system.sample_time())
-    found: list[ModelNumber] = []
+    numbers: list[ModelNumber] = []
     for leaf in system.leaves():
         kind = FREE
         unused = isinstance(system, ElementPort) and leaf.path == "environment.temperature"  # `ambient` is an input
@@ -150,14 +138,14 @@ def _list_numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None
             kind = CONSTANT
         name = leaf.path if scenario is None else scenario.places.path(leaf.path)
         unit = leaf.declared.unit if scenario is None else scenario.places.unit(leaf)
-        found.append(ModelNumber(leaf, name, unit, kind, places.get(leaf.path, 0)))
-    return tuple(found)
+        numbers.append(ModelNumber(leaf, name, unit, kind, places.get(leaf.path, 0)))
+    return tuple(numbers)
 
 
 def _is_structural(system: AbstractSystem, leaf: Leaf) -> bool:
-    """Return whether another value of a number makes another program, or another period.
+    """Return whether other values of a parameter change the program or the period.
 
-    So it is with the period of a bench and the delays of its sensors. Found by trying.
+    Examples are the period of a bench and delays of its sensors. Trial values decide.
     """
     usual = describe_structure(system), system.sample_time()
     value, (low, high) = float(leaf.value), leaf.declared.bounds

@@ -1,7 +1,7 @@
-"""terminalsAndIcons.xml of FMI 3.0: what belongs together at the ends of an element, and what it looks like.
+"""terminalsAndIcons.xml of FMI 3.0: terminals of an element, and its icon.
 
-The force is that which pulls at the moved end: positive in tension, along its elongation, so that what flows into
-the element through that end is force · velocity.
+The force pulls at the moved end. Tension is positive, so the power into the element through that end is force ·
+velocity.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from martensite.export.fmu.description import as_text
 from martensite.export.fmu.variables import FmuVariable
 
 Members = Mapping[str, tuple[str, str]]
-"""Variable -> name in the terminal, kind."""
+"""Name in the terminal, and kind, by variable."""
 TERMINALS: Mapping[str, tuple[str, Members]] = {
     "end": (
         "the end that is moved",
@@ -37,8 +37,8 @@ _TURNS = 6
 
 
 def write_terminals(variables: Sequence[FmuVariable]) -> str:
-    """terminalsAndIcons.xml of an element with the given variables."""
-    known = {one.name for one in variables}
+    """Return terminalsAndIcons.xml of an element with the given variables."""
+    names = {one.name for one in variables}
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     box = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
     drawn = SubElement(root, "GraphicalRepresentation")
@@ -48,7 +48,7 @@ def write_terminals(variables: Sequence[FmuVariable]) -> str:
     for name, (words, members) in TERMINALS.items():
         terminal = SubElement(every, "Terminal", name=name, matchingRule="plug", description=words)
         for variable, (member, kind) in members.items():
-            if variable in known:
+            if variable in names:
                 SubElement(
                     terminal, "TerminalMemberVariable", variableName=variable, memberName=member, variableKind=kind
                 )
@@ -56,7 +56,7 @@ def write_terminals(variables: Sequence[FmuVariable]) -> str:
 
 
 def draw_icon() -> bytes:
-    """Return a wound wire between two grips, as PNG: 64 by 64 pixels, black on white."""
+    """Return a wound wire between two grips as PNG, 64 by 64 pixels, black on white."""
     middle, size = PIXELS // 2, PIXELS // 4
     rows = [[255] * PIXELS for _ in range(PIXELS)]
     for column in range(4, PIXELS - 4):
@@ -71,7 +71,7 @@ def draw_icon() -> bytes:
 
 
 def _write_png(rows: Sequence[Sequence[int]]) -> bytes:
-    """Grey values of 8 bits."""
+    """Return rows of 8-bit grey values as PNG."""
     head = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
     lines = b"".join(b"\0" + bytes(row) for row in rows)
     chunks = [(b"IHDR", head), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b"")]

@@ -1,11 +1,10 @@
 """Variables of an FMU: inputs, outputs and parameters, with permanent value references.
 
-A value reference is its kind times 100000 and the place among its kind: inputs from 0, outputs from 100000, parameters
-from 200000, time 300000 and the inner step 300001; continuous states from 400000 and their rates from 500000, where it
-is for model exchange too. The place of a parameter counts all parameters of the system, including hidden ones.
+A value reference is its kind times 100000 plus the index within the kind: inputs from 0, outputs from 100000,
+parameters from 200000, time 300000, the inner step 300001, continuous states from 400000, and their rates from 500000.
+The index of a parameter counts all parameters of the system, including hidden ones.
 
-Units of a model description are exponents of SI base units, with what a person would rather read;
-a display unit is a scale: value shown = factor * value + offset.
+A unit has exponents of SI base units, and a display unit: displayed value = factor * value + offset.
 """
 
 from __future__ import annotations
@@ -34,47 +33,47 @@ class FmuVariable:
     variability: str
     words: str
     declared: str
-    """The unit as declared."""
+    """Declared unit."""
     start: float | None = None
-    """None for what is calculated."""
+    """None if calculated."""
     low: float = -math.inf
     high: float = math.inf
     nominal: float | None = None
-    """A usual size, of a continuous state."""
+    """Nominal value of a continuous state."""
     rate_of: int | None = None
-    """Reference of the continuous state of which it is the rate in time."""
+    """Reference of the continuous state whose rate it is."""
 
     @property
     def unit(self) -> str | None:
-        """Return the SI unit; None where it has none."""
+        """Return the SI unit, or None."""
         return unit_of(self.declared)
 
     @property
     def display(self) -> str | None:
-        """Return the unit a person would rather read, if that is another one."""
+        """Return the display unit if it differs from the unit, else None."""
         return display_of(self.declared)
 
 
 def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
-    """Return the inputs, outputs, parameters, the inner step, continuous states and their rates."""
+    """Return inputs, outputs, parameters, the inner step, continuous states and their rates."""
     pace = "discrete" if plan.period else "continuous"
-    found = [
+    variables = [
         FmuVariable(one.name, one.index, "input", pace, one.words, one.unit, start)
         for one, start in zip(plan.core.inputs, plan.first, strict=True)
     ]
-    taken = {one.name for one in found}
+    taken = {one.name for one in variables}
     for one in plan.core.outputs:
         name = _free_name(one.name, "echo", taken)
-        found.append(FmuVariable(name, KIND + one.index, "output", pace, one.words, one.unit))
+        variables.append(FmuVariable(name, KIND + one.index, "output", pace, one.words, one.unit))
     for place, number in enumerate(plan.numbers):
         if number.kind != HIDDEN:
             name = _free_name(number.name, "parameter", taken)
-            found.append(_describe_parameter(name, 2 * KIND + place, number))
+            variables.append(_describe_parameter(name, 2 * KIND + place, number))
     if not plan.period:
         name = _free_name("inner_step", "parameter", taken)
         words = "longest step of the model within a step of the co-simulation (above 0)"
-        found.append(FmuVariable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
-    return (*found, *_list_states(plan, taken))
+        variables.append(FmuVariable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
+    return (*variables, *_list_states(plan, taken))
 
 
 def _list_states(plan: FmuPlan, taken: set[str]) -> list[FmuVariable]:
@@ -101,31 +100,28 @@ def _describe_parameter(name: str, reference: int, number: ModelNumber) -> FmuVa
 
 
 def _free_name(name: str, suffix: str, taken: set[str]) -> str:
-    """Return a name that is not taken, from now on taken: `drive_echo` for an output like an input."""
+    """Return a free name, and add it to `taken`: `drive_echo` for an output with the name of an input."""
     while name in taken:
         name = f"{name}_{suffix}"
     taken.add(name)
     return name
 
 
-# ---------------------------------------------------------------- units
-
-
 def unit_of(declared: str) -> str | None:
-    """Return the name of a declared unit in a model description; None for a number without unit."""
+    """Return the unit's name in a model description, or None without a unit."""
     if declared == units.DEGREES:
         return "K"
     return None if declared in ("", "of the reading", *units.OF_READINGS) else declared
 
 
 def display_of(declared: str) -> str | None:
-    """Return the unit in which to show a quantity, if that is another one."""
+    """Return the readable unit of a quantity if it differs, else None."""
     shown = units.choose_readable_unit(declared)
     return None if declared == units.DEGREES or shown == declared else shown
 
 
 def add_units(parent: Element, names: list[str]) -> None:
-    """The definitions of some units, in their order, below an element."""
+    """Add the definitions of units to an element."""
     definitions = SubElement(parent, "UnitDefinitions")
     for name in names:
         unit = SubElement(definitions, "Unit", name=name)
@@ -138,7 +134,7 @@ def add_units(parent: Element, names: list[str]) -> None:
 
 
 def base_units(name: str) -> dict[str, int] | None:
-    """Exponents of base units; None for units of none, and for fractional ones."""
+    """Return the exponents of base units; None if unknown or fractional."""
     try:
         exponents = units.find_dimensions(name)
     except UnitError:

@@ -1,7 +1,6 @@
-"""Sources of an FMU: the core, the interface of FMI on it, and the table that ties them together.
+"""Sources of an FMU: the core, the interface of FMI, and the table that connects them.
 
-No header of the standard is needed: the interface declares what it defines. `all.c` takes in
-everything else, so that a compiler is given one file.
+The interface needs no headers of the standard. `all.c` includes all other sources.
 """
 
 from __future__ import annotations
@@ -14,26 +13,25 @@ from martensite.export.fmu.variables import KIND
 from martensite.simulate.grid import place_signal
 
 SHARED = ("instance.c", "values.c", "steps.c", "states.c")
-"""Sources of both versions of FMI; each includes the one before."""
+"""Sources of both versions of FMI; each includes the previous one."""
 MOST_STEPS = 1e9
-"""Inner steps in one step of the co-simulation."""
+"""Largest number of inner steps in a step of the co-simulation."""
 _LARGEST = 1.7e308
 
 
 def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
-    """Return all C of an FMU, by file; `token` is its GUID, or instantiation token."""
+    """Return all C of an FMU by file name; `token` is its GUID or instantiation token."""
     interface = f"fmi{version[0]}.c"
     included = (f"{plan.core.name}.c", "model.h", interface)
-    found = {"all.c": "".join(f'#include "{name}"\n' for name in included), **plan.core.files}
-    found["model.h"] = _write_model(plan, token)
+    texts = {"all.c": "".join(f'#include "{name}"\n' for name in included), **plan.core.files}
+    texts["model.h"] = _write_model(plan, token)
     folder = files("martensite.export.fmu")
     for name in (*SHARED, interface, *(["exchange.c"] if plan.continuous else [])):
-        found[name] = (folder / name).read_text(encoding="utf-8")
-    return found
+        texts[name] = (folder / name).read_text(encoding="utf-8")
+    return texts
 
 
 def _write_model(plan: FmuPlan, token: str) -> str:
-    """model.h: what the interface has to know of the core."""
     core = plan.core.name
     numbers = {
         "FMU_TOKEN": f'"{token}"',
@@ -67,7 +65,6 @@ def _write_model(plan: FmuPlan, token: str) -> str:
 
 
 def _locate_moved(plan: FmuPlan) -> dict[str, object]:
-    """Return the inputs of which one is the velocity of the other, if there are such."""
     places = {one.name: one.index for one in plan.core.inputs}
     if "velocity" not in places:
         return {}

@@ -1,1 +1,1 @@
-"""The element, or its material, alone as a part of other programs: length or strain in, force or stress out."""
+"""The element, or its material, as a part of other programs: length or strain in, force or stress out."""

@@ -1,9 +1,9 @@
-"""Many points of a port at once, on NumPy arrays: for hosts in Python.
+"""Many points of a port at once, on NumPy arrays, for hosts in Python.
 
-`PortBatch` tries a step of every point: states and inputs in, states, answers and slopes out. `UniaxialModel` is a
-material in the manner of `IncrSmallStrainModel` of fenics-constitutive, constraint `UNIAXIAL_STRESS`: gradients of the
-displacement increment in, stress, tangent and history updated in place. Whoever calls it keeps what is committed and
-calls it on copies as often as an iteration needs.
+`PortBatch` tries a step of each point: states and inputs in, states, answers and derivatives out. `UniaxialModel` is a
+material in the style of `IncrSmallStrainModel` of fenics-constitutive, constraint `UNIAXIAL_STRESS`: it takes gradients
+of the displacement increment, and updates stress, tangent and history in place. The host keeps the committed arrays and
+calls it on copies in each iteration.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, SolveError
+from martensite.base.errors import InputError, SolveError, require_known
 from martensite.export.ports.element import ElementPort
 from martensite.export.ports.kernel import PortKernel, compile_port
 from martensite.export.ports.material import MaterialPort, build_material_port
@@ -32,43 +32,42 @@ class PortAnswers(NamedTuple):
     """Results of a step of many points."""
 
     states: Array
-    """(points, numbers of a state)"""
+    """Shape (points, states)."""
     values: Array
-    """(points, answers), in SI."""
+    """Shape (points, answers) [SI]."""
     slopes: Array
-    """(points, answers, inputs), through the solve of the step."""
+    """Shape (points, answers, inputs), derivatives through the solution of the step."""
 
 
 class PortBatch:
-    """Steps of many points of one port, each tried from a state that stays as it is."""
+    """Trial steps of many points of one port. The given states are not changed."""
 
     def __init__(self, system: ElementPort | MaterialPort, *, runtime: str = "auto") -> None:
         """Trace a port, and compile it unless `runtime` is `floats` or a compiler is missing."""
-        if runtime not in RUNTIMES:
-            raise InputError(f"No runtime named `{runtime}`. Known are {', '.join(RUNTIMES)}.")
+        require_known("runtime", runtime, RUNTIMES)
         self.kernel: PortKernel = compile_port(system)
         native = runtime == "c" or (runtime == "auto" and find_compiler() is not None)
         self._library = _NativePort(self.kernel) if native else None
 
     def start(self, inputs: Any) -> Array:
-        """Return the states at rest under inputs (points, inputs) [SI]."""
+        """Return the steady states under inputs of shape (points, inputs) [SI]."""
         rows = self._checked(inputs)
         begin = self.kernel.functions["init"]
         return np.array([begin(*row) for row in rows.tolist()], float).reshape(len(rows), self.kernel.size)
 
     def step(self, states: Any, inputs: Any, dt: float) -> PortAnswers:
-        """Return the states, answers and slopes after a step of dt [s], at whose end the inputs (points, inputs) hold.
+        """Return states, answers and derivatives after a step of dt [s] to the inputs (points, inputs).
 
         Raises:
             InputError: a number is not finite, or arrays do not fit.
-            SolveError: the step of a point was not solved; none is taken.
+            SolveError: the step of a point was not solved.
         """
-        rows, held = self._checked(inputs), np.ascontiguousarray(states, float)
-        if held.shape != (len(rows), self.kernel.size):
-            raise InputError(f"States must be of shape {(len(rows), self.kernel.size)}, but are of {held.shape}.")
+        rows, before = self._checked(inputs), np.ascontiguousarray(states, float)
+        if before.shape != (len(rows), self.kernel.size):
+            raise InputError(f"States must be of shape {(len(rows), self.kernel.size)}, but are of {before.shape}.")
         if not 0.0 <= dt < math.inf:
             raise InputError(f"Argument `dt` must be at least 0 s, but is {dt}.")
-        return (self._try_floats if self._library is None else self._library.try_all)(held, rows, dt)
+        return (self._try_floats if self._library is None else self._library.try_all)(before, rows, dt)
 
     def _checked(self, inputs: Any) -> Array:
         rows = np.ascontiguousarray(inputs, float)
@@ -97,8 +96,6 @@ def _make_error(place: int) -> SolveError:
 
 
 class _NativePort:
-    """A port in C."""
-
     def __init__(self, kernel: PortKernel) -> None:
         core = kernel.write_core(name="port")
         source = core.source.replace('#include "port.h"', core.header)
@@ -106,7 +103,7 @@ class _NativePort:
         self._values = np.array([kernel.values[i] for i in core.kept] or [0.0], float)
 
     def try_all(self, states: Array, inputs: Array, dt: float) -> PortAnswers:
-        """Return all points, one after the other."""
+        """Return the results of all points."""
         points, answers = len(inputs), len(self._kernel.answers)
         after = np.empty_like(states)
         values = np.empty((points, answers))
@@ -151,9 +148,9 @@ long port_try_points(long count, double dt, const double *p, const double *x, co
 class UniaxialModel:
     """A shape-memory material under uniaxial stress for a finite-element program in Python.
 
-    Arrays are flat, point after point, as fenics-constitutive has them. `temperature` [K], one number or one per point,
-    is what holds at the end of the step; set it before `evaluate`. After it `stress_by_temperature` [Pa/K] and `heat`
-    [J/m³], the latent heat that the step released, are those of the step.
+    Arrays are flat, point after point, as in fenics-constitutive. Set `temperature` [K] at the end of the step, one
+    value or one per point, before `evaluate`. Afterwards `stress_by_temperature` [Pa/K] and `heat` [J/m³], the latent
+    heat released in the step, are available.
     """
 
     constraint = "UNIAXIAL_STRESS"
@@ -170,15 +167,15 @@ class UniaxialModel:
         compressed: str = "carries",
         runtime: str = "auto",
     ) -> None:
-        """The material of an element of a scenario or a system.
+        """Create the material of an element of a scenario or a system.
 
         Args:
-            model: whose elements there are to choose from.
+            model: the scenario or system with the element.
             temperature: at the start [K].
-            port: where the element stands, if there are several.
-            preload: stress where strain is zero [Pa].
+            port: port of the element, if there are several.
+            preload: stress at zero strain [Pa].
             compressed: `carries` compression as a bar does, or goes `slack` as a wire does.
-            runtime: `c`, `floats`, or `auto`: C where there is a compiler.
+            runtime: `c`, `floats`, or `auto`: C if there is a compiler.
         """
         system = model if isinstance(model, AbstractSystem) else model.system
         made = build_material_port(system, port=port, preload=preload, compressed=compressed)
@@ -189,37 +186,37 @@ class UniaxialModel:
 
     @property
     def history_dim(self) -> dict[str, int]:
-        """Return the numbers per point of every array of the history."""
+        """Return the numbers per point in each array of the history."""
         return {"strain": 1, "state": self._batch.kernel.size}
 
     def create_history(self, points: int) -> dict[str, Array]:
-        """Return the history of points that begin at zero strain, at the temperature set."""
+        """Return the history of points at zero strain and the present temperature."""
         inputs = np.column_stack([np.zeros(points), np.broadcast_to(self.temperature, (points,))])
         return {"strain": np.zeros(points), "state": self._batch.start(inputs).ravel()}
 
     def evaluate(
         self, t: float, del_t: float, grad_del_u: Array, stress: Array, tangent: Array, history: Mapping[str, Array]
     ) -> None:
-        """Stress, tangent and history after a step from t over del_t [s], in place.
+        """Update stress, tangent and history in place, for a step from t over del_t [s].
 
         Args:
-            t: time at the start of the step [s]; nothing depends on it.
-            del_t: length of the step [s]; matters for laws with rates.
+            t: time at the start of the step [s]; unused.
+            del_t: length of the step [s]; matters for rate-dependent laws.
             grad_del_u: strain increments [-].
-            stress: at the end [Pa]; what it held does not matter.
-            tangent: dσ/dε of the step [Pa].
-            history: `strain` and `state`, as `create_history` makes them.
+            stress: output, stress at the end [Pa].
+            tangent: output, dσ/dε of the step [Pa].
+            history: `strain` and `state`, as from `create_history`.
 
         Raises:
             InputError: arrays do not fit.
-            SolveError: the step of a point was not solved; nothing is changed.
+            SolveError: the step of a point was not solved; no array is changed.
         """
         strain = history["strain"] + np.ravel(grad_del_u)
         points = len(strain)
         states = history["state"].reshape(points, -1)
         inputs = np.column_stack([strain, np.broadcast_to(self.temperature, (points,))])
-        found = self._batch.step(states, inputs, del_t)
-        stress[:], self.heat = found.values[:, 0], found.values[:, 1].copy()
-        tangent[:], self.stress_by_temperature = found.slopes[:, 0, 0], found.slopes[:, 0, 1].copy()
+        results = self._batch.step(states, inputs, del_t)
+        stress[:], self.heat = results.values[:, 0], results.values[:, 1].copy()
+        tangent[:], self.stress_by_temperature = results.slopes[:, 0, 0], results.slopes[:, 0, 1].copy()
         history["strain"][:] = strain
-        history["state"][:] = found.states.ravel()
+        history["state"][:] = results.states.ravel()

@@ -1,11 +1,11 @@
-"""An element alone as a system: elongation, surroundings and drive in; force, temperature, resistance out.
+"""An element alone as a system: elongation, ambient and drive in; force, temperature, resistance out.
 
-Its elongation [m] counts from the state in which it is mounted under a preload F₀. At the end of every step
+Its elongation [m] counts from the state in which it is mounted under a preload F₀. At the end of each step
 
     F = (e₀ + e - free)/compliance     while taut, else F = 0,
 
-with the spring that the element is at its phase fractions and temperature: the testing machine of this library with a
-rigid frame. Heat, law and resistance are solved with it, as in every run. What the moving end does is the host's.
+with the spring of the element at its phase fractions and temperature: a testing machine with a rigid frame. Heat, law
+and resistance are solved with it, as in a run. The host moves the end.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from martensite.actuators.mechanisms.base import (
     Output,
     Readout,
 )
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
@@ -36,7 +36,7 @@ class MountedEnd(NamedTuple):
     """State of a moved end."""
 
     elongation: Scalar
-    """e₀ of the element as mounted [m]."""
+    """Elongation of the element as mounted [m]."""
 
 
 class MovedEnd(AbstractMechanism):
@@ -46,15 +46,15 @@ class MovedEnd(AbstractMechanism):
     velocity: str = option("whether its velocity is a signal too", "none", "given", default="none")
 
     def signals(self) -> dict[str, str]:
-        """Return the signals: displacement of the end from its mounted position, and optionally its velocity."""
+        """Return the displacement of the end from its mounted position, and optionally its velocity."""
         return {"elongation": "m"} | ({"velocity": "m/s"} if self.velocity == "given" else {})
 
     def outputs(self) -> dict[str, Output]:
-        """Return the stiffness of the element at frozen fractions and temperature."""
+        """Return the stiffness output."""
         return {"stiffness": Output("N/m", "stiffness at frozen phase fractions and temperature", "k")}
 
     def convergence_scales(self) -> dict[str, float]:
-        """Return an empty table: the force is judged with the stress of the element."""
+        """Return an empty table: the stress of the element stands for the force."""
         return {}
 
     def start_forces(self, xp: Namespace) -> Column:
@@ -64,30 +64,30 @@ class MovedEnd(AbstractMechanism):
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> MountedEnd:
-        """Return the elongation as mounted."""
+        """Return the mounted elongation."""
         return MountedEnd(elongations[0])
 
     def advance(
         self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[MountedEnd, list[Any], StepReport]:
-        """Return the element solves the step by itself, its end where it is moved to."""
+        """Return the step of the element, solved at the given displacement."""
         ((element, state, heating),) = loads
         after, report = element.advance(xp, state, heating, self._pull(memory, signals), dt)
         return memory, [after], report
 
     def observe(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Readout:
-        """Return the force in the state reached, with the end where it is now."""
+        """Return force and stiffness at the present displacement."""
         (load,) = loads
         force = load.meet_pull(xp, self._pull(memory, signals))
         taut = xp.where(force > 0.0, 1.0, 0.0)
         return [force], [taut / load.element.tangent(xp, load.state, force).compliance]
 
     def load_line(self, memory: MountedEnd) -> Pull:
-        """Return the end where it was mounted."""
+        """Return the load line of the mounted end."""
         return self._pull(memory, (0.0,))
 
     def mechanics(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Mechanics:
-        """Return the end works against who moves it; where the element is slack, without a force."""
+        """Return the energy balance: the end works against the host; a slack element has no force."""
         ((element, state, _),) = loads
         force = element.force(state)
         taut = memory.elongation - element.elongation(xp, state, force)
@@ -95,8 +95,6 @@ class MovedEnd(AbstractMechanism):
         return Mechanics(MechanicalEnergy(), ways, outside=(Effort(-force, signals[0]),))
 
     def _pull(self, memory: MountedEnd, signals: Column) -> Pull:
-        """Return the end as the element sees it."""
-
         def meet(xp: Namespace, spring: Spring) -> Scalar:
             force = (memory.elongation + signals[0] - spring.free) / spring.compliance
             return xp.where(force < 0.0, 0.0, force)
@@ -105,7 +103,7 @@ class MovedEnd(AbstractMechanism):
 
 
 class ElementPort(System):
-    """An element with an end that is moved, in surroundings whose temperature is given."""
+    """An element with a moved end, in an ambient of given temperature."""
 
     def drives(self) -> list[DriveSignal]:
         """Return the drive of the element, the motion of its end, and the ambient temperature."""
@@ -125,7 +123,7 @@ class ElementPort(System):
         return []
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
-        """Return the state as mounted, at rest at the ambient temperature."""
+        """Return the mounted steady state at the ambient temperature."""
         return super(ElementPort, self._placed(drives)).init(xp, *drives[:-1])
 
     def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
@@ -133,11 +131,11 @@ class ElementPort(System):
         return super(ElementPort, self._placed(drives)).step(xp, state, *drives[:-1], dt=dt)
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
-        """Return everything that can be measured, and the ambient temperature."""
+        """Return the outputs of the system, and the ambient temperature."""
         return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
 
     def differentiate(self, xp: Namespace, state: Any, *drives: Scalar) -> tuple[Any, Sequence[Scalar]]:
-        """Return the state, with the end as mounted at its present place, and the rates of its continuous numbers."""
+        """Return the state with the end as mounted, and the rates of its continuous numbers."""
         moved = MountedEnd(state.mechanism.elongation + drives[1])
         placed = super(ElementPort, self._placed(drives))
         after, rates = placed.differentiate(xp, state._replace(mechanism=moved), *drives[:-1])
@@ -156,7 +154,7 @@ class ElementPort(System):
         return super(ElementPort, self._placed(drives)).entries(xp, state, *drives[:-1])
 
     def _placed(self, drives: Sequence[Any]) -> ElementPort:
-        """Itself where it is as warm as the last of the drives says."""
+        """Return the port at the ambient temperature of the last drive."""
         return self.rebuilt({"environment.temperature": drives[-1]})
 
 
@@ -166,10 +164,10 @@ def build_element_port(
     """Return an element of a system, with its source and ambient, whose end a host moves.
 
     Args:
-        system: whose elements there are to choose from.
-        port: where the element stands; may be left out where there is but one.
-        preload: force [N] under which it is mounted; by default that under which the system begins.
-        velocity: `given` if that of its end is an input too.
+        system: the system.
+        port: port of the element; may be omitted for a single one.
+        preload: mounting force [N]; by default the start force of the system.
+        velocity: `given` if the velocity of the end is an input.
 
     Raises:
         InputError: the port does not exist, or several ports need a choice.
@@ -186,17 +184,12 @@ def build_element_port(
 
 
 def choose_actuator(system: AbstractSystem, port: str | None) -> tuple[Actuator, int]:
-    """Return the actuator at a port of a system, and the place of the port.
-
-    Raises:
-        InputError: the port does not exist, or several ports need a choice.
-    """
-    found = system.actuators()
-    if not found:
+    """Return the actuator at a port of a system, and the index of the port."""
+    actuators = system.actuators()
+    if not actuators:
         raise InputError("This system has no element.")
-    if port is None and len(found) > 1:
-        raise InputError(f"This system has {len(found)} elements; choose the port of one: {', '.join(found)}.")
-    name = next(iter(found)) if port is None else port
-    if name not in found:
-        raise InputError(f"There is no element at port `{name}`. {suggest_name(name, list(found))}")
-    return found[name], list(found).index(name)
+    if port is None and len(actuators) > 1:
+        raise InputError(f"This system has {len(actuators)} elements; choose the port of one: {', '.join(actuators)}.")
+    name = next(iter(actuators)) if port is None else port
+    require_known("element at port", name, actuators)
+    return actuators[name], list(actuators).index(name)

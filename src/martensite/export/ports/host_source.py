@@ -1,4 +1,4 @@
-"""One file of C for a host: the core of a port, and the interface of the host on it."""
+"""One C file for a host: the core of a port, and the host's interface."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from martensite.export.c_core import CCore
 
 
 def join_source(core: CCore, interface: str, title: str) -> str:
-    """Return a core with its header in the place where it is included, then an interface made of a template."""
+    """Return a core with its header inlined, followed by an interface filled from a template."""
     whole = core.source.replace(f'#include "{core.name}.h"', core.header)
     filled = Template(interface).substitute(
         NAME=core.name, LAW=core.description, PARAMETERS="".join(_list_parameters(core)), INDEX=len(core.parameters)

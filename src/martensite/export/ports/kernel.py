@@ -1,13 +1,12 @@
-"""The kernel of a port: a step tried from a committed state, with the slopes that a host's Newton iteration needs.
+"""Kernel of a port: a trial step from a committed state, with derivatives for a host's Newton iteration.
 
-Beside `init`, `step` and `observe` of every traced system it has a function
+In addition to `init`, `step` and `observe` it has a function
 
     respond(state, inputs, dt) -> state', residual, crossing, answers, ∂ answers/∂ inputs
 
-whose slopes are those of what is computed, through the solve of the step (`martensite.kernels.slopes`): the consistent
-tangent. A step of a material that is not solved at once is taken in equal parts, in the manner of
-`martensite.simulate.material_point`; its slopes are then central differences of the whole. The kernel is printed for
-Python floats and for C from the same trace.
+with derivatives through the solution of the step (`martensite.kernels.slopes`): the consistent tangent. An unsolved
+step of a material is split into equal parts, as in `martensite.simulate.material_point`; its derivatives are then
+central differences. Python floats and C come from the same trace.
 """
 
 from __future__ import annotations
@@ -40,25 +39,25 @@ Functions = dict[str, Callable[..., tuple[float, ...]]]
 
 @dataclass(frozen=True, eq=False)
 class PortKernel:
-    """A traced port with its numbers."""
+    """A traced port with its parameter values."""
 
     system: ElementPort | MaterialPort
     program: Program
     values: list[float]
-    """Values of the parameters."""
     size: int
-    """Numbers of a state."""
+    """Size of the state."""
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     answers: tuple[str, ...]
-    """Outputs of which slopes are known."""
+    """Outputs with derivatives."""
     probes: tuple[float, ...]
-    """Changes for differences of the inputs of a step that are the first numbers of a state; a step that is not solved
-    at once is split. Empty if a host must shorten its steps."""
+    """Input changes for central differences of split steps, for the inputs that lead the state. Empty if the host must
+    shorten its steps.
+    """
 
     @cached_property
     def functions(self) -> Functions:
-        """`init`, `step`, `observe` and `respond` on floats."""
+        """Return `init`, `step`, `observe` and `respond` on floats."""
         return dict(self.program.bind_floats(*self.values))
 
     def write_core(self, *, name: str | None = None, precision: str = "float64") -> CCore:
@@ -79,33 +78,33 @@ class PortKernel:
 
     def try_step(self, state: Sequence[float], inputs: Sequence[float], dt: float) -> tuple[Sequence[float], bool]:
         """Return the response to a step, split if necessary, and whether it was solved."""
-        found = self.functions[RESPOND](*state, *inputs, dt)
+        response = self.functions[RESPOND](*state, *inputs, dt)
         parts = 1
-        while not found[self.size] <= SOLVED and self.probes and parts < PARTS:
+        while not response[self.size] <= SOLVED and self.probes and parts < PARTS:
             parts *= 2
-            found = self._in_parts(state, inputs, dt, parts)
-            if found[self.size] <= SOLVED:
-                found = self._with_differences(found, state, inputs, dt, parts)
-        return found, found[self.size] <= SOLVED and all(map(math.isfinite, found))
+            response = self._in_parts(state, inputs, dt, parts)
+            if response[self.size] <= SOLVED:
+                response = self._with_differences(response, state, inputs, dt, parts)
+        return response, response[self.size] <= SOLVED and all(map(math.isfinite, response))
 
     def _in_parts(self, state: Sequence[float], inputs: Sequence[float], dt: float, parts: int) -> Sequence[float]:
-        """Return the last of equal parts of a step, with the worst of their reports."""
+        """Return the last of equal parts of a step, with their largest residual and crossing."""
         begin, now, worst, crossing = state[: len(inputs)], state, 0.0, 0.0
-        found: Sequence[float] = ()
+        response: Sequence[float] = ()
         for k in range(1, parts + 1):
             share = k / parts
             there = [a + (b - a) * share if k < parts else b for a, b in zip(begin, inputs, strict=True)]
-            found = self.functions[RESPOND](*now, *there, dt / parts)
-            now = found[: self.size]
-            worst, crossing = max(worst, found[self.size]), max(crossing, found[self.size + 1])
-        return [*now, worst, crossing, *found[self.size + 2 :]]
+            response = self.functions[RESPOND](*now, *there, dt / parts)
+            now = response[: self.size]
+            worst, crossing = max(worst, response[self.size]), max(crossing, response[self.size + 1])
+        return [*now, worst, crossing, *response[self.size + 2 :]]
 
     def _with_differences(
-        self, found: Sequence[float], state: Sequence[float], inputs: Sequence[float], dt: float, parts: int
+        self, response: Sequence[float], state: Sequence[float], inputs: Sequence[float], dt: float, parts: int
     ) -> Sequence[float]:
         first, count = self.size + 2, len(self.answers)
         columns: list[list[float]] = []
-        worst = found[self.size]
+        worst = response[self.size]
         for place, probe in enumerate(self.probes):
             sides: list[Sequence[float]] = []
             for change in (probe, -probe):
@@ -115,11 +114,11 @@ class PortKernel:
             ends = [side[first : first + count] for side in sides]
             columns.append([(a - b) / (2.0 * probe) for a, b in zip(*ends, strict=True)])
         slopes = [one for row in zip(*columns, strict=True) for one in row]
-        return [*found[: self.size], worst, found[self.size + 1], *found[first : first + count], *slopes]
+        return [*response[: self.size], worst, response[self.size + 1], *response[first : first + count], *slopes]
 
 
 def compile_port(system: ElementPort | MaterialPort) -> PortKernel:
-    """Trace a port, or return the program of an earlier one of the same structure, with the numbers of this one."""
+    """Trace a port, or return the cached program of the same structure with the values of this one."""
     material = isinstance(system, MaterialPort)
     answers = MATERIAL_ANSWERS if material else ELEMENT_ANSWERS
     compiled = compile_system(system)
@@ -129,26 +128,36 @@ def compile_port(system: ElementPort | MaterialPort) -> PortKernel:
     return PortKernel(system, program, values, compiled.size, inputs, compiled.outputs, answers, PROBES * material)
 
 
+def extend_program(system: AbstractSystem) -> tuple[Program, Any, NestedShape, list[str]]:
+    """Return a copy of a system's program for further functions.
+
+    Returns:
+        The program, the system with traced parameters, the shape of its state, and the names of state and inputs.
+    """
+    compiled, count = compile_system(system), len(system.drives())
+    program = Program(compiled.program.graph, list(compiled.program.parameters), dict(compiled.program.functions))
+    traced: Any = system.rebuilt(
+        {path: program.graph.input(f"p{i}", PARAMETER) for i, path in enumerate(compiled.paths)}
+    )
+    shape = NestedShape(traced.init(program.xp, *program.functions["init"].outputs[:count]))
+    return program, traced, shape, [f"s{i}" for i in range(compiled.size)] + [f"u{i}" for i in range(count)]
+
+
 @cache_answers(32)
 def _add_response(keyed: Keyed[AbstractSystem], answers: tuple[str, ...]) -> Program:
     compiled, count = compile_system(keyed.part), len(keyed.part.drives())
-    known = compiled.program
-    program = Program(known.graph, list(known.parameters), dict(known.functions))
-    numbers = {path: program.graph.input(f"p{i}", PARAMETER) for i, path in enumerate(compiled.paths)}
-    system: Any = keyed.part.rebuilt(numbers)
+    program, system, shape, names = extend_program(keyed.part)
     size = compiled.size
-    shape = NestedShape(system.init(program.xp, *program.functions["init"].outputs[:count]))
     places = [compiled.outputs.index(name) for name in answers]
 
     def respond(xp: Any, *arguments: Any) -> list[Any]:
         *given, dt = arguments
         drives = given[size:]
         after, report = system.step(xp, shape.rebuild(given[:size]), *drives, dt=dt)
-        seen = system.observe(xp, after, *drives)
-        return [*flatten_numbers(after), *flatten_numbers(report)[: len(REPORT)], *(seen[k] for k in places)]
+        outputs = system.observe(xp, after, *drives)
+        return [*flatten_numbers(after), *flatten_numbers(report)[: len(REPORT)], *(outputs[k] for k in places)]
 
-    names = [f"s{i}" for i in range(size)], [f"u{i}" for i in range(count)]
-    program.add(RESPOND, [*names[0], *names[1], "dt"], respond)
+    program.add(RESPOND, [*names, "dt"], respond)
     made = program.functions[RESPOND]
     first = size + len(REPORT)
     wanted = made.inputs[size : size + count]

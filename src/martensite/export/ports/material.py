@@ -1,12 +1,11 @@
 """A point of a material as a system: strain and temperature in, stress out.
 
-Strain [-] counts from the state in which the host takes the part over: at the first temperature, under the stress
-`preload`. Then
+Strain [-] counts from the host's start, at the first temperature under the stress `preload`. Then
 
     σ = [ε + ε₀ - ε_free(ξ, T)]/C(ξ),    ε₀ = ε_free(ξ₀, T₀) + C(ξ₀) σ₀ - ε(0),
 
 and the step is the fixed point of `martensite.physics.laws.coupling`, as in `martensite.simulate.material_point`.
-Strains are those of the law and hold thermal strain: the host must not add any. Tension is positive.
+Strains include thermal strain: the host must not add any. Tension is positive.
 """
 
 from __future__ import annotations
@@ -35,18 +34,18 @@ OUTPUTS = {
 
 
 PROBES = (1e-7, 1e-3)
-"""Changes of strain [-] and temperature [K] by which a step that must be taken in parts is differenced."""
+"""Changes of strain [-] and temperature [K] for central differences of a split step."""
 
 
 class PointState(NamedTuple):
-    """State of a point; the first two are the inputs of the last step."""
+    """State of a point; the first two fields are the inputs of the last step."""
 
     strain: Scalar
-    """Strain of the host at the end of the last step [-]."""
+    """Host strain at the end of the last step [-]."""
     temperature: Scalar
-    """There [K]."""
+    """Temperature at the end of the last step [K]."""
     mounted: Scalar
-    """Strain of the law where that of the host is zero [-]."""
+    """Strain of the law at zero host strain [-]."""
     heat: Scalar
     """Latent heat released in the last step [J/m³]."""
     memory: Any
@@ -56,14 +55,14 @@ class PointState(NamedTuple):
 
 
 class MaterialPort(AbstractSystem):
-    """The material of an element, as a host with its own geometry and heat balance needs it."""
+    """The material of an element, for a host with its own geometry and heat balance."""
 
     element: AbstractElement = part("the element whose material it is", ELEMENTS)
     preload: Number = param("Pa", "stress at zero strain, at the start", low=-1e10, high=1e10, default=0.0)
     compressed: str = option("what it does under compression", "carries", "slack", default="carries")
 
     def check(self) -> None:
-        """Raise `ParameterError` if the element has no single material state to begin with."""
+        """Raise `ParameterError` if the element has several phase states."""
         if not isinstance(self.element, AbstractLumped):
             raise ParameterError(
                 f"A material is taken from an element with one phase state, but `{self.element.registered_name}` "
@@ -72,19 +71,15 @@ class MaterialPort(AbstractSystem):
 
     @property
     def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
-        """Raise an error: a material has no mechanism.
-
-        Raises:
-            InputError: always.
-        """
+        """Raise `InputError`: a material has no mechanism."""
         raise InputError("A material has no mechanism: the host makes elements of it.")
 
     def actuators(self) -> dict[str, Actuator]:
-        """None: the host makes elements of it."""
+        """Return an empty table: the host makes the elements."""
         return {}
 
     def drives(self) -> list[DriveSignal]:
-        """Return the strain and temperature, as they are at the end of a step."""
+        """Return strain and temperature at the end of a step."""
         return [DriveSignal("strain", "1", True), DriveSignal("temperature", "K", True)]
 
     def label(self, port: str, name: str) -> str:
@@ -92,11 +87,11 @@ class MaterialPort(AbstractSystem):
         return name
 
     def drive_at(self, port: str) -> str:
-        """Return the strain."""
+        """Return `strain`."""
         return "strain"
 
     def outputs(self) -> dict[str, Output]:
-        """Return the stress, heat and state."""
+        """Return stress, heat and state."""
         return dict(OUTPUTS)
 
     def description(self) -> str:
@@ -114,15 +109,15 @@ class MaterialPort(AbstractSystem):
         return [f"Caution: `{name}` knows tension only: compression drives its martensite back{remedy}."]
 
     def sample_time(self) -> float:
-        """0: steps may have any length."""
+        """Return 0: steps may have any length."""
         return 0.0
 
     def convergence_scales(self) -> dict[str, float]:
-        """Return the stress and fraction."""
+        """Return the scales of stress and fraction."""
         return {"stress": 1e6, "martensite_fraction": 0.01}
 
     def init(self, xp: Namespace, *drives: Scalar) -> PointState:
-        """Under the preload, at the first temperature, wherever the host says that strain begins."""
+        """Return the state under the preload at the first temperature, at any start strain of the host."""
         strain, temperature = drives
         memory, worn = self._lumped.warm_up(xp, self.preload, temperature)
         law = self._law(xp, worn)
@@ -130,7 +125,7 @@ class MaterialPort(AbstractSystem):
         return PointState(strain, temperature, mounted, 0.0, memory, worn)
 
     def step(self, xp: Namespace, state: PointState, *drives: Any, dt: Scalar) -> tuple[PointState, StepReport]:
-        """Go on to a strain and a temperature in dt [s]."""
+        """Advance to a strain and a temperature in dt [s]."""
         strain, temperature = drives
         law, wear = self._law(xp, state.worn), self._lumped.wear
 
@@ -164,7 +159,7 @@ class MaterialPort(AbstractSystem):
         return self._lumped.apply_wear(xp, worn).law
 
     def _latent(self) -> Scalar:
-        """Latent heat per volume [J/m³]; that of an element that does not say is none."""
+        """Return the latent heat per volume [J/m³]; 0 for an element without one."""
         density, latent = (getattr(self.element, name, 0.0) for name in ("density", "latent_heat"))
         return density * latent
 
@@ -175,14 +170,14 @@ def build_material_port(
     """Return the material of an element of a system.
 
     Args:
-        system: whose elements there are to choose from.
-        port: where the element stands; may be left out where there is but one.
-        preload: stress [Pa] where the host's strain begins.
-        compressed: what it does under compression, as `carries` (a bar) or `slack` (a wire).
+        system: the system.
+        port: port of the element; may be omitted for a single one.
+        preload: stress [Pa] at zero host strain.
+        compressed: `carries` compression (a bar), or goes `slack` (a wire).
 
     Raises:
         InputError: the port does not exist, or several ports need a choice.
-        ParameterError: the element has no single phase state.
+        ParameterError: the element has several phase states.
     """
     actuator, _ = choose_actuator(system, port)
     return MaterialPort(element=actuator.element, preload=preload, compressed=compressed)  # pyright: ignore[reportCallIssue]

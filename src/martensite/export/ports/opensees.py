@@ -1,8 +1,8 @@
 """A material as a `uniaxialMaterial` of OpenSees, by its C interface for packages (`matObj`, `modelState`).
 
-OpenSees (the Tcl program) loads a library that is called as the material, and calls its function of that name with
-what is to be done (`isw`). Strain comes from the host; temperature is a table over the time of the model, since a
-uniaxial material of OpenSees is given none.
+OpenSees (the Tcl program) loads a library named like the material, and calls its function of that name with an
+operation code (`isw`). Strain comes from the host; temperature is a table over the model time, since OpenSees passes
+none to a uniaxial material.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from martensite.export.ports.kernel import PortKernel
 
 
 def write_opensees(kernel: PortKernel, name: str) -> dict[str, str]:
-    """Return the source of a package, and a script that uses it, by the endings of their files."""
+    """Return the source of a package, and an example script, by file ending."""
     core = kernel.write_core(name=f"{name}_core")
     source = join_source(
         core, _PACKAGE.replace("MATERIAL", name), f"{name}: a uniaxialMaterial of OpenSees, written by martensite."

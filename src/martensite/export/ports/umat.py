@@ -1,12 +1,11 @@
 """A material as a user material of Abaqus and CalculiX: the interface `UMAT` on a port.
 
-The first component of stress and strain is that of the law; it is all that a truss has. Where a host has more
-(`NTENS` > 1: CalculiX computes trusses as solids), the others are those of a linear elastic fibre without lateral
-contraction,
+The first component of stress and strain follows the law; trusses have no other. Where a host has more (`NTENS` > 1:
+CalculiX computes trusses as solids), the others are those of a linear elastic fibre without lateral contraction,
 
     σ_k = E_l ε_k,    τ_k = E_l/2 γ_k,
 
-uncoupled from the first, so that a bar along the first axis of its material carries axial stress alone.
+uncoupled from the first, so that a bar along its first axis carries axial stress alone.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ SHOWN = 5
 
 
 def write_umat(kernel: PortKernel, name: str) -> dict[str, str]:
-    """Source of a user material, and the lines of an input file that use it, by the endings of their files."""
+    """Return the source of a user material, and the lines of its input file, by file ending."""
     core = kernel.write_core(name=name)
     source = join_source(core, _UMAT, f"{name}: a user material of Abaqus and CalculiX, written by martensite.")
     return {"_umat.c": source, "_umat.inp": _write_deck(core)}
 
 
 def count_state_variables(kernel: PortKernel) -> int:
-    """`*DEPVAR` of a material."""
+    """Return the value of `*DEPVAR` of a material."""
     return SHOWN + kernel.size
 
 

@@ -1,4 +1,4 @@
-"""A scenario as a WebAssembly module with a typed wrapper: one module per part of the folder."""
+"""Export of a scenario as a WebAssembly module with a typed wrapper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A C core as WebAssembly: compiled by zig for no operating system, so that it imports nothing."""
+"""A C core as WebAssembly, compiled by zig without an operating system, so that it imports nothing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from martensite.base.lazy import write_install_line
 from martensite.export.c_core import CCore, build_c_core
 from martensite.export.fmu.binaries import find_zig
 from martensite.export.wasm.slopes import CoreSlopes, choose_slopes
-from martensite.export.wasm.wrapper import guide_text, script_text, types_text
+from martensite.export.wasm.wrapper import guide_text, read_text, script_text, types_text
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE
 
 FLAGS = (
@@ -30,15 +30,14 @@ FLAGS = (
     "-fno-sanitize=undefined",
 )
 VECTORS = ("-msimd128",)
-"""With slopes: instructions on two numbers, which browsers have since 2023."""
+"""Vector instructions for derivatives, which browsers have since 2023."""
 LINKED = ("-Wl,--no-entry", "-Wl,-z,stack-size=262144", "-Wl,--export=__heap_base", "-Wl,--strip-all")
-"""The stack lies below all data: one that overflows ends the call, and spoils no number."""
-FOLDER = Path(__file__).parent
+"""The stack is below all data: an overflow ends the call and overwrites no number."""
 
 
 @dataclass(frozen=True)
 class WasmModule:
-    """A model for the web: what is in it, and the files that bring it there."""
+    """A model for the web, and its files."""
 
     core: CCore
     title: str
@@ -50,12 +49,12 @@ class WasmModule:
 
     @cached_property
     def packed(self) -> int:
-        """Size of the module [bytes] as a server sends it, compressed by gzip."""
+        """Return the size of the module [bytes], compressed by gzip."""
         return len(compress(self.binary, 9, mtime=0))
 
     @property
     def files(self) -> dict[str, str | bytes]:
-        """Contents by the name of their file."""
+        """Return the contents by file name."""
         name = self.core.name
         return {
             f"{name}.wasm": self.binary,
@@ -77,14 +76,14 @@ def build_wasm(
 
     Args:
         system: a `System`, a `Machine`, or a `Bench` with its loops.
-        name: of the files, an identifier of C; by default made of the kinds of its parts.
-        title: what its guide is called.
+        name: C identifier for the files; by default made of the kinds of its parts.
+        title: title of its guide.
         first: signals at the start, in the order of its drives; by default 0.
         slopes: parameters (paths or unique endings) and signals by which outputs have derivatives.
 
     Raises:
-        ParameterError: the name is not an identifier; or a derivative of `slopes` is missing.
-        InputError: a compiler for it is missing.
+        ParameterError: the name is not an identifier, or a derivative of `slopes` is impossible.
+        InputError: the compiler is missing.
         CompileError: the compiler failed.
     """
     core = build_c_core(system, name=name)
@@ -94,7 +93,7 @@ def build_wasm(
 
 
 def find_wasm_compiler() -> list[str]:
-    """Return the compiler; `InputError` if there is none."""
+    """Return the compiler command."""
     zig = find_zig()
     if zig is None:
         raise InputError(f"WebAssembly is compiled by zig, which is not installed; run `{write_install_line('cc')}`.")
@@ -107,13 +106,9 @@ def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
 
 
 def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: Sequence[str] = ()) -> bytes:
-    """Compile a module of C sources, by the names of their files; some get more flags.
+    """Compile C sources, given by file name, to a module.
 
-    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags.
-
-    Raises:
-        InputError: a compiler for it is missing.
-        CompileError: the compiler failed.
+    The environment variable `MARTENSITE_CFLAGS` adds the last compiler flags.
     """
     last = os.environ.get("MARTENSITE_CFLAGS", "").split()
     command = [*find_wasm_compiler(), *FLAGS, *more, *last, "-I.", *compiled, "-o", "made.wasm", *LINKED]
@@ -129,17 +124,13 @@ def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: S
 def write_math() -> str:
     """Return the replacement of math.h for targets without libm."""
     series = f"#define ERFCX_CENTRE {ERFCX_CENTRE}\n#define ERFCX_SERIES {', '.join(map(repr, ERFCX))}\n"
-    return series + _read_text("math.h")
+    return series + read_text("math.h")
 
 
 def list_sources(core: CCore, slopes: CoreSlopes | None = None) -> dict[str, str]:
-    """Return the sources for a core: its lanes, with derivatives if it has any, and the replacement of libm."""
+    """Return the sources on a core: its batch functions, optional derivatives, and the replacement of libm."""
     begin = f'#include "{core.name}.c"\n#define CORE(name) {core.name}_##name\n'
-    lanes = begin + _read_text("lanes.c")
+    lanes = begin + read_text("lanes.c")
     if slopes:
-        lanes += f"\n{slopes.source}\n{_read_text('slopes.c')}{slopes.step_source}"
+        lanes += f"\n{slopes.source}\n{read_text('slopes.c')}{slopes.step_source}"
     return {"math.h": write_math(), "lanes.c": lanes}
-
-
-def _read_text(name: str) -> str:
-    return (FOLDER / name).read_text(encoding="utf-8")

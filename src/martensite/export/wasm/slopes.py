@@ -1,8 +1,7 @@
-"""Derivatives in a WebAssembly module: kernels beside those of a core that carry slopes of the state along.
+"""Derivatives in a WebAssembly module: kernels that also propagate derivatives of the state.
 
-They are the functions of the core with forward derivatives (`martensite.kernels.slopes`), printed as C by the same
-printer. A direction is a parameter, or a signal that is moved by a constant from the start on; as many as `WIDTH` of
-them share one computation of the values.
+They are the functions of the core with forward derivatives (`martensite.kernels.slopes`). A direction is a parameter,
+or a signal with a constant offset from the start on; up to `WIDTH` directions share one computation of the values.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ from martensite.kernels.program import Program
 from martensite.kernels.slopes import ZERO, differentiate_program
 
 WIDEST = 4
-"""Directions at once, at most."""
+"""Largest number of directions at once."""
 
 
 @dataclass(frozen=True)
 class CoreSlopes:
-    """By what a core has slopes, and the C of its kernels with them."""
+    """Directions of the derivatives of a core, and the C of its kernels with them."""
 
     core: CCore
     names: tuple[str, ...]
@@ -40,27 +39,26 @@ class CoreSlopes:
 
     @property
     def size(self) -> int:
-        """Numbers that a group of directions keeps: of the constants, the state and the signals, and two results."""
+        """Return the derivatives stored per group of directions: of constants, state, signals and results."""
         states, inputs, outputs = self.core.states, len(self.core.inputs), len(self.core.outputs)
         return self.width * (self.program.constant_slopes + (states + inputs + 1) + (states + 1) + (outputs + 1))
 
     @property
     def places(self) -> dict[str, int]:
-        """Return the directions that the module knows by name: the parameters, and all signals after them."""
+        """Return the module's index of each direction: the parameters, then all signals."""
         count = len(self._parameters)
         inputs = {one.name: one.index for one in self.core.inputs}
         return {name: count + inputs[name] if name in inputs else k for k, name in enumerate(self.names)}
 
     @property
     def _parameters(self) -> tuple[int, ...]:
-        """Their places in the core."""
         inputs = {one.name for one in self.core.inputs}
-        known = {one.name: one.index for one in self.core.parameters}
-        return tuple(known[name] for name in self.names if name not in inputs)
+        indices = {one.name: one.index for one in self.core.parameters}
+        return tuple(indices[name] for name in self.names if name not in inputs)
 
     @cached_property
     def program(self) -> Program:
-        """Return the differentiated functions; of the results of a step only the state has slopes."""
+        """Return the differentiated functions; a step has derivatives of the state only."""
         core = self.core
         inputs = len(core.inputs) if len(self._parameters) < len(self.names) else 0
         moving = {"init": inputs, "step": core.states + inputs, "observe": core.states + inputs}
@@ -72,7 +70,7 @@ class CoreSlopes:
 
     @cached_property
     def source(self) -> str:
-        """C before `slopes.c`."""
+        """Return the C before `slopes.c`."""
         core, program = self.core, self.program
         precision = precision_of(core.precision)
         wrt = [core.kept[i] for i in self._parameters]
@@ -95,30 +93,26 @@ class CoreSlopes:
 
     @property
     def step_source(self) -> str:
-        """C of a step of the core that takes slopes along."""
+        """Return the C of a step of the core with derivatives."""
         return fill_text(self.core, print_step(self.core, _STEP_BEGIN, _STEP_KERNEL, _STEP_KEPT))
 
 
 def choose_slopes(system: AbstractSystem, core: CCore, names: Sequence[str]) -> CoreSlopes:
-    """Return the directions by their names: parameters, whose unique endings do, and signals.
-
-    Raises:
-        ParameterError: there is none of a name, it is ambiguous, or no derivative by it has a meaning.
-    """
+    """Return the directions of the named parameters (unique endings suffice) and signals."""
     inputs = [one.name for one in core.inputs]
     paths = [one.name for one in core.parameters]
-    found: dict[str, None] = {}
+    chosen: dict[str, None] = {}
     for name in names:
         if name not in inputs and not find_paths(name, paths):
             raise ParameterError(f"There is no parameter or signal `{name}`. {suggest_name(name, [*inputs, *paths])}")
-        found[name if name in inputs else system.resolve(name)] = None
-    parameters = [core.parameters[paths.index(name)] for name in found if name not in inputs]
+        chosen[name if name in inputs else system.resolve(name)] = None
+    parameters = [core.parameters[paths.index(name)] for name in chosen if name not in inputs]
     for one in parameters:
         if not one.used:
             raise ParameterError(f"There is no slope by `{one.name}`: no number follows from it.")
         if core.sample == f"m->p[{one.index}]":
             raise ParameterError(f"There is no slope by `{one.name}`: it is the length of every step.")
-    return CoreSlopes(core, (*(one.name for one in parameters), *(name for name in inputs if name in found)))
+    return CoreSlopes(core, (*(one.name for one in parameters), *(name for name in inputs if name in chosen)))
 
 
 def _print_kernel(

@@ -15,11 +15,16 @@ from martensite.export.c_text import count_elements
 from martensite.export.wasm.slopes import CoreSlopes
 
 STEP = 0.01
-"""Length [s] of the step in the guide, of a model that may take any."""
+"""Step [s] in the guide for a model with steps of any length."""
+
+
+def read_text(name: str) -> str:
+    """Return a text of this folder."""
+    return (Path(__file__).parent / name).read_text(encoding="utf-8")
 
 
 def script_text(core: CCore, first: Sequence[float], slopes: CoreSlopes | None = None) -> str:
-    """NAME.js."""
+    """Return NAME.js."""
     sizes: dict[str, Any] = {
         "INPUTS": len(core.inputs),
         "OUTPUTS": len(core.outputs),
@@ -39,12 +44,12 @@ def script_text(core: CCore, first: Sequence[float], slopes: CoreSlopes | None =
     begin += "".join(f"const {name} = {value};\n" for name, value in sizes.items())
     begin += "".join(f"export const {name} = {_print_table(rows)};\n" for name, rows in tables.items())
     begin += f"export const sampleTime = {core.sample_time!r};\n\n"
-    return begin + _read_text("wrapper.js").replace("$NAME", core.name)
+    return begin + read_text("wrapper.js").replace("$NAME", core.name)
 
 
 def types_text(core: CCore, slopes: CoreSlopes | None = None) -> str:
-    """NAME.d.ts."""
-    return Template(_read_text("wrapper.d.ts")).substitute(
+    """Return NAME.d.ts."""
+    return Template(read_text("wrapper.d.ts")).substitute(
         NAME=core.name,
         TITLE=_flatten(core.description).replace("*/", "* /"),
         PARAMETERS=_join_names(core.parameters),
@@ -57,11 +62,11 @@ def types_text(core: CCore, slopes: CoreSlopes | None = None) -> str:
 def guide_text(
     core: CCore, title: str, first: Sequence[float], raw: int, packed: int, slopes: CoreSlopes | None = None
 ) -> str:
-    """README.md, with the sizes of the module [bytes]."""
+    """Return README.md, with the sizes of the module [bytes]."""
     given = ", ".join(f"{json.dumps(one.name)}: {first[one.index]!r}" for one in core.inputs[:1])
     driven = {one.name for one in core.inputs}
     parameter = next((one for one in core.parameters if one.used), core.parameters[0])
-    return Template(_read_text("guide.md")).substitute(
+    return Template(read_text("guide.md")).substitute(
         NAME=core.name,
         TITLE=_flatten(title),
         DESCRIPTION=_flatten(core.description),
@@ -89,12 +94,8 @@ def _describe_slopes(slopes: CoreSlopes | None) -> str:
     )
 
 
-def _read_text(name: str) -> str:
-    return (Path(__file__).parent / name).read_text(encoding="utf-8")
-
-
 def _flatten(text: str) -> str:
-    """Return a text on one line, and no more."""
+    """Return a text on one line."""
     return " ".join(text.split())
 
 
@@ -107,7 +108,7 @@ def _describe_parameter(one: CoreVariable) -> dict[str, Any]:
 
 
 def _print_table(rows: Mapping[str, Any]) -> str:
-    """Return an object of JavaScript, which knows `Infinity` where JSON does not."""
+    """Return a JavaScript object, which knows `Infinity`, unlike JSON."""
     lines = "".join(f"  {json.dumps(name)}: {json.dumps(row)},\n" for name, row in rows.items())
     return f"{{\n{lines}}}"
 
@@ -117,6 +118,5 @@ def _join_names(variables: Sequence[CoreVariable]) -> str:
 
 
 def _print_rows(variables: Sequence[CoreVariable]) -> str:
-    """Return a table of names with unit and meaning."""
     cells = [(f"`{one.name}`", one.unit, _flatten(one.words).replace("|", "\\|")) for one in variables]
     return "\n".join(f"| {' | '.join(row)} |" for row in [("name", "unit", ""), ("---", "---", "---"), *cells])
