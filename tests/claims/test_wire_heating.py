@@ -244,6 +244,6 @@ def test_readme_has_the_computed_numbers(listed: dict[str, float | None]) -> Non
         assert f"{found.h:.1f} W/(m² K), fitted | {found.ambient:.3g} °C" in text
     ratio = f"{computed(listed, 'time-constants'):.2f}"
     times = f"({a.time_constant(PRINTED):.1f} s and {b.time_constant(PRINTED):.1f} s"
-    assert f"factor of {ratio} in the time constant {times}" in text.replace("\n", " ")
+    assert f"time constants differ by a factor of {ratio} {times}" in text.replace("\n", " ")
     simulated = f"{computed(listed, 'closure-b-simulated'):.1f} K instead of {b.rms:.1f} K"
     assert simulated in text.replace("\n", " ").replace("  ", " ")

@@ -1,4 +1,4 @@
-"""Studies: every source paper rebuilt, one folder per paper, with its printed numbers beside the computed ones."""
+"""Studies: source papers rebuilt, one folder per paper, with printed and computed numbers compared."""
 
 from martensite.base.lazy import attach_names
 

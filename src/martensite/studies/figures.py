@@ -12,13 +12,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LEFT, TITLE, LINE = 0.02, 0.24, 0.2
-"""Left edge of a heading as a share of the width; its first line below the top, and further ones
-below that [inch]."""
+"""Left edge of a heading as a fraction of the width; first line below the top, and line distance [inch]."""
 
 
 @contextmanager
 def draw_page(width: float, height: float, title: str, *remarks: str) -> Iterator[Figure]:
-    """Give a figure [inch] to draw panels on, with a title above them, and remarks below it."""
+    """Provide a figure [inch] for panels, with a title and remarks above them."""
     with use_style():
         figure = make_figure(width, height)
         top = 1.0 - TITLE / height
@@ -29,7 +28,7 @@ def draw_page(width: float, height: float, title: str, *remarks: str) -> Iterato
 
 
 def label_axes(axes: Any, title: str, x: str, y: str, legend: str = "") -> None:
-    """Write title and labels of a panel, and a legend at a place such as `upper left`."""
+    """Write title and labels of a panel, with a legend at a location such as `upper left`."""
     axes.set_title(title)
     axes.set_xlabel(x)
     axes.set_ylabel(y)
@@ -38,7 +37,7 @@ def label_axes(axes: Any, title: str, x: str, y: str, legend: str = "") -> None:
 
 
 def add_right_axis(axes: Any, label: str, low: float, high: float, colour: str) -> Any:
-    """Return a second axis of a panel, on its right and without a grid."""
+    """Return a second y axis on the right of a panel, without a grid."""
     other = axes.twinx()
     other.set_ylabel(label, color=colour)
     other.set_ylim(low, high)

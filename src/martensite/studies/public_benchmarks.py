@@ -1,13 +1,13 @@
-"""Public records of nonlinear systems that methods of identification are compared on.
+"""Public benchmark records of nonlinear system identification.
 
-What is published on them are root mean squares of the error of free runs, in millivolts, the
-first 50 samples left out. Records are cut as the comparisons cut them:
+Published results are RMS errors of free simulation in millivolts, without the first 50 samples. Records are split as in
+the publications:
 
     Silverbox (Wigren & Schoukens 2013), 610.35 Hz:
-        multisine [40650:127400], the first 75 % to estimate from, the rest to test on;
-        arrow [100:40575] to test on, its first 32000 samples without extrapolation
+        multisine [40650:127400], the first 75 % for estimation, the rest for testing;
+        arrow [100:40575] for testing, its first 32000 samples without extrapolation
     Wiener-Hammerstein 2009 (Schoukens, Suykens & Ljung), 51.2 kHz:
-        [5200:184000], the first 100000 samples to estimate from, the rest to test on
+        [5200:184000], the first 100000 samples for estimation, the rest for testing
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from martensite.signals.sampling.sampled import Numbers
 
 SKIP = 50
-"""Samples at the start of a test that do not count."""
+"""Ignored samples at the start of a test."""
 SILVERBOX_RATE = 1e7 / 2**14
-"""Samples per second."""
+"""Sampling rate [Hz]."""
 WIENER_HAMMERSTEIN_RATE = 51200.0
 
 
@@ -31,7 +31,7 @@ def read_silverbox() -> dict[str, Sampled]:
     """Return the records `estimation`, `multisine`, `arrow` and `no extrapolation` [V].
 
     Raises:
-        DataError: the data set `silverbox` is not on this machine, or not the one listed.
+        DataError: the data set `silverbox` is missing on this machine, or differs from the listed one.
     """
     import numpy as np
 
@@ -52,7 +52,7 @@ def read_wiener_hammerstein() -> dict[str, Sampled]:
     """Return the records `estimation` and `test` [V].
 
     Raises:
-        DataError: the data set `wiener-hammerstein-2009` is not on this machine, or not the one listed.
+        DataError: the data set `wiener-hammerstein-2009` is missing on this machine, or differs from the listed one.
     """
     import h5py
     import numpy as np

@@ -1,24 +1,29 @@
-"""Common functions of studies: the runtime of their runs, and values read from a sampled curve."""
+"""Common functions of studies: the runtime of their runs, and values of a sampled curve."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 
 from martensite.kernels.compiler import find_compiler
+from martensite.scenario.scenario import load
 from martensite.signals.sampling.sampled import Numbers
+
+ZERO = 273.15
+"""0 °C [K]."""
+load_once = cache(load)
 
 
 def choose_runtime() -> str:
-    """C where there is a compiler, else plain floats: the same to 1e-12, only slower."""
+    """Return `c` if there is a compiler, else `floats`; both agree to 1e-12."""
     return "floats" if find_compiler() is None else "c"
 
 
 def passing_time(times: Sequence[float] | Numbers, values: Sequence[float] | Numbers, level: float) -> float:
-    """When values first pass a level upwards, between two samples; NaN if never.
+    """Return the time of the first upward crossing of a level, linear between samples; NaN without one.
 
-    To read off where they pass it downwards, negate values and level. Any other column may
-    stand for the times.
+    For a downward crossing, negate values and level. Any other column can replace the times.
     """
     for k in range(1, len(values)):
         if values[k - 1] < level <= values[k]:
@@ -27,6 +32,6 @@ def passing_time(times: Sequence[float] | Numbers, values: Sequence[float] | Num
 
 
 def level_time(times: Sequence[float] | Numbers, values: Sequence[float] | Numbers, k: int, level: float) -> float:
-    """When values are at a level, on the straight line from sample k to the next."""
+    """Return the time at which the line from sample k to the next has a level."""
     share = (level - values[k]) / (values[k + 1] - values[k])
     return times[k] + share * (times[k + 1] - times[k])

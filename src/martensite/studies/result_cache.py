@@ -1,8 +1,6 @@
-"""Results that are kept from one run to the next, as what takes long need not be computed twice.
+"""Cache of slow results on disk, valid for the same program only.
 
-A result is kept in the user's cache folder and found again by the very same program only: its name
-holds the arguments, all the source of this package and of `martensite`, and the versions of what
-computes.
+The name of a result contains the arguments, all source of `martensite`, and the versions of numerical packages.
 """
 
 from __future__ import annotations
@@ -26,27 +24,27 @@ from martensite.scenario.examples import EXAMPLES
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 SOURCES = (".py", ".toml", ".json", ".csv")
-"""Endings of files that a result may depend on."""
+"""Endings of files with an effect on results."""
 WORDS = ("claims.toml", "results.json")
-"""Files of studies that none depends on."""
+"""Files of studies without an effect on results."""
 COMPUTING = ("numpy", "scipy")
 UNREADABLE = (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, ValueError)
-"""Errors of `pickle` for a file that it did not write."""
+"""Errors of `pickle` for a foreign file."""
 PROGRAMS = 3
-"""Versions of the program whose results are kept; those of others are removed."""
+"""Number of program versions whose results are kept."""
 
 
 def cache_results(function: Function) -> Function:
-    """Return a pure function whose results are kept: in memory, and on disk if that can be written to.
+    """Return a pure function with cached results, in memory and on disk if possible.
 
-    Its arguments and results must be such as `pickle` takes, and its arguments hashable.
+    Arguments and results must work with `pickle`; arguments must be hashable.
     """
 
     @cache
     @wraps(function)
-    def found(*arguments: Any, **named: Any) -> Any:
-        given = hashlib.sha256(pickle.dumps((arguments, named))).hexdigest()[:16]
-        name = f"{function.__module__}.{function.__qualname__}-{given}.pickle"
+    def cached(*arguments: Any, **named: Any) -> Any:
+        digest = hashlib.sha256(pickle.dumps((arguments, named))).hexdigest()[:16]
+        name = f"{function.__module__}.{function.__qualname__}-{digest}.pickle"
         with suppress(*UNREADABLE):
             path = find_program_folder() / name
             if is_private_file(path):  # a pickle runs code
@@ -56,7 +54,7 @@ def cache_results(function: Function) -> Function:
             _store_result(result, find_program_folder() / name)
         return result
 
-    return found  # type: ignore[return-value]
+    return cached  # type: ignore[return-value]
 
 
 def _store_result(result: Any, path: Path) -> None:
@@ -70,13 +68,12 @@ def _store_result(result: Any, path: Path) -> None:
 
 
 def find_program_folder() -> Path:
-    """Return the folder of the results of this program; raise `OSError` if it is missing or not trusted."""
+    """Return the folder of this program's results; raise `OSError` if it is missing or not trusted."""
     return make_cache("studies", _fingerprint_program())
 
 
 @cache
 def _fingerprint_program() -> str:
-    """Return a short text that identifies this program and its version."""
     digest = hashlib.sha256(platform.python_version().encode() + platform.machine().encode())
     for name in COMPUTING:
         digest.update(version(name).encode())

@@ -1,17 +1,15 @@
-"""Computed numbers that come with a study, in its `results.json`, so that they are shown at once.
+"""Shipped computed numbers of a study, in its `results.json`.
 
-The file holds the numbers of every part, the version of the package and a fingerprint of the files of the study
-that made them; words and verdicts are those of `claims.toml`, which may be changed without computing anything.
+The file holds the numbers of all parts, the version of the package and a fingerprint of the computing files; words and
+verdicts are those of `claims.toml`, which can change without a computation.
 
-    python -m martensite.studies.shipped_numbers NAME...     compute the numbers of studies anew, and write their files
+    python -m martensite.studies.shipped_numbers NAME...     compute the numbers of studies, and write their files
 
-A study whose figure takes minutes has it beside them, in `figure.svg`, written by the same command.
+If a figure takes minutes, it is shipped as `figure.svg`, written by the same command. The usual compiler optimises;
+compile without `MARTENSITE_CFLAGS`, because rounding can change the end of a search.
 
-Everything is compiled with optimisation, by the usual compiler. Compile without `MARTENSITE_CFLAGS`: searches may end
-elsewhere where rounding differs.
-
-A test compares fingerprints, and two quick studies with what is computed; the pages of the documentation, for which
-all parts are computed that do not wander, warn of every number that has become another. Slow tests compute the others.
+A test compares fingerprints, and recomputes two quick studies; the documentation recomputes all parts that do not
+wander and warns of changed numbers. Slow tests compute the others.
 """
 
 from __future__ import annotations
@@ -35,22 +33,22 @@ from martensite.studies.tables import RESULTS, TableStudy, read_results
 FOLDER = Path(__file__).parent
 FIGURE = "figure.svg"
 COMPUTING = (".py", ".toml", ".csv")
-"""Endings of files that numbers depend on."""
+"""Endings of files with an effect on numbers."""
 ABOUT_WORDS = re.compile(r"claims\.toml|__init__\.py|.*figure\.py|.*panels\.py")
-"""Files of a study that no number depends on."""
+"""Files of a study without an effect on numbers."""
 OTHERS = re.compile(r"^from martensite\.studies\.(\w+)", re.MULTILINE)
 SHARED = ("base", "tables", "claim_tables", "shipped_numbers", "figures", "result_cache")
-"""Modules that all studies use and that do not affect numbers."""
+"""Modules of all studies without an effect on numbers."""
 DIGITS = 12
-"""Significant digits that are kept."""
+"""Stored significant digits."""
 CLOSE, FAINT = 2e-3, 1e-9
-"""Tolerances of a number between machines: relative and absolute."""
+"""Relative and absolute tolerance of a number between machines."""
 LOOSE = 4.0
-"""Factor on a number from a search that may end elsewhere: only the order of magnitude must agree."""
+"""Relative tolerance of a number from a wandering search."""
 
 
 def fingerprint_study(folder: Path) -> str:
-    """Return a short text that identifies the program behind the numbers of a study."""
+    """Return a hash of the program behind the numbers of a study."""
     digest, folders = hashlib.sha256(), [folder]
     for place in folders:
         for path in sorted(place.iterdir()) if place.is_dir() else [place.with_suffix(".py")]:
@@ -63,7 +61,7 @@ def fingerprint_study(folder: Path) -> str:
 
 
 def write_results(study: TableStudy, folder: Path) -> Path:
-    """Compute all parts and write their numbers beside the tables."""
+    """Compute all parts and write their numbers next to the tables."""
     numbers = {part: simplify_numbers(study.part_numbers(part)) for part in study.table["parts"]}
     made = {"version": version("martensite"), "made_by": fingerprint_study(folder)}
     path = folder / RESULTS
@@ -74,7 +72,7 @@ def write_results(study: TableStudy, folder: Path) -> Path:
 
 
 def simplify_numbers(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """The numbers of a part as JSON has them: of objects what is a number or a text."""
+    """Return the numbers of a part as JSON; of objects only numbers and texts."""
     return {name: _simplify(value) for name, value in numbers.items()}
 
 
@@ -95,14 +93,14 @@ def _simplify(value: Any) -> Any:
 
 
 def _list_attributes(value: Any) -> Iterator[tuple[str, Any]]:
-    """Public fields and properties of an object, those that are numbers, texts, or lists of them."""
-    known = getattr(type(value), "__dict__", {})
+    """Yield public fields and properties of an object that are numbers, texts, or lists of them."""
+    members = getattr(type(value), "__dict__", {})
     fields = getattr(value, "_fields", None) or vars(value)
-    names = [*fields, *(name for name, one in known.items() if isinstance(one, property))]
+    names = [*fields, *(name for name, one in members.items() if isinstance(one, property))]
     for name in names:
-        found = getattr(value, name)
-        if not name.startswith("_") and _is_plain(found):
-            yield name, found
+        attribute = getattr(value, name)
+        if not name.startswith("_") and _is_plain(attribute):
+            yield name, attribute
 
 
 def _is_plain(value: Any) -> bool:
@@ -112,24 +110,24 @@ def _is_plain(value: Any) -> bool:
 
 
 def find_figure(study: TableStudy) -> Path | None:
-    """The figure that a study came with, made by the program that made its numbers; None if it is to be drawn."""
-    path, found = study.folder() / FIGURE, read_results(study.folder())
-    return path if path.is_file() and found and found["made_by"] == fingerprint_study(study.folder()) else None
+    """Return the shipped figure if it belongs to the present program, else None."""
+    path, results = study.folder() / FIGURE, read_results(study.folder())
+    return path if path.is_file() and results and results["made_by"] == fingerprint_study(study.folder()) else None
 
 
 def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:
     """Return the differences of computed from shipped numbers of a study, one sentence each.
 
-    The searches of wandering parts may end elsewhere on another machine. Only claims of these parts are compared, with
-    a loose tolerance, and only if `wandering` is true.
+    Searches of wandering parts depend on the machine. Only claims of these parts are compared, with a loose tolerance,
+    and only if `wandering` is true.
     """
     shipped = study.shipped()
     if shipped is None:
         return [f"It has no `{RESULTS}`."]
     if study.lacks_compiler():
         return []
-    known = _list_numbers([*shipped.claims, *shipped.reports])
-    found: list[str] = []
+    shipped_numbers = _list_numbers([*shipped.claims, *shipped.reports])
+    changes: list[str] = []
     for part in study.table["parts"]:
         wanders = part in study.table.get("wanders", ())
         if wanders and not wandering:
@@ -137,16 +135,16 @@ def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:
         answer = study.settle_part(part)
         share = LOOSE if wanders else CLOSE
         for id, new in _list_numbers([*answer.claims, *(() if wanders else answer.reports)]).items():
-            old = known.get(id, new)
+            old = shipped_numbers.get(id, new)
             if abs(new - old) > max(share * abs(old), FAINT):
-                found.append(f"`{id}` was shipped as {old:.6g} and is {new:.6g}.")
-    return found
+                changes.append(f"`{id}` was shipped as {old:.6g} and is {new:.6g}.")
+    return changes
 
 
-def _list_numbers(found: list[Claim | StudyReport]) -> dict[str, float]:
-    """Computed numbers by the names of claims and reports, and what misprinted equations give."""
-    computed = {one.id: one.computed for one in found}
-    printed = {f"{one.id}, as printed": one.as_printed for one in found if isinstance(one, Claim)}
+def _list_numbers(rows: list[Claim | StudyReport]) -> dict[str, float]:
+    """Return computed numbers and results of misprinted equations by name."""
+    computed = {one.id: one.computed for one in rows}
+    printed = {f"{one.id}, as printed": one.as_printed for one in rows if isinstance(one, Claim)}
     return {id: number for id, number in {**computed, **printed}.items() if number is not None}
 
 

@@ -1,14 +1,14 @@
-"""Studies as tables: what a source prints and what is claimed of it, in two TOML files.
+"""Studies as tables: printed numbers and claims, in two TOML files.
 
-`printed.toml` holds numbers by the place where the source prints them,
+`printed.toml` holds numbers by their place in the source,
 
     source = "key of the bibliography"
     ["Table 3"]
     stiffness = { value = 541.0, unit = "N/m" }
 
-and tables of rows with named columns. What stands under a place that begins with `not printed` was read or chosen for
-this project; no claim can have it as published. `claims.toml` holds words, claims, reports and the digest; see
-`martensite.studies.claim_tables`. What `results.json` holds is computed; see `martensite.studies.shipped_numbers`.
+and tables of rows with named columns. Numbers under a place that begins with `not printed` were read off or chosen for
+this project; no claim can have them as published. For `claims.toml` see `martensite.studies.claim_tables`, for
+`results.json` `martensite.studies.shipped_numbers`.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ FOLDER = Path(__file__).parent
 ENTRY, TABLE = ("value", "unit", "what"), ("columns", "units", "rows")
 """Keys of a printed number, and of a printed table."""
 RESULTS = "results.json"
-"""Computed numbers that came with a study."""
+"""Shipped computed numbers."""
 OWN = "not printed"
-"""Beginning of a place in no source."""
+"""Beginning of a place outside the source."""
 
 
 class Printed(SimpleNamespace):
-    """Numbers that a source prints, by their names; they are read, not written."""
+    """Numbers that a source prints, by name; read-only."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"Printed numbers cannot be set; use `with_numbers({name}=…)`.")
@@ -46,11 +46,7 @@ class Printed(SimpleNamespace):
         return hash(tuple(vars(self).items()))
 
     def with_numbers(self, **numbers: Any) -> Printed:
-        """Return the printed numbers with some of them replaced.
-
-        Raises:
-            DataError: the number does not exist.
-        """
+        """Return the printed numbers with replacements."""
         for name in numbers:
             if name not in vars(self):
                 raise DataError(f"No printed number `{name}`. {suggest_name(name, vars(self))}")
@@ -61,35 +57,32 @@ class PrintedRows(tuple[Printed, ...]):
     """Rows of a printed table."""
 
     def column(self, name: str) -> tuple[Any, ...]:
-        """A column by its name."""
+        """Return a column by name."""
         return tuple(getattr(row, name) for row in self)
 
 
 class TableStudy(AbstractStudy):
-    """A study with tables beside it, in the folder of its class.
+    """A study with tables in the folder of its class.
 
-    The numbers of a part `wire` are computed by `compute_wire(printed)` of the module
-    `wire_numbers`, and the figure is drawn by `draw_figure(printed)` of the module `figure`.
+    The function `compute_wire(printed)` of the module `wire_numbers` computes a part `wire`; `draw_figure(printed)` of
+    the module `figure` draws the figure.
     """
 
     table: ClassVar[Mapping[str, Any]] = {}
     """`claims.toml`."""
 
     def __init_subclass__(cls) -> None:
-        """Read the tables, and check them."""
+        """Read and check the tables."""
         super().__init_subclass__()
         if not hasattr(sys.modules.get(cls.__module__), "__file__"):
-            return  # typed into a console: the tables are those of its base
+            return  # typed into a console: tables of its base class
         cls.table = table = read_claims(cls.folder() / "claims.toml")
         cls.title, cls.guide, cls.caption = table["title"], table["guide"], table["caption"]
         cls.cites, cls.data, cls.order = tuple(table["cites"]), tuple(table.get("data", ())), table["order"]
         cls.scenario_files = tuple(table.get("scenarios", cls.scenario_files))
 
     def __init__(self, printed: Printed | None = None, *, full: bool = False) -> None:
-        """Take the numbers as printed, or others in their place.
-
-        With `full` a study that leaves out what takes long does not.
-        """
+        """Use the printed numbers, or replacements; `full` computes slow parts."""
         self.full = full
         self.printed = printed or read_printed(self.folder() / "printed.toml")
         self._numbers: dict[str, Mapping[str, Any]] = {}
@@ -100,7 +93,7 @@ class TableStudy(AbstractStudy):
         return Path(str(sys.modules[cls.__module__].__file__)).parent
 
     def compute_part(self, key: str) -> Mapping[str, Any]:
-        """The numbers of a part, computed now."""
+        """Return the numbers of a part, computed now."""
         return getattr(self._import_module(f"{key}_numbers"), f"compute_{key}")(self.printed)
 
     def part_numbers(self, key: str) -> Mapping[str, Any]:
@@ -110,34 +103,34 @@ class TableStudy(AbstractStudy):
         return self._numbers[key]
 
     def parts(self) -> dict[str, Callable[[], Answer]]:
-        """Every claim with its verdict and every report, part by part."""
+        """Return the functions that compute claims and reports, by part."""
         if self.lacks_compiler():
             return {"a C compiler": lambda: Answer([self._without_compiler()])}
         named: dict[str, str] = self.table["parts"]
         return {words: lambda key=key: self.settle_part(key) for key, words in named.items()}
 
     def settle_part(self, key: str) -> Answer:
-        """Claims and reports of one part, computed now."""
+        """Return claims and reports of one part, computed now."""
         return settle_part(self.table, key, self.part_numbers(key), self.printed)
 
     def digest(self) -> Mapping[str, str]:
-        """Return the summary of the study in a few lines."""
+        """Return the summary of the study."""
         if self.lacks_compiler():
             return {}
         return self._write_digest({key: self.part_numbers(key) for key in self.table["parts"]})
 
     def shipped(self) -> Answer | None:
-        """Digest, claims and reports from the numbers that the study came with."""
-        found = read_results(self.folder())
-        if found is None:
+        """Return digest, claims and reports from the shipped numbers."""
+        results = read_results(self.folder())
+        if results is None:
             return None
-        numbers = {key: {**part, "shipped": True} for key, part in found["numbers"].items()}
+        numbers = {key: {**part, "shipped": True} for key, part in results["numbers"].items()}
         answers = [settle_part(self.table, key, numbers[key], self.printed) for key in self.table["parts"]]
-        made_by = f"martensite {found['version']} ({found['made_by']})"
+        made_by = f"martensite {results['version']} ({results['made_by']})"
         return Answer.join(answers, self._write_digest(numbers), made_by)
 
     def figure(self, path: Path) -> None:
-        """Write the figure that a reader of the source recognises (png, svg or pdf)."""
+        """Write the figure (png, svg or pdf)."""
         from martensite.show.figures.style import write_figure
 
         write_figure(self._import_module("figure").draw_figure(self.printed), Path(path))
@@ -148,7 +141,7 @@ class TableStudy(AbstractStudy):
         return write_digest(self.table, together, self.printed, answers)
 
     def lacks_compiler(self) -> bool:
-        """Return whether numbers cannot be computed on this machine."""
+        """Return whether a required C compiler is missing."""
         if "compiler" not in self.table:
             return False
         from martensite.kernels.compiler import find_compiler
@@ -156,31 +149,23 @@ class TableStudy(AbstractStudy):
         return find_compiler() is None
 
     def _without_compiler(self) -> Claim:
-        """Return the claim that replaces all claims on a machine without a C compiler."""
+        """Return the claim that replaces all others without a C compiler."""
         place, why = (self.table["compiler"][key] for key in ("place", "why"))
         words = "compiler", "all of this study", f"{self.printed.source}, {place}"
         return Claim(*words, None, None, "1", None, "not comparable", why, differs="this machine has no C compiler")
 
     def _import_module(self, name: str) -> ModuleType:
-        """A module beside that of the class."""
         return import_module(f"{sys.modules[type(self).__module__].__package__}.{name}")
 
 
-# ---------------------------------------------------------------- printed numbers
-
-
 def printed_numbers(study: str) -> Printed:
-    """The numbers that the source of a study of this package prints, by the folder of the study."""
+    """Return the printed numbers of a study of this package, by its folder."""
     return read_printed(FOLDER / study / "printed.toml")
 
 
 @cache
 def read_printed(path: Path) -> Printed:
-    """A file of printed numbers.
-
-    Raises:
-        DataError: a number stands at no place, or its keys are not those of one.
-    """
+    """Return the printed numbers of a file."""
     table = tomllib.loads(path.read_text("utf-8"))
     numbers: dict[str, Any] = {"source": table.pop("source"), "unprinted": ()}
     for place, entries in table.items():
@@ -196,7 +181,7 @@ def read_printed(path: Path) -> Printed:
 
 
 def _read_entry(name: str, entry: Mapping[str, Any], path: Path) -> Any:
-    """A number, a tuple of numbers, or a tuple of rows."""
+    """Return a number, a tuple of numbers, or a tuple of rows."""
     if "rows" in entry:
         check_keys(entry, TABLE, TABLE, f"Table `{name}` of {path}")
         columns = entry["columns"]
@@ -205,17 +190,14 @@ def _read_entry(name: str, entry: Mapping[str, Any], path: Path) -> Any:
     return tuple(entry["value"]) if isinstance(entry["value"], list) else entry["value"]
 
 
-# ---------------------------------------------------------------- numbers that a study came with
-
-
 def read_results(folder: Path) -> dict[str, Any] | None:
-    """Return version, fingerprint and numbers that a study came with; None without any."""
+    """Return shipped version, fingerprint and numbers, or None."""
     path = folder / RESULTS
     if not path.is_file():
         return None
-    found = json.loads(path.read_text("utf-8"))
-    found["numbers"] = {part: _restore_part(numbers) for part, numbers in found["numbers"].items()}
-    return found
+    results = json.loads(path.read_text("utf-8"))
+    results["numbers"] = {part: _restore_part(numbers) for part, numbers in results["numbers"].items()}
+    return results
 
 
 def _restore_part(numbers: Mapping[str, Any]) -> dict[str, Any]:
@@ -223,7 +205,7 @@ def _restore_part(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _restore(value: Any) -> Any:
-    """Objects with attributes, and rows with names."""
+    """Return objects with attributes, and rows with names."""
     match value:
         case dict():
             return SimpleNamespace(**_restore_part(value))

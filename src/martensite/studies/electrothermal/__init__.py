@@ -10,6 +10,6 @@ from martensite.studies.tables import TableStudy
 class ElectrothermalStaircase(TableStudy):
     """Resistance against current of a Flexinol wire under a staircase of voltage.
 
-    The record is not part of the package. Without it the claims that need it are `not
-    checkable`, and the figure shows the model alone; both say how to fetch it.
+    Without the record, which is not part of the package, its claims are not comparable and the figure shows the model
+    alone.
     """

@@ -1,9 +1,4 @@
-"""Figure of the study: resistance against current and temperature, and its uncertainty.
-
-Top left: plateaus of run 5 with the model, calibrated and not. The bars are the effect of one standard error of the
-offset. Top right: effect of the offset of the supply on the difference of the two resistivities. Below: R identified
-over the reading of the camera, which is not the temperature of the wire. Without the record, the model alone.
-"""
+"""Figure of the study: resistance against current and temperature, and its uncertainty."""
 
 from __future__ import annotations
 
@@ -31,7 +26,7 @@ def draw_figure(stated: Printed) -> Figure:
     """Draw the figure."""
     run = RecordStaircase(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else None
     below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
-    below += "on these points; hollow ones below were kept back."
+    below += "on these points; hollow points below are held out."
     with draw_page(
         11.0,
         4.6 if run is None else 8.6,
@@ -81,12 +76,12 @@ def _draw_simulated(axes: Any, stated: Printed, run: RecordStaircase | None) -> 
 
 
 def _draw_measured(axes: Any, run: RecordStaircase) -> None:
-    kept, error = run.within(*KEPT), run.offset(*run.stated.cold).offset_error
-    current, found = run.table["current"], run.resistance
+    compared, error = run.within(*KEPT), run.offset(*run.stated.cold).offset_error
+    current, resistance = run.table["current"], run.resistance
     axes.errorbar(
-        [current[i] for i in kept],
-        [found[i] for i in kept],
-        yerr=[error / current[i] for i in kept],
+        [current[i] for i in compared],
+        [resistance[i] for i in compared],
+        yerr=[error / current[i] for i in compared],
         fmt="o",
         color=INK,
         markersize=3.8,
@@ -95,10 +90,10 @@ def _draw_measured(axes: Any, run: RecordStaircase) -> None:
         label="run 5; bars: offset ± error",
         zorder=4,
     )
-    left = [i for i in range(len(found)) if i not in kept]
+    others = [i for i in range(len(resistance)) if i not in compared]
     axes.plot(
-        [current[i] for i in left],
-        [found[i] for i in left],
+        [current[i] for i in others],
+        [resistance[i] for i in others],
         "o",
         color=QUIET,
         markerfacecolor="none",

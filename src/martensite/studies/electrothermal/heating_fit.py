@@ -1,13 +1,12 @@
-"""The electrical way: R and an apparent h from run 5 driven by voltage.
+"""The electrical fit: R and an apparent h from run 5 driven by voltage.
 
-The set-point less V₀ drives the wire, and the current is compared. Free are the resistivities and
-one constant film coefficient h; A_s and A_f are given, since the balance
+The set-point less V₀ drives the wire, and the current is compared. Free are the resistivities and one constant film
+coefficient h; A_s and A_f are given, since the balance
 
     I² R = h π d l (T - T_a)
 
-knows h only by where the wire transforms. Beside it the same balance on every plateau with the
-temperature that the camera read. Either h is apparent: one rests on a strip that was not measured
-on this wire, the other on a camera whose pixels are wider than the wire.
+determines h only by the transformation of the wire. The same balance is also solved on each plateau with the camera
+temperature. Both h are apparent.
 """
 
 from __future__ import annotations
@@ -36,18 +35,18 @@ from martensite.studies.electrothermal.resistance_fit import (
 )
 
 FILMS = (150.0, 450.0)
-"""Film coefficients among which the search begins with the best [W/(m² K)]."""
+"""Range of film coefficients for the start of the search [W/(m² K)]."""
 _COUNT = 61
 _FILM = (20.0, 1000.0)
 _STEP = 2.0
 
 
 def build_experiment(offset: float) -> Experiment:
-    """Return the wire driven by voltage, with its current beside it."""
+    """Return the wire driven by voltage, with its measured current."""
     base = model.load_scenario().single_system
     environment = base.environment.with_parts(cooling=ConstantCooling(h=FILMS[0]))
-    seen = fit_shape("mixture", offset)
-    values = {name: seen[name] for name in ("rho_A", "rho_M")}
+    fit = fit_shape("mixture", offset)
+    values = {name: fit[name] for name in ("rho_A", "rho_M")}
     record = Record(
         "run 5", {"time": compared_column("time"), "current": compared_column("current")}, {"time": "s", "current": "A"}
     )
@@ -66,10 +65,10 @@ def build_experiment(offset: float) -> Experiment:
 
 @cache
 def fit_heating(offset: float) -> Fit:
-    """Return the fit with one offset of the supply.
+    """Return the fit for one supply offset.
 
-    The error changes with h only while plateaus lie in the strip, and so has several minima:
-    the search begins at the best of evenly spaced h, with the resistivities of the other way.
+    The error changes with h only while plateaus are in the transformation, and so has several minima: the search starts
+    at the best of evenly spaced h, with the resistivities of the other fit.
     """
     one = build_experiment(offset)
     first = build_problem([one], ["rho_A", "rho_M", SearchRange("h", *_FILM)])
@@ -83,12 +82,12 @@ def fit_heating(offset: float) -> Fit:
 
 @cache
 def offset_found() -> Profile:
-    """Return the profile of V₀ in the electrical way."""
+    """Return the profile of V₀ in the electrical fit."""
     return offset_profile(fit_heating)
 
 
 def apparent_films(offset: float) -> list[float]:
-    """h that closes the balance with the temperature of the camera, plateau by plateau."""
+    """Return h of the balance with the camera temperature, by plateau [W/(m² K)]."""
     element = model.get_wire()
     surface = math.pi * float(element.diameter) * float(element.length)
     ambient, resistance = (model.read_number("environment.temperature"), load_staircase().resistances(offset))

@@ -1,19 +1,19 @@
-"""The wire as simulated: without any fit, with the material's resistivities, and calibrated.
+"""The simulated wire: without any fit, with the material's resistivities, and calibrated.
 
-Calibrated are three numbers, from the record they are then set beside: ρ_M and ρ_A from the
-mean resistance on either side of the drop, and one h from the current I at half of the drop,
+Three parameters are calibrated to the same record: ρ_M and ρ_A from the mean resistance on either side of the drop, and
+one h from the current I at half of the drop,
 
     h = I² (R_M + R_A)/2/[π d l (T_½ - T_a)],    T_½ = (A_s + A_f)/2
 
-so agreement there proves nothing; only the shape of R(I) can be compared. This h is apparent: three to four times free
-convection, and not a property of the wire.
+so only the shape of R(I) can be compared. This h is apparent: three to four times free convection, and not a property
+of the wire.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import cast
 
@@ -24,19 +24,18 @@ from martensite.kernels import floats
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.physics.thermal.convection import LeFevreEde
 from martensite.physics.thermal.films import ConstantCooling
-from martensite.scenario.scenario import Scenario, load
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.electrothermal.staircase import reduce_to_plateaus
+from martensite.studies.readings import load_once
 from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
-ZERO = 273.15
-"""0 °C [K]."""
+load_scenario = partial(load_once, SCENARIO)
 VARIANTS = {
-    "maker": "resistivities of sheet F1140, free convection: nothing fitted",
-    "material": "resistivities of material `flexinol-90`, which were read off this record, free convection",
+    "maker": "resistivities of sheet F1140, free convection, without a fit",
+    "material": "resistivities of material `flexinol-90` from this record, free convection",
     "calibrated": "two resistivities and an apparent h from this record",
 }
 _TOLERANCE = 1e-3
@@ -44,7 +43,7 @@ _TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class RecordCalibration:
-    """Three numbers taken from the record."""
+    """Three parameters calibrated to the record."""
 
     rho_A: float
     """[ohm m]"""
@@ -54,24 +53,18 @@ class RecordCalibration:
     """Apparent film coefficient [W/(m² K)]."""
 
 
-@cache
-def load_scenario() -> Scenario:
-    """Return the scenario of this study."""
-    return load(SCENARIO)
-
-
 def get_wire() -> Wire:
     """Return the wire of the scenario."""
     return cast("Wire", load_scenario().single_system.element)
 
 
 def read_number(path: str) -> float:
-    """Return a number of the scenario's system by its dotted path, in SI units."""
+    """Return a parameter of the scenario's system by its dotted path [SI]."""
     return load_scenario().system.value_of(path)
 
 
 def half_way_temperature() -> float:
-    """Return the temperature at which half of the wire is austenite on heating, unloaded [K]."""
+    """Return the temperature of half transformation on heating, unloaded [K]."""
     return 0.5 * (read_number("A_s") + read_number("A_f"))
 
 
@@ -82,13 +75,13 @@ def film_coefficient(cooling: AbstractCooling, temperature: float) -> float:
 
 
 def free_films() -> tuple[float, float]:
-    """h of free convection half-way: a horizontal and a vertical wire [W/(m² K)]."""
+    """Return h of free convection of a horizontal and a vertical wire at half transformation [W/(m² K)]."""
     at = half_way_temperature()
     return film_coefficient(load_scenario().single_system.environment.cooling, at), film_coefficient(LeFevreEde(), at)
 
 
 def calibrate_model(staircase: RecordStaircase) -> RecordCalibration:
-    """Return the three numbers that the record gives."""
+    """Return the three parameters of the record."""
     element, stated = get_wire(), staircase.stated
     cold, hot = staircase.mean(*stated.cold), staircase.mean(*stated.hot)
     per_ohm = float(element.section()) / float(element.length)
@@ -112,7 +105,7 @@ def build_system(key: str, stated: Printed, calibration: RecordCalibration | Non
 
 @cache
 def predict_plateaus(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> Record:
-    """Return the plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
+    """Return the plateaus of a simulated staircase."""
     run = simulate(
         build_system(key, stated, calibration),
         load_scenario().waveform,
@@ -127,7 +120,7 @@ def predict_plateaus(key: str, stated: Printed, calibration: RecordCalibration |
 
 
 def find_span(table: Record) -> tuple[float, float]:
-    """Return the currents of the last plateau with all martensite, and the first with none [A]."""
+    """Return the currents of the last plateau with all martensite, and the first without [A]."""
     fractions, current = table["martensite_fraction"], table["current"]
     first = next(i for i, xi in enumerate(fractions) if xi < 0.99)
     gone = next(i for i, xi in enumerate(fractions) if xi < 0.01)
@@ -135,7 +128,7 @@ def find_span(table: Record) -> tuple[float, float]:
 
 
 def resistance_rms(table: Record, staircase: RecordStaircase, low: float, high: float) -> float:
-    """RMS difference of the resistance on the plateaus between two set-points [ohm]."""
+    """Return the RMS difference of the resistance on the plateaus between two set-points [ohm]."""
     places = staircase.within(low, high)
-    apart = [table["resistance"][i] - staircase.resistance[i] for i in places]
-    return root_mean_square(apart)
+    errors = [table["resistance"][i] - staircase.resistance[i] for i in places]
+    return root_mean_square(errors)

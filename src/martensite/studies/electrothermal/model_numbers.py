@@ -1,4 +1,4 @@
-"""Numbers of the model beside the record: without a fit, and with three calibrated numbers."""
+"""Numbers of the model, without a fit and with three calibrated parameters."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import Printed
 
 KEPT = (1.3, 4.5)
-"""Plateaus that are compared: all but the three lowest [V]."""
+"""Compared plateaus [V]: all but the three lowest."""
 
 
 @cache
 def calibrate_numbers(stated: Printed) -> RecordCalibration:
-    """Return the three numbers that the record gives."""
+    """Return the calibrated parameters."""
     return model.calibrate_model(RecordStaircase(stated))
 
 
 def compute_model(stated: Printed) -> dict[str, Any]:
-    """Compute the numbers that need no record, then calibration and differences."""
+    """Return numbers that need no record, then calibration and differences."""
     start, end = model.find_span(model.predict_plateaus("maker", stated))
     per_ohm = model.get_wire().length / model.get_wire().section()
     horizontal, vertical = model.free_films()
@@ -41,19 +41,19 @@ def compute_model(stated: Printed) -> dict[str, Any]:
 
 
 def compute_calibrated(stated: Printed) -> dict[str, float]:
-    """Resistivities, film coefficient, and the currents that follow."""
-    found = calibrate_numbers(stated)
-    start, end = model.find_span(model.predict_plateaus("calibrated", stated, found))
+    """Return resistivities, film coefficient, and the resulting currents."""
+    calibration = calibrate_numbers(stated)
+    start, end = model.find_span(model.predict_plateaus("calibrated", stated, calibration))
     return {
-        "rho_martensite": found.rho_M,
-        "rho_austenite": found.rho_A,
-        "film": found.h,
+        "rho_martensite": calibration.rho_M,
+        "rho_austenite": calibration.rho_A,
+        "film": calibration.h,
         "calibrated_start": start,
         "calibrated_end": end,
     }
 
 
 def compute_rms(key: str, stated: Printed) -> float:
-    """Return the resistance of a variant less that of the record, root mean square [ohm]."""
+    """Return the RMS difference of the resistance of a variant from the record [ohm]."""
     fitted = calibrate_numbers(stated) if key == "calibrated" else None
     return model.resistance_rms(model.predict_plateaus(key, stated, fitted), RecordStaircase(stated), *KEPT)

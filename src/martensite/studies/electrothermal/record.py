@@ -1,7 +1,7 @@
 """The record, reduced to plateaus: R = (V - V₀)/I with the authors' offset V₀.
 
-By the stamps of logger and camera the wire warms within ten seconds of the current. What the
-camera reads is apparent, the wire being thinner than a pixel.
+By the time stamps of logger and camera, the wire warms within ten seconds of the current. The camera temperature is
+apparent, since the wire is thinner than a pixel.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ UNTRAINED = f"{DATA}/untrained_wire_voltage_current_run5.txt"
 WARMTH = f"{DATA}/untrained_wire_temperature_run5.txt"
 TRAINED = f"{DATA}/trained_wire_172MPa_electric.txt"
 LATER = 5207.558
-"""Start of the logger after that of the camera [s]: stamps 18:54:21 and 17:27:33.442."""
+"""Start of the logger after the camera [s]: stamps 18:54:21 and 17:27:33.442."""
 _SLACK = 1e-6
 
 
 @dataclass(frozen=True)
 class RecordStaircase:
-    """Plateaus of run 5, and what is read off them."""
+    """Plateaus of run 5, with derived quantities."""
 
     stated: Printed
 
@@ -59,14 +59,14 @@ class RecordStaircase:
         return fmean(self.resistance[i] for i in self.within(low, high))
 
     def extremes(self, low: float, high: float) -> tuple[float, float]:
-        """Lowest and highest resistance between two set-points [ohm]."""
-        found = [self.resistance[i] for i in self.within(low, high)]
-        return min(found), max(found)
+        """Return the lowest and highest resistance between two set-points [ohm]."""
+        resistances = [self.resistance[i] for i in self.within(low, high)]
+        return min(resistances), max(resistances)
 
     def drop(self) -> tuple[float, float]:
-        """Return the currents of the last plateau before the drop, and the first settled one after [A].
+        """Return the currents of the last plateau before the drop, and the first settled one after it [A].
 
-        Settled is where the resistance stays within 1 % of its mean as austenite.
+        Settled is a resistance within 1 % of its mean as austenite.
         """
         current, limit = self.table["current"], 1.01 * self.mean(*self.stated.hot)
         last = self.within(*self.stated.cold)[-1]
@@ -75,26 +75,26 @@ class RecordStaircase:
         return current[last], current[settled]
 
     def half_way(self) -> float:
-        """Return the current at which half of the drop is done, linear between plateaus [A]."""
+        """Return the current at half of the drop, linear between plateaus [A]."""
         level = 0.5 * (self.mean(*self.stated.cold) + self.mean(*self.stated.hot))
-        current, found = self.table["current"], self.resistance
+        current, resistance = self.table["current"], self.resistance
         last = self.within(*self.stated.cold)[-1]
-        below = find_crossing(current[last:], [-ohms for ohms in found[last:]], -level)
+        below = find_crossing(current[last:], [-ohms for ohms in resistance[last:]], -level)
         return math.nan if below is None else below
 
     def rise(self) -> float:
-        """Return the share by which the resistance of austenite rises per 40 K of apparent temperature."""
+        """Return the relative rise of the resistance of austenite per 40 K of apparent temperature."""
         places = self.within(self.stated.hot[0], 4.5)
         warmth = [self.table["apparent_temperature"][i] for i in places]
         line = fit_powers(warmth, [self.resistance[i] for i in places], (0, 1))
         return 40.0 * line.values[1] / self.mean(*self.stated.hot)
 
     def offset(self, low: float, high: float) -> SupplyOffset:
-        """Return the offset that the plateaus between two set-points [V] have by themselves."""
+        """Return the supply offset of the plateaus between two set-points [V]."""
         return supply_offset(self.table, "set_point", "current", low, high)
 
     def jumps(self) -> int:
-        """Return the number of times that the set-point falls back by the stated drop."""
+        """Return the number of falls of the set-point by the stated drop."""
         return len(unwrap_counter(_join_rows()["set_point"], self.stated.drop).jumps)
 
 
@@ -104,14 +104,14 @@ def has_files(*files: str) -> bool:
 
 
 def trained_slopes(low: tuple[float, float], high: tuple[float, float]) -> list[SupplyOffset]:
-    """Return the lines through the trained run between two pairs of set-points [V]."""
+    """Return the lines through the trained run in two ranges of set-points [V]."""
     table = reduce_to_plateaus(read_table(f"data:{TRAINED}"), "set_point", settled=0.3)
     return [supply_offset(table, "set_point", "current", *span) for span in (low, high)]
 
 
 @cache
 def _join_rows() -> Record:
-    """Return the rows of the logger, with the apparent temperature at the same time."""
+    """Return the rows of the logger, with the simultaneous apparent temperature."""
     import numpy as np
 
     rows, camera = read_table(f"data:{UNTRAINED}"), read_table(f"data:{WARMTH}")

@@ -1,4 +1,4 @@
-"""Numbers of the record itself: offset, counter, and the resistance of run 5 and what it does."""
+"""Numbers of the record: offset, counter, and the resistance of run 5."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import Printed
 
 ALL_COLD = (1.0, 2.2)
-"""Every plateau below the drop [V]."""
+"""All plateaus below the drop [V]."""
 SHORTER = (1.3, 2.0)
 MILD, STEEP = (2.5, 3.5), (4.4, 5.4)
-"""Two stretches of the trained run [V]."""
+"""Two ranges of the trained run [V]."""
 
 
 def compute_record(stated: Printed) -> dict[str, Any]:
-    """Return the offset and counter, resistance, and the trained run: what the files at hand allow."""
-    found = compute_run_5(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else {}
-    return found | (compute_trained() if record.has_files(record.TRAINED) else {})
+    """Return the numbers of all available files."""
+    numbers = compute_run_5(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else {}
+    return numbers | (compute_trained() if record.has_files(record.TRAINED) else {})
 
 
 def compute_run_5(stated: Printed) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """Panels of the identified resistance: over apparent temperature, and over the offset.
 
-Where the curve of a fit is drawn, the strip between A_s and A_f is one of many that fit alike.
+The transformation drawn between A_s and A_f is one of many with the same error.
 """
 
 from __future__ import annotations
@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
-from martensite.studies.electrothermal import model
 from martensite.studies.electrothermal import resistance_fit as fitting
 from martensite.studies.figures import label_axes
+from martensite.studies.readings import ZERO
 from martensite.studies.tables import Printed
 
 LOOKS = {
@@ -24,7 +24,7 @@ _OFFSETS = tuple(0.16 + 0.02 * k for k in range(11))
 
 
 def over_temperature(axes: Any, stated: Printed) -> None:
-    """R over apparent temperature: measured, fitted, kept back, and the band of offsets."""
+    """Draw R over apparent temperature: measured, fitted, held out, and the band of offsets."""
     low, high = (fitting.fit_shape("mixture", offset) for offset in (fitting.UPPER, fitting.LOWER))
     warmth, below = fit_curve(low)
     axes.fill_between(
@@ -38,8 +38,8 @@ def over_temperature(axes: Any, stated: Printed) -> None:
     )
     for shape, (label, colour, dashes) in LOOKS.items():
         fit = fitting.fit_shape(shape, stated.offset)
-        rms, held = fitting.residual_rms(fit), fitting.residual_rms(fit, "held-out")
-        label += f", rms {rms:.3f} Ω, kept back {held:.3f} Ω"
+        rms, held_out = fitting.residual_rms(fit), fitting.residual_rms(fit, "held-out")
+        label += f", rms {rms:.3f} Ω, held out {held_out:.3f} Ω"
         axes.plot(*fit_curve(fit), color=colour, linestyle=dashes, label=label, linewidth=1.5)
     _draw_points(axes, stated)
     label_axes(
@@ -53,16 +53,16 @@ def over_temperature(axes: Any, stated: Printed) -> None:
 
 
 def _draw_points(axes: Any, stated: Printed) -> None:
-    """Measured plateaus, with what the band of offsets does to each."""
-    at = [kelvin - model.ZERO for kelvin in fitting.compared_column("apparent_temperature")]
+    """Draw the measured plateaus with the effect of the band of offsets."""
+    at = [kelvin - ZERO for kelvin in fitting.compared_column("apparent_temperature")]
     ohms, least, most = (
         [fitting.load_staircase().resistances(offset)[i] for i in fitting.compared_places()]
         for offset in (stated.offset, fitting.UPPER, fitting.LOWER)
     )
-    held = fitting.fit_shape("mixture", stated.offset).problem.experiments[0].kept_back
+    held_out = fitting.fit_shape("mixture", stated.offset).problem.experiments[0].kept_back
     axes.vlines(at, least, most, color=QUIET, linewidth=0.6, zorder=3)
-    for flag, fill, label in ((False, INK, "run 5"), (True, "white", "run 5, kept back")):
-        rows = [k for k in range(len(at)) if bool(held[k]) is flag]
+    for flag, fill, label in ((False, INK, "run 5"), (True, "white", "run 5, held out")):
+        rows = [k for k in range(len(at)) if bool(held_out[k]) is flag]
         axes.plot(
             [at[k] for k in rows],
             [ohms[k] for k in rows],
@@ -81,11 +81,11 @@ def fit_curve(fit: Any) -> tuple[list[float], list[float]]:
     first, last = fit["A_s"], fit["A_f"]
     strip = [first + (last - first) * k / _STEPS for k in range(_STEPS + 1)]
     warmth = sorted([at[0], *strip, at[-1]])
-    return [kelvin - model.ZERO for kelvin in warmth], fitting.fitted_resistances(fit, warmth)
+    return [kelvin - ZERO for kelvin in warmth], fitting.fitted_resistances(fit, warmth)
 
 
 def over_offset(axes: Any, stated: Printed) -> None:
-    """ρ_M - ρ_A over the offset of the supply, for every shape, with its best offset."""
+    """Draw ρ_M - ρ_A over the supply offset for each shape, with its best offset."""
     axes.axvspan(
         fitting.LOWER, fitting.UPPER, color=SIMULATED, alpha=0.14, linewidth=0.0, label="offsets of the record"
     )
@@ -106,13 +106,13 @@ def over_offset(axes: Any, stated: Printed) -> None:
 
 
 def _draw_difference(axes: Any, shape: str) -> None:
-    """The line of one shape; the plain mixture and the last one have the band of their scatter."""
+    """Draw the line of one shape, with its band except for `austenite`."""
     label, colour, dashes = LOOKS[shape]
-    found = [fitting.resistivity_difference(fitting.fit_shape(shape, offset)) for offset in _OFFSETS]
-    middle = [_SCALE * value for value, _ in found]
+    differences = [fitting.resistivity_difference(fitting.fit_shape(shape, offset)) for offset in _OFFSETS]
+    middle = [_SCALE * value for value, _ in differences]
     axes.plot(_OFFSETS, middle, color=colour, linestyle=dashes, label=label, linewidth=1.5)
     if shape != "austenite":
-        low, high = ([_SCALE * (v + sign * half) for v, half in found] for sign in (-1.0, 1.0))
+        low, high = ([_SCALE * (v + sign * half) for v, half in differences] for sign in (-1.0, 1.0))
         axes.fill_between(_OFFSETS, low, high, color=colour, alpha=0.12, linewidth=0.0)
     best = fitting.offset_of(shape).value
     if best <= _OFFSETS[-1]:

@@ -1,4 +1,4 @@
-"""Numbers of what run 5 says about R(ξ, T): two ways to fit it, and what neither can tell."""
+"""Numbers of R(ξ, T) of run 5: two fits, and their limits."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from martensite.search.profile import Profile
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal import resistance_fit as fitting
+from martensite.studies.readings import ZERO
 from martensite.studies.tables import Printed
 
 
@@ -19,20 +20,20 @@ def strip_profile(name: str, offset: float) -> Profile:
 
 
 def compute_resistance(stated: Printed) -> dict[str, float]:
-    """Resistivities, offset and place of the drop; shapes of R; then the electrical way."""
-    known = {
+    """Return resistivities, offset and place of the drop; shapes of R; then the electrical fit."""
+    numbers = {
         "lower": fitting.LOWER,
         "upper": fitting.UPPER,
         "rho_difference": stated.rho_M - stated.rho_A,
         "rise_percent": 100.0 * stated.rise,
     }
     if not record.has_files(record.UNTRAINED, record.WARMTH):
-        return known
-    return known | compute_fits(stated) | compute_shapes(stated) | compute_films(stated)
+        return numbers
+    return numbers | compute_fits(stated) | compute_shapes(stated) | compute_films(stated)
 
 
 def compute_fits(stated: Printed) -> dict[str, float]:
-    """Resistivities, their difference at three offsets, and the offset."""
+    """Return resistivities, their difference at three offsets, and the offset."""
     fit = fitting.fit_shape("mixture", stated.offset)
     offsets = {"": stated.offset, "_lower": fitting.LOWER, "_upper": fitting.UPPER}
     differences = {
@@ -49,18 +50,18 @@ def compute_fits(stated: Printed) -> dict[str, float]:
         "fit_offset_slope": fitting.offset_of("austenite").value,
         "fit_offset_slopes": fitting.offset_of("both").value,
         "heated_offset": heating.offset_found().value,
-        "fit_strip_start": strip_profile("A_s", stated.offset).interval[0] - model.ZERO,
-        "fit_strip_end": strip_profile("A_f", stated.offset).interval[1] - model.ZERO,
+        "fit_strip_start": strip_profile("A_s", stated.offset).interval[0] - ZERO,
+        "fit_strip_end": strip_profile("A_f", stated.offset).interval[1] - ZERO,
         "fit_between": float(fitting.count_transforming(fit)),
     }
 
 
 def compute_shapes(stated: Printed) -> dict[str, float]:
-    """Compute the improvement by a resistance that grows with temperature."""
+    """Return the improvement by a resistance that grows with temperature."""
     fits = {name: fitting.fit_shape(name, stated.offset) for name in ("mixture", "austenite", "both")}
     plain = fitting.akaike_criterion(fits["mixture"])
-    found = {f"left_out_{name}": fitting.predicted_rms(name, stated.offset) for name in fits}
-    return found | {
+    errors = {f"left_out_{name}": fitting.predicted_rms(name, stated.offset) for name in fits}
+    return errors | {
         "fit_rise": 4000.0 * fits["austenite"]["a_rho_A"],
         "aicc_austenite": fitting.akaike_criterion(fits["austenite"]) - plain,
         "aicc_both": fitting.akaike_criterion(fits["both"]) - plain,
@@ -69,7 +70,7 @@ def compute_shapes(stated: Printed) -> dict[str, float]:
 
 
 def compute_films(stated: Printed) -> dict[str, float]:
-    """Return the electrical way: film coefficient and difference of the resistivities."""
+    """Return film coefficient and resistivity difference of the electrical fit."""
     heated, films = heating.fit_heating(stated.offset), heating.apparent_films(stated.offset)
     return {
         "heated_film": heated["h"],

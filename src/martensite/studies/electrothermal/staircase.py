@@ -1,21 +1,20 @@
-"""Records of a staircase: mend its counter, reduce it to plateaus, find the offset of a supply.
+"""Records of a staircase: repair a counter, reduce to plateaus, find the offset of a supply.
 
-A supply that goes up in equal steps, and is held on each, leaves a record of which only the
-last part of each plateau is steady. `plateaus` turns that into one row per plateau.
+`reduce_to_plateaus` reduces a record of equal steps to one row per plateau, from its settled last part.
 
-The set-point V of a supply may carry an offset V₀ against what is across the wire. Where the
-resistance R does not change, V = V₀ + R I is a straight line: `supply_offset` fits it by least
-squares. With n plateaus, residuals r, the mean current m and S = Σ (I - m)²,
+The set-point V of a supply can have an offset V₀ from the voltage at the wire. Where the resistance R is constant, V =
+V₀ + R I is a straight line: `supply_offset` fits it by least squares. With n plateaus, residuals r, the mean current m
+and S = Σ (I - m)²,
 
     s² = Σ r²/(n - 2),    error of R: s/√S,    error of V₀: s √(1/n + m²/S)
 
-A wire that resists more as it warms tilts the line and so lowers V₀: keep to small currents.
+If the resistance rises as the wire warms, V₀ is too low: use small currents.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from statistics import fmean, stdev
@@ -26,12 +25,12 @@ from martensite.signals.records import Record
 
 COUNT = "count"
 DEVIATION = "_deviation"
-"""Suffix of the column of a standard deviation."""
+"""Suffix of standard deviation columns."""
 
 
 @dataclass(frozen=True)
 class Unwrapped:
-    """Values without the jumps of their counter, and where those were."""
+    """Values without the jumps of their counter."""
 
     values: list[float]
     jumps: list[int]
@@ -43,11 +42,11 @@ class SupplyOffset:
     """The line V = V₀ + R I through plateaus of constant resistance, with standard errors."""
 
     offset: float
-    """V₀ [V]"""
+    """V₀ [V]."""
     offset_error: float
     """[V]"""
     resistance: float
-    """R [ohm]"""
+    """R [ohm]."""
     resistance_error: float
     """[ohm]"""
     count: int
@@ -55,14 +54,14 @@ class SupplyOffset:
 
 
 def unwrap_counter(values: Sequence[float], drop: float) -> Unwrapped:
-    """Mend a counter that has fallen back by a constant, once or repeatedly.
+    """Repair a counter that has fallen back by a constant, once or repeatedly.
 
-    A fall of between half and one and a half times `drop` from one value to the next is a
-    jump; from there on `drop` is added once more. Every other change is left as it is.
+    A fall between half and one and a half times `drop` from one value to the next is a jump; `drop` is added to all
+    values after it.
 
     Args:
-        values: what the counter showed.
-        drop: by how much it falls back, above zero, in the unit of the values.
+        values: readings of the counter.
+        drop: fall of the counter, positive, in the unit of the values.
 
     Raises:
         ParameterError: `drop` is not above zero.
@@ -83,20 +82,19 @@ def reduce_to_plateaus(
 ) -> Record:
     """Reduce the record of a staircase to one row per plateau.
 
-    A plateau is a run of rows on which `column` stays within `tolerance` of its first value.
-    Every other column is averaged over the settled last part of it, at least two rows.
+    A plateau is a run of rows with `column` within `tolerance` of its first value. Other columns are averaged over its
+    settled last part, at least two rows.
 
     Args:
         record: the record of a staircase.
-        column: the column that is held on each plateau.
-        settled: share of the rows of a plateau that counts as settled, above 0 to 1.
-        tolerance: by how much the column may stray, in its SI unit.
-        shortest: plateaus of fewer rows are left out; at least 2.
+        column: column that is constant on each plateau.
+        settled: settled fraction of the rows of a plateau, above 0 to 1.
+        tolerance: allowed variation of the column, in its SI unit.
+        shortest: smallest number of rows of a plateau, at least 2.
 
     Returns:
-        A record of the level of `column`, the mean of every other column (`time` too), their
-        sample standard deviations under `<name>_deviation`, and the `count` of rows averaged.
-        `dropped` counts the rows of the plateaus left out.
+        A record of the level of `column`, the mean of each other column (`time` too), their sample standard deviations
+        under `<name>_deviation`, and the `count` of averaged rows. `dropped` counts the rows of omitted plateaus.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -104,39 +102,45 @@ def reduce_to_plateaus(
     """
     _check_settled(settled, tolerance, shortest)
     runs = _find_runs(record[column], tolerance)
-    kept = [(first, last) for first, last in runs if last - first >= shortest]
-    if not kept:
+    plateaus = [(first, last) for first, last in runs if last - first >= shortest]
+    if not plateaus:
         raise DataError(
             f"Column `{column}` of record `{record.name}` has no plateau of at least "
             f"{shortest} rows; a staircase is held on its levels."
         )
-    parts = [(max(first, last - _build_rows(settled, last - first)), last) for first, last in kept]
+    parts = [(max(first, last - _build_rows(settled, last - first)), last) for first, last in plateaus]
     others = [name for name in record.columns if name != column]
-    table = {name: [fmean(record[name][a:b]) for a, b in parts] for name in others}
-    table[column] = [record[column][first] for first, _ in kept]
-    units = dict(record.units)
-    for name in (*others, None):
-        own = COUNT if name is None else name + DEVIATION
-        if own in table:
-            raise DataError(f"Record `{record.name}` has a column `{own}` already; rename it.")
-        table[own] = [float(b - a) if name is None else stdev(record[name][a:b]) for a, b in parts]
-        units[own] = "1" if name is None else record.units[name]
-    dropped = len(record) - sum(last - first for first, last in kept)
-    return Record(f"{record.name}, plateaus", table, units, record.source, dropped)
+    table = dict(zip(others, _reduce_columns(record, others, parts, fmean), strict=True))
+    table[column] = [record[column][first] for first, _ in plateaus]
+    names = [name + DEVIATION for name in others]
+    scatter = dict(zip(names, _reduce_columns(record, others, parts, stdev), strict=True))
+    scatter[COUNT] = [float(b - a) for a, b in parts]
+    if taken := scatter.keys() & table.keys():
+        raise DataError(f"Record `{record.name}` has a column `{min(taken)}` already; rename it.")
+    units = record.units | {COUNT: "1"} | {name + DEVIATION: record.units[name] for name in others}
+    dropped = len(record) - sum(last - first for first, last in plateaus)
+    return Record(f"{record.name}, plateaus", table | scatter, units, record.source, dropped)
+
+
+def _reduce_columns(
+    record: Record, names: Sequence[str], parts: Sequence[tuple[int, int]], function: Callable[[list[float]], float]
+) -> list[list[float]]:
+    """Apply a function to each part of each column."""
+    return [[function(record[name][a:b]) for a, b in parts] for name in names]
 
 
 def supply_offset(table: Record, set_point: str, current: str, low: float, high: float) -> SupplyOffset:
-    """Return the offset of a supply from plateaus on which the resistance does not change.
+    """Return the offset of a supply from plateaus of constant resistance.
 
     Args:
-        table: plateaus, as `plateaus` returns them.
+        table: plateaus from `reduce_to_plateaus`.
         set_point: column of the set-point [V].
         current: column of the current [A].
         low: lowest set-point used [V].
         high: highest set-point used [V].
 
     Raises:
-        DataError: fewer than 3 plateaus lie between, or their currents do not differ.
+        DataError: fewer than 3 plateaus are in range, or their currents are equal.
     """
     pairs = zip(table[current], table[set_point], strict=True)
     slack = 1e-9 * max(abs(low), abs(high))

@@ -1,8 +1,7 @@
-"""The finger as simulated, its inputs, and what is read off a run.
+"""The simulated finger, its inputs, and quantities of its runs.
 
-Runs are made in fixed steps: 20 ms for the trapezoid, 50 ms and more for slow loops. Halving
-them changes no angle by more than 0.02° (asserted in the tests). They run in C where there is a
-compiler, which is many times faster, else on floats; both agree to 1e-12.
+Runs have fixed steps: 20 ms for the trapezoid, 50 ms and more for slow loops. Halving them changes no angle by more
+than 0.02° (asserted in the tests).
 """
 
 from __future__ import annotations
@@ -10,40 +9,33 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import cast
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
 from martensite.scenario.laws import configure_laws
-from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import choose_runtime, level_time, passing_time
+from martensite.studies.readings import choose_runtime, level_time, load_once, passing_time
 from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
+load_scenario = partial(load_once, SCENARIO)
 POLYCRYSTAL = ("mas-polycrystal", (("spread", "20 MPa"),))
-"""A law with barriers that differ by 20 MPa (standard deviation)."""
+"""Polycrystal law: barriers spread by 20 MPa (standard deviation)."""
 SINGLE = ("mas", ())
 STATIC = (("latent_heat", 0.0), ("heat_capacity", 5.0))
-"""A wire that stores next to no heat: every state is a steady one."""
+"""A wire with negligible heat storage, always at steady state."""
 SAFE_ARM, FAR_ARM = 6e-3, 25e-3
-"""Other places of the spring than the scenario's [m]."""
+"""Other places of the spring [m]."""
 STEP = 0.02
-"""[s]"""
 Law = tuple[str, tuple[tuple[str, str], ...]]
-
-
-@cache
-def load_scenario() -> Scenario:
-    """Return the scenario of this study."""
-    return load(SCENARIO)
 
 
 def get_wire() -> Wire:
@@ -52,13 +44,13 @@ def get_wire() -> Wire:
 
 
 def surface_conductance(printed: Printed) -> float:
-    """h S of the whole wire [W/K]."""
+    """Return h S of the whole wire [W/K]."""
     return printed.film * get_wire().surface()
 
 
 @cache
 def build_finger(law: Law = SINGLE, values: tuple[tuple[str, float], ...] = ()) -> System:
-    """Return the finger with another law, and with numbers changed by name."""
+    """Return the finger with another law and changed parameters."""
     system = cast("System", load_scenario().system)
     if law != SINGLE:
         name, settings = law
@@ -78,13 +70,13 @@ def power_trapezoid(watts: float, printed: Printed) -> Table:
 def run_bending(
     watts: float, offset: float, printed: Printed, arm: float | None = None, law: Law = SINGLE, step: float = STEP
 ) -> Result:
-    """Return the trapezoid at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
+    """Return a trapezoid run at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
     places = {"mechanism.offset": offset} | ({} if arm is None else {"mechanism.arm": arm})
     return run_trapezoid(build_finger(law, tuple(places.items())), watts, printed, step)
 
 
 def run_trapezoid(system: System, watts: float, printed: Printed, step: float = STEP) -> Result:
-    """Return the trapezoid at a power [W] on any system."""
+    """Return a trapezoid run at a power [W] of any system."""
     wave = power_trapezoid(watts, printed)
     return simulate(system, wave, 25.0, step=step, samples=501, runtime=choose_runtime())
 
@@ -100,7 +92,7 @@ def column_at(result: Result, name: str, time: float) -> float:
 
 
 def rise_time(result: Result, share: float, printed: Printed) -> float:
-    """Return the time after the power starts at which a share of the final angle is reached [s]."""
+    """Return the time from the start of the power to a fraction of the final angle [s]."""
     level = share * math.radians(top_angle(result, printed))
     last = round(printed.fall / result.times[-1] * (len(result.times) - 1))
     return passing_time(result.times[: last + 1], result.columns["angle"][: last + 1], level) - printed.start
@@ -134,15 +126,15 @@ def loop_width(result: Result) -> float:
 
 @cache
 def steady_temperature(watts: float, printed: Printed) -> float:
-    """Return the temperature long after switching on a power [W], simulated [K]."""
+    """Return the simulated steady temperature under a power [K]."""
     run = simulate(build_finger(), Constant(level=watts), 60.0, step=STEP, samples=61, runtime=choose_runtime())
     return run["temperature"][-1]
 
 
 def energy_imbalance(result: Result, values: Mapping[str, float]) -> float:
-    """Energy that a run does not account for, as a share of what was put in.
+    """Return the energy error of a run, as a fraction of the electrical work.
 
-    In: electrical work. Out: heat lost, heat stored, latent heat, by trapezoids of the samples.
+    Heat loss, stored heat and latent heat are integrated by trapezoids of the samples.
     """
     times = result.times
     gain = [p - q for p, q in zip(result.columns["power"], result.columns["heat_loss"], strict=True)]
@@ -160,7 +152,7 @@ def _integrate_power(times: Sequence[float] | Numbers, values: Sequence[float] |
 
 
 def full_stroke(offset: float, arm: float, printed: Printed) -> float:
-    """Return the angle at which the wire is all austenite, in closed form by bisection [°].
+    """Return the angle at full austenite, in closed form by bisection [°].
 
     ε_0 - 2 n ΔL/l = σ/E_A, with the stress of the spring at that angle.
     """

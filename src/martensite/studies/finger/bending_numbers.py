@@ -1,7 +1,7 @@
-"""Numbers of the bending: angles at two powers and three distances, their times, and geometry.
+"""Numbers of the bending: angles at two powers and three distances, times, and geometry.
 
-The measured angles are in a figure that is not in the text at hand. What the text says can be
-checked in kind: the trend in r, the return, the time constants that depend on the power.
+The measured angles are in an unavailable figure. The text allows qualitative checks: the trend in r, the return, the
+power dependence of the time constants.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from martensite.studies.finger import bench, wire_numbers
 from martensite.studies.tables import Printed
 
 ARMS = tuple(1e-3 * i for i in range(6, 20))
-"""Places of the spring that are tried [m]."""
+"""Tried places of the spring [m]."""
 OTHER_FILM = 220.0
-"""[W/(m² K)]"""
 
 
 def compute_bending(printed: Printed) -> dict[str, Any]:
-    """Trend and angles first, then thresholds, times, energy and what the numbers hang on."""
+    """Return trend and angles, then thresholds, times, energy and sensitivities."""
     arm = bench.build_finger().value_of("mechanism.arm")
     low, high = printed.powers
     run, wire = (bench.run_bending(max(printed.powers), printed.offsets[0], printed), bench.get_wire())
@@ -46,12 +45,12 @@ def compute_bending(printed: Printed) -> dict[str, Any]:
 
 
 def top_angles(watts: float, printed: Printed, arm: float | None = None) -> list[float]:
-    """Return the angles at the end of the full power, one for each r [°]."""
+    """Return the angles at the end of the full power by r [°]."""
     return [bench.top_angle(bench.run_bending(watts, r, printed, arm), printed) for r in printed.offsets]
 
 
 def angles_fall(watts: float, printed: Printed, arm: float | None = None) -> bool:
-    """True if a larger r bends less."""
+    """Return whether a larger r bends less."""
     first, second, third = top_angles(watts, printed, arm)
     return first > second > third
 
@@ -62,17 +61,16 @@ def count_falls(printed: Printed, arm: float | None = None) -> float:
 
 
 def last_arm(watts: float, printed: Printed) -> float:
-    """Return the largest place of the spring tried up to which a larger r bends less [m]."""
-    found = 0.0
+    """Return the largest tried place of the spring up to which a larger r bends less [m]."""
+    last = 0.0
     for arm in ARMS:
         if not angles_fall(watts, printed, arm):
             break
-        found = arm
-    return found
+        last = arm
+    return last
 
 
 def _list_angle(watts: float, r: float, arm: float, printed: Printed) -> dict[str, float]:
-    """Return the angle and stress at a power [W] and a distance r [m]."""
     run = bench.run_bending(watts, r, printed)
     return {
         "r": 1e3 * r,
@@ -84,7 +82,7 @@ def _list_angle(watts: float, r: float, arm: float, printed: Printed) -> dict[st
 
 
 def _list_limit(watts: float, printed: Printed) -> dict[str, float]:
-    """With the spring far out the wire stops at its threshold."""
+    """Return threshold and stress of a wire with the spring far out, which stops at its threshold."""
     r = printed.offsets[-1]
     run = bench.run_bending(watts, r, printed, bench.FAR_ARM)
     stress, kelvin = (bench.column_at(run, name, printed.fall) for name in ("stress", "temperature"))
@@ -93,7 +91,6 @@ def _list_limit(watts: float, printed: Printed) -> dict[str, float]:
 
 
 def _list_rise(r: float, printed: Printed) -> dict[str, float]:
-    """Return the times of the rise at both powers and a distance r [m]."""
     slow, quick = (bench.run_bending(watts, r, printed) for watts in printed.powers)
     spans = [bench.rise_time(run, 0.9, printed) - bench.rise_time(run, 0.1, printed) for run in (slow, quick)]
     return {
@@ -105,7 +102,7 @@ def _list_rise(r: float, printed: Printed) -> dict[str, float]:
 
 
 def compute_sensitivity(printed: Printed) -> dict[str, float]:
-    """Return another film coefficient, and twice the power."""
+    """Return the angles with another film coefficient and with twice the power."""
     low, r = min(printed.powers), printed.offsets[0]
     changed = (("mechanism.offset", r), ("environment.cooling.h", OTHER_FILM))
     run = bench.run_trapezoid(bench.build_finger(bench.SINGLE, changed), low, printed)
@@ -122,7 +119,7 @@ def compute_sensitivity(printed: Printed) -> dict[str, float]:
 
 
 def gauge_change(printed: Printed) -> float:
-    """Return the largest change of the angle if T_L is 10 K and σ_L the matching stress higher [°]."""
+    """Return the largest change of the angle with T_L 10 K higher and the matching σ_L [°]."""
     low, r = min(printed.powers), printed.offsets[0]
     usual, slope = bench.build_finger(), bench.build_finger().value_of("dsigma_dT")
     moved = bench.build_finger(

@@ -1,7 +1,6 @@
-"""Numbers of the crystal: one against many with spread barriers, at intermediate powers.
+"""Numbers of the crystal: single crystal and polycrystal with spread barriers, at intermediate powers.
 
-The paper blames the errors of its model, which it does not show, on its single crystal. Without
-the measured angles that can be compared with a polycrystal only.
+The paper blames its single crystal for model errors that it does not show.
 """
 
 from __future__ import annotations
@@ -12,9 +11,9 @@ from martensite.studies.finger import bench
 from martensite.studies.tables import Printed
 
 MIDDLE = (1.0, 1.2, 1.3, 1.4, 1.6, 1.8)
-"""Powers at which both crystals are compared [W]."""
+"""Powers of the comparison [W]."""
 OUTER_ARM = 12e-3
-"""A place of the spring at which intermediate powers lie between those of the paper [m]."""
+"""Place of the spring at which intermediate powers lie between those of the paper [m]."""
 
 
 def compute_crystal(printed: Printed) -> dict[str, Any]:
@@ -27,7 +26,6 @@ def compute_crystal(printed: Printed) -> dict[str, Any]:
 
 
 def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
-    """Return the angles of a polycrystal at all r."""
     angles = [
         bench.top_angle(bench.run_bending(watts, r, printed, None, bench.POLYCRYSTAL), printed) for r in printed.offsets
     ]
@@ -36,15 +34,14 @@ def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
 
 
 def _list_difference(printed: Printed, name: str, arm: float | None) -> dict[str, Any]:
-    """Return both crystals at intermediate powers."""
-    apart = {watts: crystal_difference(watts, printed, arm) for watts in MIDDLE}
-    worst = max(apart, key=lambda watts: abs(apart[watts]))
+    differences = {watts: crystal_difference(watts, printed, arm) for watts in MIDDLE}
+    worst = max(differences, key=lambda watts: abs(differences[watts]))
     return {
         "name": name,
         "watts": worst,
-        "difference": apart[worst],
+        "difference": differences[worst],
         "arm": 1e3 * (arm or bench.build_finger().value_of("mechanism.arm")),
-        "listed": ", ".join(f"{d:+.1f}° at {watts:.1f} W" for watts, d in apart.items()),
+        "listed": ", ".join(f"{d:+.1f}° at {watts:.1f} W" for watts, d in differences.items()),
     }
 
 

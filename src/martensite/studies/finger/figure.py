@@ -1,10 +1,4 @@
-"""The figure of the study: what a reader of the paper looks for, on one page.
-
-Left: angle over time at both powers for the three distances r, as in its Figure 6, single crystal
-and polycrystal, with power and temperature below. Right: the calibration loop of its Figure 5, as
-it is, ten times slower, and without stored heat; below, the angle over the power for both
-crystals, and over the place of the spring, on which the trend in r hangs.
-"""
+"""The figure of the study."""
 
 from __future__ import annotations
 
@@ -15,15 +9,13 @@ from martensite.show.figures.labels import typeset_symbol
 from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.studies.figures import add_right_axis, draw_page, label_axes
 from martensite.studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
+from martensite.studies.readings import ZERO
 from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ZERO = 273.15
-"""0 °C [K]."""
 COLOURS = (SIMULATED, HEATING, MEASURED[2])
-"""Colours of the three distances r."""
 DASHED = (0, (4, 1.6))
 
 
@@ -32,8 +24,8 @@ def draw_figure(printed: Printed) -> Figure:
     with draw_page(
         12.0,
         7.2,
-        "Robotic finger: what follows from the published numbers",
-        "quasi-static, power in the whole wire; place of spring and brackets are assumed",
+        "Robotic finger: results of the published numbers",
+        "quasi-static, power in the whole wire; positions of spring and brackets are assumed",
     ) as figure:
         left, right = figure.add_gridspec(
             1, 2, left=0.055, right=0.985, top=0.9, bottom=0.075, width_ratios=(1.0, 1.15), wspace=0.24

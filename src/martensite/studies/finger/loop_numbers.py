@@ -9,16 +9,16 @@ from martensite.studies.finger import bench
 from martensite.studies.tables import Printed
 
 SLOW, SLOWEST = 0.1, 0.03
-"""Frequencies of slower loops, as shares of that of the paper."""
+"""Frequencies of slower loops, relative to the paper."""
 OTHER_ARM = 16e-3
 CLOSE = 1.1
-"""Ratio of widths up to which a loop counts as quasi-stationary."""
+"""Largest width ratio of a quasi-stationary loop."""
 LATENT = (8e3, 0.0)
-"""Latent heats tried beside that of Table 1 [J/kg]."""
+"""Other latent heats than in Table 1 [J/kg]."""
 
 
 def compute_loop(printed: Printed) -> dict[str, Any]:
-    """Return the width against a slow loop, temperature against power, latent heat."""
+    """Return widths, temperature lag, and widths with other latent heats."""
     here = bench.build_finger().value_of("mechanism.arm")
     return {
         "widths": (widths := [_list_widths(printed, arm) for arm in (here, OTHER_ARM)]),
@@ -40,7 +40,7 @@ def _list_widths(printed: Printed, arm: float) -> dict[str, float]:
 
 
 def loop_widths(printed: Printed, arm: float | None) -> tuple[float, float, float]:
-    """Widths of the loop as in the paper, ten times slower, and without stored heat [W]."""
+    """Return the widths of the loop as in the paper, ten times slower, and without stored heat [W]."""
     return (
         bench.loop_width(bench.run_loop(printed.frequency, arm, printed)),
         bench.loop_width(bench.run_loop(SLOW * printed.frequency, arm, printed)),
@@ -49,7 +49,7 @@ def loop_widths(printed: Printed, arm: float | None) -> tuple[float, float, floa
 
 
 def calm_frequency(printed: Printed) -> float:
-    """Largest frequency of those tried whose loop is hardly wider than one without stored heat [Hz]; 0 if none is."""
+    """Return the largest tried frequency of a quasi-stationary loop [Hz]; 0 without one."""
     static = bench.loop_width(bench.run_loop(printed.frequency, None, printed, bench.STATIC))
     tried = (share * printed.frequency for share in (1.0, SLOW, SLOWEST))
     return next((f for f in tried if bench.loop_width(bench.run_loop(f, None, printed)) <= CLOSE * static), 0.0)
@@ -62,7 +62,7 @@ def latent_width(latent: float, printed: Printed) -> float:
 
 
 def temperature_lag(printed: Printed, arm: float | None) -> float:
-    """Return the largest distance of the temperature from T_E + P/(α S) [K]."""
+    """Return the largest deviation of the temperature from T_E + P/(α S) [K]."""
     run = bench.run_loop(printed.frequency, arm, printed)
     per_kelvin = bench.surface_conductance(printed)
     rows = zip(run["temperature"], run["power"], strict=True)

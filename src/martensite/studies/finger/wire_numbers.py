@@ -1,4 +1,4 @@
-"""Numbers of the wire alone: its heat balance, its thresholds, and what Table 1 implies."""
+"""Numbers of the wire alone: its heat balance, its thresholds, and implications of Table 1."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from martensite.studies.tables import Printed
 RATE = 1e-3
 """Strain rate of the plateaus [1/s]."""
 TWINNED = Fractions(1.0, 0.0)
-"""Martensite of both variants alike."""
+"""Martensite with equal variants."""
 PLASTIC = 1040.0
 """Density of a printed phalanx, ABS [kg/m³]; not in the paper."""
 HOT = (340.0, 355.0, 370.0)
@@ -22,11 +22,11 @@ LOADS = (50e6, 150e6)
 """Stresses of the isobaric cycles [Pa]."""
 ALL_STRETCH = 0.05
 MEAN_KELVIN = 325.0
-"""Temperature at which latent heat and slope are compared [K]."""
+"""Temperature for the comparison of latent heat and slope [K]."""
 
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
-    """Heat first, then the law, then the mounting."""
+    """Return heat, then law, then mounting."""
     per_kelvin = bench.surface_conductance(printed)
     path, half = stretched_cold(printed.ambient), 501
     rest = bench.run_bending(printed.powers[0], min(printed.offsets), printed)
@@ -69,7 +69,7 @@ def threshold_power(printed: Printed) -> float:
 
 
 def free_width(printed: Printed) -> float:
-    """Return the width in power of a loop without any rates [W]."""
+    """Return the width in power of a rate-independent loop [W]."""
     system = bench.build_finger()
     across = system.value_of("Delta_sigma") / system.value_of("dsigma_dT")
     return bench.surface_conductance(printed) * across
@@ -80,13 +80,13 @@ def _law_number(name: str) -> float:
 
 
 def threshold_stress(temperature: float) -> float:
-    """σ_A at a temperature [Pa]."""
+    """Return σ_A at a temperature [Pa]."""
     above = temperature - _law_number("T_L")
     return _law_number("sigma_L") + _law_number("dsigma_dT") * above
 
 
 def load_wire(temperature: float) -> PointResult:
-    """To 5 % of strain and back, from austenite."""
+    """Return a path to 5 % strain and back, from austenite."""
     seconds = ALL_STRETCH / RATE
     legs = [PathLeg(strain=ALL_STRETCH, duration=seconds), PathLeg(strain=0.0, duration=seconds)]
     return material_point(
@@ -95,7 +95,7 @@ def load_wire(temperature: float) -> PointResult:
 
 
 def plateau_stresses(path: PointResult, strain: float = 0.02) -> tuple[float, float]:
-    """Return the stress at a strain on the way up and on the way down [Pa]."""
+    """Return the stress at a strain on loading and on unloading [Pa]."""
     half = path.ends[1]
     up = passing_time(path.stress[: half + 1], path.strain[: half + 1], strain)
     down = passing_time(path.stress[half:][::-1], path.strain[half:][::-1], strain)
@@ -103,7 +103,6 @@ def plateau_stresses(path: PointResult, strain: float = 0.02) -> tuple[float, fl
 
 
 def _list_plateau(kelvin: float) -> dict[str, float]:
-    """Return both plateaus at a temperature [K], and their thresholds [MPa]."""
     nominal = threshold_stress(kelvin)
     upper, lower = (stress / 1e6 for stress in plateau_stresses(load_wire(kelvin)))
     low = (nominal - _law_number("Delta_sigma")) / 1e6
@@ -111,7 +110,7 @@ def _list_plateau(kelvin: float) -> dict[str, float]:
 
 
 def stretched_cold(temperature: float) -> PointResult:
-    """Twinned martensite to 5 % of strain, then unloaded."""
+    """Return a path of twinned martensite to 5 % strain, then unloaded."""
     seconds = ALL_STRETCH / RATE
     legs = [PathLeg(strain=ALL_STRETCH, duration=seconds), PathLeg(stress=0.0, duration=10.0)]
     return material_point(

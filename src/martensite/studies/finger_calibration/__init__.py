@@ -1,4 +1,4 @@
-"""Study `finger-calibration`: what the calibration test of the finger can and cannot tell."""
+"""Study `finger-calibration`: information in the calibration test of the finger."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from martensite.studies.tables import TableStudy
 
 @STUDIES.register("finger-calibration")
 class FingerCalibration(TableStudy):
-    """Section 5.2 of the finger paper on synthetic records: two searches, and what data hold."""
+    """Section 5.2 of the finger paper on synthetic records: two searches, and parameter identifiability."""
 
     def compute_part(self, key: str) -> Mapping[str, Any]:
-        """Return the numbers of a part; in `full` coordinate search from four starts instead of two."""
+        """Return the numbers of a part; `full` runs coordinate search from four starts instead of two."""
         from martensite.studies.finger_calibration.search_numbers import compute_search
 
         if key == "search":
@@ -23,7 +23,7 @@ class FingerCalibration(TableStudy):
         return super().compute_part(key)
 
     def figure(self, path: Path) -> None:
-        """Write the figure, with as many starts as the claims."""
+        """Write the figure, with the starts of the claims."""
         from martensite.show.figures.style import write_figure
         from martensite.studies.finger_calibration.figure import draw_figure
 

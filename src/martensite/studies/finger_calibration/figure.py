@@ -1,10 +1,4 @@
-"""The figure of the study: two searches side by side, and what the records hold.
-
-Above: their ways over Δσ and dσ/dT along the ridge on which the ratio of both is right, with the
-ellipse in which 95 % of unbiased fits would end, for both places of the spring; and the records
-with what was fitted to them. Below: the error over the runs it took, and the intervals of two
-parameters from each set of records.
-"""
+"""The figure of the study: two searches, and the information in the records."""
 
 from __future__ import annotations
 
@@ -39,23 +33,22 @@ if TYPE_CHECKING:
 
 DASHED = (0, (4, 1.6))
 WALK, SOLVE = HEATING, SIMULATED
-"""Colours of coordinate search and of least squares."""
 NINETY_FIVE = 2.4477
-"""Half axis of an ellipse that holds 95 % of a plane normal distribution [deviations]."""
+"""Half axis of the 95 % ellipse of a plane normal distribution [deviations]."""
 PATH = {"marker": "o", "markersize": 2.2, "linewidth": 0.9}
 
 
 def draw_figure(printed: Printed, *, full: bool = False) -> Figure:
-    """Draw the figure; without a C compiler one that says so."""
-    title = "Calibration of the finger: two searches, and what the test can tell"
-    known = find_compiler() is not None
+    """Draw the figure; without a C compiler, a message."""
+    title = "Calibration of the finger: two searches, and the information of the test"
+    compiled = find_compiler() is not None
     line = (
-        "synthetic records made with Table 1, 201 samples of a sine at 0.015 Hz with white "
+        "records simulated with Table 1, 201 samples of a sine at 0.015 Hz with white "
         "noise of 1°; five free parameters within the paper's ranges"
     )
     without = "needs a C compiler: a search takes thousands of runs"
-    with draw_page(12.0, 7.2, title, line if known else without) as figure:
-        if not known:
+    with draw_page(12.0, 7.2, title, line if compiled else without) as figure:
+        if not compiled:
             return figure
         prepare_searches(printed, full=full)
         left, right = figure.add_gridspec(
@@ -107,20 +100,19 @@ def _draw_ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]
 
 
 def _label_once(axes: Any, name: str) -> str | None:
-    """Return a label, unless the axes have it already."""
     return None if name in axes.get_legend_handles_labels()[1] else name
 
 
 def _draw_ellipse(data: Data, printed: Printed) -> tuple[Any, Any]:
-    """Δσ and dσ/dT [MPa, MPa/K] about Table 1."""
+    """Return the 95 % ellipse of Δσ and dσ/dT about Table 1 [MPa, MPa/K]."""
     table = dict(zip(printed.searched.column("name"), printed.searched.column("value"), strict=True))
-    found, pair = parameter_errors(data, printed), ("Delta_sigma", "dsigma_dT")
+    bounds, pair = parameter_errors(data, printed), ("Delta_sigma", "dsigma_dT")
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
-    both = found.correlation[pair]
+    both = bounds.correlation[pair]
     first = np.cos(angle)
     second = both * first + math.sqrt(1.0 - both**2) * np.sin(angle)
     rows = [
-        (table[name] + NINETY_FIVE * found.numbers[name] * turn) / 1e6
+        (table[name] + NINETY_FIVE * bounds.numbers[name] * turn) / 1e6
         for name, turn in zip(pair, (first, second), strict=True)
     ]
     return rows[0], rows[1]

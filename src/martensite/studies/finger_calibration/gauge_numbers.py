@@ -1,9 +1,7 @@
-"""Numbers of what no such test can tell: gauges, by which several numbers change together.
+"""Numbers of gauges: joint changes of parameters that the test cannot detect.
 
-Two of them:
-
-    force      k_s, dσ/dT, Δσ, σ_L, E_A, E_M and 1/V times q: the same angles, exactly
-    thermal    α, c and dσ/dT times q, T_L - T_E divided by it: nearly the same
+force      k_s, dσ/dT, Δσ, σ_L, E_A, E_M and 1/V times q: the same angles, exactly
+thermal    α, c and dσ/dT times q, T_L - T_E divided by it: nearly the same
 """
 
 from __future__ import annotations
@@ -32,18 +30,18 @@ from martensite.studies.tables import Printed
 FORCE = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L", "E_A", "E_M", "layer_volume")
 THERMAL = ("T_L", "dsigma_dT", "cooling.h", "heat_capacity")
 BEYOND = ("stiffness", "layer_volume")
-"""Free parameters of the gauges besides the ten unknown parameters of the paper."""
+"""Free parameters of the gauges that are known in the paper."""
 AROUND = 2.0
-"""Range of what has none in the paper: half to twice its value."""
+"""Range factor of parameters without a range in the paper."""
 FORCED, WARMED = 1.3, 1.2
-"""Factors by which the gauges are tried."""
+"""Factors of the gauges."""
 WRONG_ARMS = 9e-3, 7e-3
-"""Places of the spring that a fit takes for granted where it is 8 mm [m]."""
+"""Wrong places of the spring in a fit; the true one is 8 mm [m]."""
 TENTH = 0.1
 
 
 def compute_gauge(printed: Printed) -> dict[str, Any]:
-    """Return the two gauges, what follows for the table, and which numbers move the finger."""
+    """Return the two gauges, their consequences for the table, and the effects of parameters."""
     without = [name for name in FORCE if name not in ("E_A", "E_M", "layer_volume")]
     exact = [one for one in assess_test(FORCE, printed).weak if one.exact]
     return {
@@ -61,7 +59,7 @@ def compute_gauge(printed: Printed) -> dict[str, Any]:
 
 @cache
 def free_problem(printed: Printed) -> Problem:
-    """Return the calibration test with all free that takes part in a gauge or is unknown to the paper."""
+    """Return the calibration test with all unknown and gauge parameters free."""
     system = bench.build_finger(NEAR.arm, printed.offsets[0])
     rest = [*((one.name, one.value) for one in printed.fixed), *((name, system.value_of(name)) for name in BEYOND)]
     wishes = [SearchRange(one.name, one.low, one.high, one.value) for one in printed.searched]
@@ -71,9 +69,9 @@ def free_problem(printed: Printed) -> Problem:
 
 @cache
 def angle_slopes(printed: Printed) -> Any:
-    """(samples, parameters): derivatives with Table 1, per search range."""
-    found = free_problem(printed).evaluate(free_problem(printed).start, slopes=True)
-    return np.zeros((0, 0)) if found is None else found.jacobian
+    """Return the derivatives with Table 1 (samples, parameters), per search range."""
+    evaluation = free_problem(printed).evaluate(free_problem(printed).start, slopes=True)
+    return np.zeros((0, 0)) if evaluation is None else evaluation.jacobian
 
 
 def assess_test(names: Sequence[str], printed: Printed) -> Identifiability:
@@ -90,21 +88,21 @@ def assess_test(names: Sequence[str], printed: Printed) -> Identifiability:
 
 
 def largest_change(values: dict[str, float], printed: Printed) -> float:
-    """Return the largest change of the angle over the test with numbers changed by name [°]."""
+    """Return the largest change of the angle over the test with changed parameters [°]."""
     offset = printed.offsets[0]
     moved = bench.clean_angle(NEAR.arm, offset, printed, tuple(values.items()))
     return float(np.degrees(np.abs(moved - bench.clean_angle(NEAR.arm, offset, printed)).max()))
 
 
 def scale_gauge(names: Sequence[str], factor: float, printed: Printed) -> dict[str, float]:
-    """Return the numbers of a gauge times a factor; the layer volume divided by it."""
+    """Return the values of a gauge times a factor; the layer volume is divided by it."""
     start = {free.name: free.start for free in free_problem(printed).free}
     power = {"layer_volume": -1.0}
     return {name: start[name] * factor ** power.get(name, 1.0) for name in names}
 
 
 def scale_thermal_gauge(factor: float, printed: Printed) -> dict[str, float]:
-    """Return the thermal gauge by a factor."""
+    """Return the values of the thermal gauge for a factor."""
     ambient = bench.build_finger(NEAR.arm, printed.offsets[0]).value_of("environment.temperature")
     hot = table_numbers(printed)["T_L"]
     others = scale_gauge([name for name in THERMAL if name != "T_L"], factor, printed)
@@ -113,13 +111,13 @@ def scale_thermal_gauge(factor: float, printed: Printed) -> dict[str, float]:
 
 @cache
 def refit_finger(printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()) -> CalibrationSearch:
-    """Return least squares to the record without noise, by a finger that is another one."""
+    """Return a least-squares fit of the noise-free record by a different finger."""
     records = bench.build_experiments(NEAR, printed, noisy=False, arm=arm, values=values)
     return CalibrationSearch(solve_problem(bench.build_calibration(records, printed, STARTS[1])), ())
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:
-    """Compute fits with a spring at another place, and without latent heat."""
+    """Return fits with a misplaced spring, and without latent heat."""
     far, close = (refit_finger(printed, arm) for arm in WRONG_ARMS)
     dry = refit_finger(printed, NEAR.arm, (("latent_heat", 0.0),))
     return {
@@ -144,21 +142,21 @@ def compute_wrong(printed: Printed) -> dict[str, Any]:
 
 
 def single_effects(printed: Printed) -> dict[str, float]:
-    """Rms change of the angle if a number alone changes by a tenth, to first order [°]."""
+    """Return the RMS change of the angle for a change of each parameter by a tenth, to first order [°]."""
     table = angle_slopes(printed)
-    found = {
+    effects = {
         free.name: angle_rms(float(np.mean(table[:, i] ** 2))) * TENTH * free.start / free.slope(free.share(free.start))
         for i, free in enumerate(free_problem(printed).free)
         if free.name not in BEYOND
     }
-    return dict(sorted(found.items(), key=lambda pair: -pair[1]))
+    return dict(sorted(effects.items(), key=lambda pair: -pair[1]))
 
 
 def compute_effects(printed: Printed) -> dict[str, Any]:
-    """Compute how many of the parameters with the largest effects were searched for."""
-    found, names = single_effects(printed), printed.searched.column("name")
-    first = list(found)[: len(names)]
+    """Return how many of the most influential parameters the paper searched for."""
+    effects, names = single_effects(printed), printed.searched.column("name")
+    first = list(effects)[: len(names)]
     return {
         "chosen": float(len(set(first) & set(names))),
-        "effects": ", ".join(f"{name} {size:.2g}°" for name, size in found.items()),
+        "effects": ", ".join(f"{name} {size:.2g}°" for name, size in effects.items()),
     }

@@ -1,4 +1,4 @@
-"""Numbers of the search: whether it ends in the minimum, its cost, and where it cannot start."""
+"""Numbers of the searches: final error, cost, and a start without motion."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from martensite.studies.finger_calibration.searches import (
 from martensite.studies.tables import Printed
 
 MORE = 2
-"""Further starts that cure one without motion."""
+"""Additional starts for the start without motion."""
 
 
 def compute_search(printed: Printed, *, full: bool) -> dict[str, Any]:
-    """Coordinate search, least squares, and the start without motion."""
+    """Return coordinate search, least squares, and the start without motion."""
     prepare_searches(printed, full=full)
     return {
         "searches": [_list_search(data, printed, list_starts(full)) for data in (NEAR, FAR)],
@@ -37,7 +37,6 @@ def compute_search(printed: Printed, *, full: bool) -> dict[str, Any]:
 
 
 def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[str, Any]:
-    """Return both searches on a set of records."""
     walked = [run_search(data, start, COORDINATE, printed) for start in starts]
     solved = [run_search(data, start, SQUARES, printed) for start in moving_starts()]
     least = best_fit(data, printed).rms

@@ -1,9 +1,7 @@
-"""Both searches, from several starts: coordinate search as in the paper, and least squares.
+"""Coordinate search as in the paper, and least squares, from several starts.
 
-Coordinate search here: one parameter at a time, a tenth of its range up or down, twice that
-after a round with an improvement and half of it after one without, until it is below a
-thousandth (`martensite.search.coordinate_search`). That of the paper's software is not described
-in the paper. Least squares: trust region within bounds, exact derivatives.
+The paper does not describe its variant of coordinate search; see `martensite.search.coordinate_search`. Least squares
+uses a trust region within bounds, and exact derivatives.
 """
 
 from __future__ import annotations
@@ -29,7 +27,7 @@ STARTS = (
 )
 """E_M [Pa], T_L [K], Δσ [Pa], σ_L [Pa], dσ/dT [Pa/K]; chosen for this study."""
 STILL = 3
-"""The start from which the finger does not move at all in the test."""
+"""Start from which the finger does not move in the test."""
 FEW, ALL = (0, STILL), (0, 1, 2, STILL)
 """Starts of coordinate search: by default, and in full."""
 COORDINATE, SQUARES = "coordinate", "trf"
@@ -40,20 +38,20 @@ class SearchPoint:
     """Point of a search."""
 
     runs: int
-    """Runs so far, those with derivatives included."""
+    """Runs so far, including those with derivatives."""
     rms: float
     """RMS error of the angle [°]."""
     numbers: dict[str, float]
-    """[SI]"""
+    """Parameters [SI]."""
 
 
 @dataclass(frozen=True)
 class CalibrationSearch:
-    """A search and its way."""
+    """A search and its path."""
 
     fit: Fit
     path: tuple[SearchPoint, ...]
-    """The start and every improvement."""
+    """The start and each improvement."""
 
     @property
     def rms(self) -> float:
@@ -62,7 +60,7 @@ class CalibrationSearch:
 
     @property
     def runs(self) -> int:
-        """Simulations, those with derivatives included."""
+        """Return the number of simulations, including those with derivatives."""
         return self.fit.simulations + self.fit.jacobians
 
 
@@ -73,30 +71,30 @@ def angle_rms(cost: float) -> float:
 
 @cache_results
 def run_search(data: Data, start: int, method: str, printed: Printed, spread: int = 0) -> CalibrationSearch:
-    """Return a search from one of the starts, and from as many more as `spread` says."""
+    """Return a search from one of the starts, and from `spread` additional ones."""
     records = bench.table_problem(data, printed).experiments
     problem = bench.build_calibration(records, printed, STARTS[start])
-    told: list[SearchNote] = []
+    notes: list[SearchNote] = []
 
     def tell(note: SearchNote) -> None:
-        if not told or note.cost < told[-1].cost:
-            told.append(note)
+        if not notes or note.cost < notes[-1].cost:
+            notes.append(note)
 
     fit = solve_problem(problem, method=method, starts=spread, tell=tell)
     path = [
         SearchPoint(runs, angle_rms(cost), problem.numbers(note.values))
-        for (runs, cost), note in zip(fit.history, told, strict=True)
+        for (runs, cost), note in zip(fit.history, notes, strict=True)
     ]
     return CalibrationSearch(fit, tuple(path))
 
 
 def list_starts(full: bool) -> tuple[int, ...]:
-    """From which starts coordinate search begins."""
+    """Return the starts of coordinate search."""
     return ALL if full else FEW
 
 
 def prepare_searches(printed: Printed, *, full: bool) -> None:
-    """Make all searches, coordinate searches on two cores at once."""
+    """Run all searches, coordinate searches on two cores."""
     for data in EVERY:
         for start in moving_starts():
             run_search(data, start, SQUARES, printed)
@@ -111,12 +109,12 @@ def moving_starts() -> tuple[int, ...]:
 
 
 def best_fit(data: Data, printed: Printed) -> CalibrationSearch:
-    """Return the best fit by least squares, of those from starts that move."""
-    found = (run_search(data, start, SQUARES, printed) for start in moving_starts())
-    return min(found, key=lambda one: one.rms)
+    """Return the best least-squares fit from a moving start."""
+    fits = (run_search(data, start, SQUARES, printed) for start in moving_starts())
+    return min(fits, key=lambda one: one.rms)
 
 
-def end_spread(name: str, found: Iterable[CalibrationSearch]) -> float:
-    """Return the spread of the ends of searches in a parameter [SI]."""
-    ends = [one.fit[name] for one in found]
+def end_spread(name: str, searches: Iterable[CalibrationSearch]) -> float:
+    """Return the spread of a parameter at the ends of searches [SI]."""
+    ends = [one.fit[name] for one in searches]
     return max(ends) - min(ends)

@@ -11,13 +11,13 @@ from martensite.studies.tables import TableStudy
 
 @STUDIES.register("hammerstein-wiener")
 class HammersteinWiener(TableStudy):
-    """A wire identified in two stages and controlled, on a simulated bench of the paper's kind."""
+    """A wire identified in two stages and controlled, on a simulated bench similar to the paper's."""
 
     def compute_part(self, key: str) -> Mapping[str, Any]:
         """Return the fits or loops.
 
-        In `full` with five sealed records instead of two, six other benches instead of three, and
-        controllers tuned on other models as well.
+        `full` uses five sealed records instead of two, six other benches instead of three, and controllers tuned on
+        other models.
         """
         from martensite.studies.hammerstein_wiener.fit_numbers import compute_fit
         from martensite.studies.hammerstein_wiener.loop_numbers import compute_loop

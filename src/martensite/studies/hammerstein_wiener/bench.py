@@ -1,18 +1,15 @@
 """The bench of the study: a wire that lifts a weight, its driver and its two sensors.
 
-The paper's data are not published, so models are identified on a bench that is simulated. It is
-made for that alone: its hysteresis is a Preisach model with measured branches (`preisach`), which
-is none of the library's laws, and its heat balance is solved by enthalpy, so that no model is
-judged on data that its own equations made. What it shares with them is the lumped heat balance.
+The hysteresis is a Preisach model with measured branches (`preisach`), and the heat balance is solved by enthalpy, so
+no model is tested on data of its own equations; only the lumped heat balance is common.
 
     C dT + ΔH dz = (I² R - h π d (T - T_a)) dt       per metre of wire
     h = 40 + 9 (T - T_a)^¼ W/(m² K),  R = R_0 (1 - 0.12 z),  I = √u U/(R + R_s)
     y' = (s z - y)/τ
 
-Geometry, load, largest current and surroundings are the paper's; heat capacity, latent heat and
-resistance are usual values of NiTi, the film coefficient is chosen for cycle times like those of
-the paper, and lags and sensor noise are assumed. The wire hangs under 48 MPa; the loop measured
-at 50 MPa is taken for it, and heavier loads move it towards that at 100 MPa.
+Geometry, load, largest current and ambient are from the paper; heat capacity, latent heat and resistance are usual for
+NiTi; the film coefficient gives cycle times like the paper's; lags and sensor noise are assumed. The wire carries 48
+MPa, represented by the loop at 50 MPa; heavier loads shift it towards the loop at 100 MPa.
 """
 
 from __future__ import annotations
@@ -34,7 +31,7 @@ from martensite.studies.hammerstein_wiener.preisach import Cell, everett_functio
 INTERVAL = 0.002
 """Sample time of the paper [s]."""
 PIECES = 2
-"""Steps of the heat balance in a sample."""
+"""Steps of the heat balance per sample."""
 GRAVITY = 9.81
 METRE = 0.23
 """Length of the paper's wire [m]."""
@@ -69,10 +66,10 @@ class ReferenceBench(Parametrised):
         default=1.0,
     )
     driver: Any = part(
-        "what turns duty into current", default=PwmVoltage(supply=19.2 * METRE, series_resistance=0.5 * METRE)
+        "driver: duty cycle to current", default=PwmVoltage(supply=19.2 * METRE, series_resistance=0.5 * METRE)
     )
-    thermometer: Any = part("what measures the temperature", default=InfraredSensor())
-    encoder: Any = part("what measures the position", default=PositionSensor())
+    thermometer: Any = part("sensor of the temperature", default=InfraredSensor())
+    encoder: Any = part("sensor of the position", default=PositionSensor())
 
     @property
     def section(self) -> float:
@@ -81,17 +78,17 @@ class ReferenceBench(Parametrised):
 
     @property
     def capacity(self) -> float:
-        """C [J/(m K)]."""
+        """Return C [J/(m K)]."""
         return self.section * self.density * self.specific_heat
 
     @property
     def latent(self) -> float:
-        """ΔH [J/m]."""
+        """Return ΔH [J/m]."""
         return self.section * self.density * self.latent_heat
 
     @property
     def share(self) -> float:
-        """Return the relative position of the load between the loops at 50 and 100 MPa: 0 at 1 kg."""
+        """Return the relative position of the load between the loops at 50 and 100 MPa; 0 at 1 kg."""
         return (self.load - 1.0) * GRAVITY / self.section / 50e6
 
     @property
@@ -100,19 +97,19 @@ class ReferenceBench(Parametrised):
         return self.length * branches.build_loop(self.share).stroke
 
     def film(self, above: float) -> float:
-        """h [W/(m² K)] of a wire that is hotter than its surroundings by `above` [K]."""
+        """Return h [W/(m² K)] of a wire at `above` [K] over ambient."""
         return self.fan * (40.0 + 9.0 * math.sqrt(math.sqrt(above)) if above > 0.0 else 40.0)
 
 
 class RunningBench:
-    """A bench in operation, from rest: what is true of it, and what its sensors say."""
+    """A running bench with its true state and sensor readings."""
 
     def __init__(self, bench: ReferenceBench, seed: int = 0) -> None:
-        """Start cold.
+        """Start at ambient temperature.
 
         Args:
-            bench: what it is made of.
-            seed: of the noise of its sensors.
+            bench: the parts.
+            seed: seed of the sensor noise.
         """
         self.bench = bench
         count = int(bench.cells)
@@ -134,18 +131,18 @@ class RunningBench:
 
     @property
     def fraction(self) -> float:
-        """Return the share of austenite in the whole wire."""
+        """Return the austenite fraction of the whole wire."""
         if len(self._wire) == 1:
             return self._wire[0].fraction
         return sum(s * c.fraction for s, c in zip(self._shares, self._wire, strict=True))
 
     def measured(self, dt: float = INTERVAL) -> tuple[float, float]:
-        """Return the temperature [K] and position [m] as the sensors say, `dt` after the last readings."""
-        seen = (self.temperature, self.bench.ambient)
-        return self._thermometer.read(seen, dt), self._encoder.read((self.position,), dt)
+        """Return the readings of temperature [K] and position [m], `dt` after the last ones."""
+        state = (self.temperature, self.bench.ambient)
+        return self._thermometer.read(state, dt), self._encoder.read((self.position,), dt)
 
     def step(self, duty: float, dt: float = INTERVAL) -> None:
-        """Go on under a duty (0 to 1)."""
+        """Advance under a duty cycle (0 to 1)."""
         piece = dt / PIECES
         follow = 1.0 - math.exp(-piece / self.bench.lag)
         for _ in range(PIECES):
@@ -154,23 +151,21 @@ class RunningBench:
             self.position += follow * (self._stroke * self.fraction - self.position)
 
     def _powers(self, duty: float) -> list[float]:
-        """Heat that every cell takes up [W/m]."""
         bench = self.bench
         ambient, drop = bench.ambient, bench.resistance_drop
         whole = bench.resistance * (1.0 - drop * self.fraction)
         current = bench.driver.current(floats, duty, bench.length * whole)
         squared = current * current * bench.resistance
-        found: list[float] = []
+        powers: list[float] = []
         for cell in self._wire:
             above = cell.temperature - ambient
             lost = self._rim * bench.film(above) * above
-            found.append(squared * (1.0 - drop * cell.fraction) - lost)
-        if len(found) > 1:
-            self._conduct(found)
-        return found
+            powers.append(squared * (1.0 - drop * cell.fraction) - lost)
+        if len(powers) > 1:
+            self._conduct(powers)
+        return powers
 
     def _conduct(self, powers: list[float]) -> None:
-        """Add what flows between cells, and to the crimp, which is as cold as the surroundings."""
         conductance = self.bench.conductivity * self.bench.section
         before, size = self.bench.ambient, 0.0
         for k, (cell, length) in enumerate(zip(self._wire, self._lengths, strict=True)):

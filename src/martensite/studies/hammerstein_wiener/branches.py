@@ -1,12 +1,11 @@
-"""Measured branches of the hysteresis that the bench of this study is made of.
+"""Measured branches of the hysteresis of the bench.
 
-`branches.csv` holds fractions of transformation over temperature, on heating and on cooling, at
-50 and at 100 MPa: derived here from isobaric cycles of a Flexinol wire (Leal 2016; MIT licence,
-Copyright (c) 2016 Mecanon), so that the study runs without those files.
+`branches.csv` holds fractions of transformation over temperature, on heating and on cooling, at 50 and at 100 MPa. They
+are derived from isobaric cycles of a Flexinol wire (Leal 2016; MIT licence, Copyright (c) 2016 Mecanon), so that the
+study runs without those files.
 
-How they are derived: z = 1 - ε/ε_max; each branch on a grid of 0.1 K, held beyond its ends,
-smoothed with a Gaussian of 1.2 K, made monotone and scaled to the range 0 to 1; then taken at
-every whole degree. What elasticity and thermal expansion add to the strain is inside.
+Derivation: z = 1 - ε/ε_max; each branch on a grid of 0.1 K, constant beyond its ends, smoothed with a Gaussian of 1.2
+K, made monotone and scaled to 0 to 1; then sampled at each whole degree. Elastic and thermal strain are included.
 """
 
 from __future__ import annotations
@@ -21,19 +20,19 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
 from martensite.control.sensors.base import Numbers
+from martensite.studies.readings import ZERO
 
 FILE = Path(__file__).parent / "branches.csv"
-ZERO = 273.15
 GRID = ZERO + 0.1 * np.arange(1801)
 """0 to 180 °C in steps of 0.1 K [K]."""
 SMOOTHING = 12.0
 """Standard deviation, in steps of the grid."""
 STRESSES = (50, 100)
-"""[MPa]"""
+"""Stresses of the branches [MPa]."""
 STROKES = (0.041256, 0.043500)
-"""Largest less least strain at these stresses."""
+"""Strain range at these stresses."""
 SHOWN = slice(200, 1451, 10)
-"""Rows of the grid that the file holds: 20 to 145 °C."""
+"""Rows of the grid in the file: 20 to 145 °C."""
 COLUMNS = ("temperature", "heating 50 MPa", "cooling 50 MPa", "heating 100 MPa", "cooling 100 MPa")
 HEADER = """\
 # Fractions of transformation (1 = austenite) of a Flexinol wire of 0.381 mm at constant stress.
@@ -56,18 +55,18 @@ class HysteresisLoop(NamedTuple):
 
 @cache
 def build_loop(share: float) -> HysteresisLoop:
-    """Branches between 50 MPa (share 0) and 100 MPa (share 1).
+    """Return branches between 50 MPa (share 0) and 100 MPa (share 1).
 
-    At equal fractions the temperatures are mixed linearly, as stress shifts branches sideways.
+    Temperatures at equal fractions are mixed linearly, as stress shifts branches in temperature.
     """
-    found = _read_branches()
-    heating, cooling = (_mix_branches(found[a], found[b], share) for a, b in ((0, 2), (1, 3)))
+    curves = _read_branches()
+    heating, cooling = (_mix_branches(curves[a], curves[b], share) for a, b in ((0, 2), (1, 3)))
     stroke = (1.0 - share) * STROKES[0] + share * STROKES[1]
     return HysteresisLoop(heating, cooling, stroke)
 
 
 def invert_branch(branch: Numbers, fractions: Numbers) -> Numbers:
-    """Return the temperatures [K] at which a branch has some fractions."""
+    """Return the temperatures [K] of a branch at fractions."""
     rising = np.concatenate([[True], np.diff(branch) > 1e-12])
     return np.interp(fractions, branch[rising], GRID[rising])
 
@@ -81,7 +80,6 @@ def _mix_branches(low: Numbers, high: Numbers, share: float) -> Numbers:
 
 
 def _read_branches() -> list[Numbers]:
-    """Return the four branches on the grid, from the file."""
     with FILE.open(encoding="utf-8", newline="") as lines:
         rows = list(csv.reader(line for line in lines if not line.startswith("#")))
     table = np.array(rows[1:], dtype=float)
@@ -90,15 +88,8 @@ def _read_branches() -> list[Numbers]:
     return [np.clip(PchipInterpolator(kelvin, column)(GRID), 0.0, 1.0) for column in ends]
 
 
-# ---------------------------------------------------------------- from the measurements
-
-
 def derive_text() -> str:
-    """Return the text of `branches.csv`, from the measurements.
-
-    Raises:
-        DataError: the measurements are not on this machine.
-    """
+    """Return the text of `branches.csv`, from the measurements."""
     from martensite.characterise.isobaric_cycles import cut_cycle
     from martensite.logs.reader import read_table
 

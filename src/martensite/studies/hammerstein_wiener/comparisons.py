@@ -1,4 +1,4 @@
-"""Scores of models on records of the bench, for heating and cooling. All runs are free."""
+"""Scores of models on records of the bench, for heating and cooling, in free simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from martensite.studies.hammerstein_wiener.bench import ReferenceBench, RunningB
 from martensite.studies.result_cache import cache_results
 
 SMOOTH = 500
-"""Samples over which the course of a duty is judged."""
+"""Samples over which the trend of a duty cycle is determined."""
 
 
 @dataclass(frozen=True)
@@ -27,23 +27,23 @@ class RecordScore:
     fit: float
     """NRMSE fit [%]."""
     heating: float
-    """NRMSE fit of the samples that heat, and of the samples that cool [%]."""
+    """NRMSE fit of the heating and of the cooling samples [%]."""
     cooling: float
     worst_heating: float
-    """Largest error while it heats, in the unit of the output."""
+    """Largest error on heating, in the unit of the output."""
     worst_cooling: float
 
     @property
     def worst(self) -> float:
-        """Return the largest error of all."""
+        """Return the largest error."""
         return max(self.worst_heating, self.worst_cooling)
 
 
 def compare_model(model: Chain, whole: Sampled, name: str) -> RecordScore:
-    """Return the last output of a model on a record."""
-    seen = models.mapped_signals(name, whole)
-    computed = model.simulate(seen)[:, -1]
-    return score_record(seen.outputs[:, -1], computed, heating_rows(whole.inputs[:, 0]))
+    """Return the score of the last output of a model on a record."""
+    signals = models.mapped_signals(name, whole)
+    computed = model.simulate(signals)[:, -1]
+    return score_record(signals.outputs[:, -1], computed, heating_rows(whole.inputs[:, 0]))
 
 
 def score_record(measured: Numbers, computed: Numbers, hot: Numbers) -> RecordScore:
@@ -55,12 +55,12 @@ def score_record(measured: Numbers, computed: Numbers, hot: Numbers) -> RecordSc
 
 
 def nrmse_fit(measured: Numbers, computed: Numbers) -> float:
-    """NRMSE fit of one signal [%]."""
+    """Return the NRMSE fit of one signal [%]."""
     return float(fit_percent(measured[:, None], computed[:, None])[0])
 
 
 def heating_rows(duty: Numbers) -> Numbers:
-    """Return the rows at which pulses are on, or ramps go up."""
+    """Return the rows at which pulses are on, or ramps rise."""
     if np.mean(duty == 0.0) > 0.3:
         return duty > 0.0
     ahead = np.roll(duty, -SMOOTH)
@@ -70,19 +70,19 @@ def heating_rows(duty: Numbers) -> Numbers:
 
 @cache
 def compare_position(model: str, record: str) -> RecordScore:
-    """Return the position by a model of the study, on one of its records."""
+    """Return the position score of a model on a record of the study."""
     return compare_model(models.estimate_recipe(model), models.read_record(record), model)
 
 
 @cache
 def in_series(second: str, record: str) -> RecordScore:
-    """Return the position by stage 1 and a second stage, from the duty alone."""
+    """Return the position score of stage 1 and a second stage, from the duty cycle."""
     return compare_model(models.join_stages(second), models.read_record(record), "series")
 
 
 @cache
 def score_sealed(model: str, seeds: tuple[int, ...]) -> tuple[float, float]:
-    """Median and least fit [%] on records that nothing was chosen with."""
+    """Return the median and smallest fit [%] on sealed records."""
     fits = [compare_position(model, f"sealed {seed}").fit for seed in seeds]
     return median(fits), min(fits)
 
@@ -95,25 +95,25 @@ VARIANTS = {
     "load -20 %": ReferenceBench(load=0.8),
     "crimps": ReferenceBench(cells=4.0),
 }
-"""Benches that no model has seen."""
+"""Benches that no model was fitted to."""
 
 
 @cache_results
 def other_bench_record(variant: str) -> Sampled:
-    """Return the validation record of another bench; with a fan, of more power."""
+    """Return the validation record of another bench; with a fan, at more power."""
     bench = VARIANTS[variant]
     return records.record_bench(records.validation_duty().scaled(bench.fan), bench)
 
 
 @cache
 def compare_elsewhere(model: str, variant: str) -> RecordScore:
-    """Return the position by a model on another bench."""
+    """Return the position score of a model on another bench."""
     return compare_model(models.estimate_recipe(model), other_bench_record(variant), model)
 
 
 @cache
 def rest_position(model: str) -> float:
-    """Return the largest position that a model gives in a minute without power, from the bench's rest [m]."""
+    """Return the largest position of a model in a minute without power, from the steady state [m]."""
     ambient = RunningBench(ReferenceBench()).temperature
     signal = 0.0 if model in ("whole", "stage 1") or model.startswith("series") else ambient
     one = (

@@ -1,9 +1,4 @@
-"""The figure of the study: what models repeat in their cadence, off it, and in closed loop.
-
-Left, as in the paper: the validation record over time, duty, temperature and position, with both
-models. Middle: loops of position over measured temperature on the slow record, where hysteresis
-and lag part. Right: steps and sine, model and bench under the same gains.
-"""
+"""The figure of the study: models on pulses, on slow ramps, and in closed loop."""
 
 from __future__ import annotations
 
@@ -17,12 +12,12 @@ from martensite.studies.figures import draw_page
 from martensite.studies.hammerstein_wiener import comparisons, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
 from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
+from martensite.studies.readings import ZERO
 from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ZERO = 273.15
 EVERY = 25
 """Step between drawn samples."""
 PART = slice(0, 42_000)
@@ -31,16 +26,16 @@ COLOURS = {PAPER: HEATING, BETTER: SIMULATED, WHOLE: SIMULATED, "stage 1": HEATI
 
 
 def draw_figure(printed: Printed) -> Figure:
-    """Draw the figure; without a C compiler one that says so."""
+    """Draw the figure; without a C compiler, a message."""
     title = "A wire identified in two stages, and what that is worth"
-    known = find_compiler() is not None
+    compiled = find_compiler() is not None
     line = (
         "simulated bench of the paper's kind: 0.51 mm × 230 mm, 1 kg, PWM at 500 Hz; models "
         "fitted to one record of pulses, run free on records they have not seen"
     )
     without = "needs a C compiler: a search takes hundreds of runs"
-    with draw_page(13.0, 7.4, title, line if known else without) as figure:
-        if not known:
+    with draw_page(13.0, 7.4, title, line if compiled else without) as figure:
+        if not compiled:
             return figure
         left, middle, right = figure.add_gridspec(
             1, 3, left=0.05, right=0.985, top=0.875, bottom=0.075, width_ratios=(1.25, 1.0, 1.1), wspace=0.24
@@ -57,7 +52,6 @@ def draw_figure(printed: Printed) -> Figure:
 
 
 def _draw_record(axes: list[Any]) -> None:
-    """Duty, temperature and position over time."""
     whole = models.read_record("validation")
     times, rows = whole.times[PART][::EVERY], slice(PART.start, PART.stop, EVERY)
     duty, heat, place = axes
@@ -85,11 +79,11 @@ def _draw_record(axes: list[Any]) -> None:
 
 
 def _draw_loop(axis: Any, name: str) -> None:
-    """Position over measured temperature on slow ramps."""
-    seen = models.mapped_signals(name, models.read_record("slow"))
-    heat = seen.inputs[::EVERY, 0] - ZERO
-    axis.plot(heat, 1e3 * seen.outputs[::EVERY, 0], color=INK, linewidth=0.8, label="bench")
-    computed = 1e3 * models.estimate_recipe(name).simulate(seen)[::EVERY, 0]
+    """Draw position over measured temperature on slow ramps."""
+    signals = models.mapped_signals(name, models.read_record("slow"))
+    heat = signals.inputs[::EVERY, 0] - ZERO
+    axis.plot(heat, 1e3 * signals.outputs[::EVERY, 0], color=INK, linewidth=0.8, label="bench")
+    computed = 1e3 * models.estimate_recipe(name).simulate(signals)[::EVERY, 0]
     fit = comparisons.compare_position(name, "slow").fit
     axis.plot(heat, computed, color=COLOURS[name], linewidth=0.9, label=f"model: {fit:.1f} %")
     words = {PAPER: "slow ramps: stage 2 as in the paper", BETTER: "slow ramps: 12 plays instead"}
@@ -99,14 +93,12 @@ def _draw_loop(axis: Any, name: str) -> None:
 
 
 def _draw_steps(axis: Any) -> None:
-    """The staircase."""
     both = loops.compare_steps(WHOLE)
     _overlay_runs(axis, both.model, both.bench)
     axis.set_title(f"PID tuned on the model: steps, {both.likeness:.1f} % alike")
 
 
 def _draw_sine(axis: Any) -> None:
-    """The sine."""
     both = loops.compare_sines(WHOLE)
     _overlay_runs(axis, both.model, both.bench)
     axis.set_title(f"sine: model and bench {1e3 * both.apart:.2f} mm apart (rms)")

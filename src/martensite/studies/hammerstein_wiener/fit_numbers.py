@@ -1,4 +1,4 @@
-"""Numbers of the fits: the paper's two stages, off their cadence, models with hysteresis."""
+"""Numbers of the fits: the paper's two stages, other excitation, models with hysteresis."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from martensite.studies.hammerstein_wiener.comparisons import (
 
 PAPER, BETTER, WHOLE = "stage 2", "stage 2, hysteresis", "whole"
 KEYS = {PAPER: "paper", BETTER: "hysteresis", WHOLE: "whole"}
-"""Models, and what they are called in names of claims."""
+"""Keys of models in claims."""
 SEALED = (101, 102, 103, 104, 105)
-"""Seeds of records that nothing was chosen with."""
+"""Seeds of records that were used for no choice."""
 FEW = ("fan", "5 K warmer", "load +20 %")
 """Other benches of the short study."""
 
 
 def compute_fit(*, full: bool) -> dict[str, Any]:
-    """Return everything that is open loop."""
+    """Return all open-loop numbers."""
     seeds = SEALED if full else SEALED[:2]
     return {
         "stage_1": compare_position("stage 1", "validation"),
@@ -46,15 +46,13 @@ def compute_fit(*, full: bool) -> dict[str, Any]:
 
 
 def _list_sealed(name: str, seeds: tuple[int, ...]) -> dict[str, Any]:
-    """Return a model on records that nothing was chosen with."""
     middle, least = score_sealed(name, seeds)
     shared = {"key": KEYS[name], "name": name, "count": len(seeds)}
     return shared | {"median": middle, "least": least}
 
 
 def _list_elsewhere(variant: str) -> dict[str, Any]:
-    """Three models on another bench."""
     key = variant.replace(" ", "-").replace("%", "percent")
     fits = {"fit": WHOLE, "better": BETTER, "paper": PAPER}
-    found = {name: compare_elsewhere(model, variant).fit for name, model in fits.items()}
-    return {"key": key, "variant": variant} | found
+    scores = {name: compare_elsewhere(model, variant).fit for name, model in fits.items()}
+    return {"key": key, "variant": variant} | scores

@@ -1,8 +1,7 @@
-"""The bench under PID control: what the paper does with its real wire.
+"""The bench under PID control, as in the paper.
 
-The controller of `martensite.control.controllers.pid` on plain floats, at 500 Hz: in every sample
-the
-encoder is read, the controller answers with a duty, and the bench goes on under it.
+The controller of `martensite.control.controllers.pid` runs on plain floats at 500 Hz: read the encoder, compute a duty
+cycle, advance the bench.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench
 LEVELS = ((0.0, 2.0), (3e-3, 13.0), (6e-3, 15.0))
 """Steps of the reference: position [m] and time [s]."""
 TUNING = ModelTuning(LEVELS, beyond_data=True)
-"""Tuning of gains on a model: with the same steps, errors in mm and duties in percent."""
+"""Tuning of gains on a model with the same steps; errors in mm, duty cycles in percent."""
 SINE = (4e-3, 1.5e-3, 25.0, 10.0)
-"""Mean [m], amplitude [m], period [s] and time of the first zero [s] of the sine."""
+"""Mean [m], amplitude [m], period [s] and first zero [s] of the sine."""
 SINE_TIME, SINE_SCORED = 70.0, 20.0
-"""Length of the run with the sine, and from where on it is judged [s]."""
+"""Duration of the sine run, and start of its scored part [s]."""
 
 
 def step_reference() -> Numbers:
@@ -33,7 +32,7 @@ def step_reference() -> Numbers:
 
 
 def sine_reference() -> Numbers:
-    """Return the reference with a sine [m]: at its mean until the sine begins."""
+    """Return the sine reference [m], at its mean before the sine begins."""
     mean, amplitude, period, begin = SINE
     times = INTERVAL * np.arange(round(SINE_TIME / INTERVAL))
     return mean + amplitude * np.sin(2.0 * np.pi * np.maximum(times - begin, 0.0) / period)
@@ -42,13 +41,13 @@ def sine_reference() -> Numbers:
 def run_controlled(
     gains: Gains, reference: Numbers, bench: ReferenceBench | None = None, seed: int = 3, law: PidLaw | None = None
 ) -> Trajectory:
-    """Return a run of the bench from rest; the position is the one measured [m].
+    """Return a run of the bench from the steady state; the position is measured [m].
 
     Args:
-        gains: in duty per metre, per sample.
-        reference: position that is wanted [m], one per sample.
-        bench: what is controlled; the reference bench if left out.
-        seed: of the noise of the sensors.
+        gains: in duty cycle per metre, per sample.
+        reference: reference position [m], one per sample.
+        bench: by default the reference bench.
+        seed: seed of the sensor noise.
         law: limits, set-point weights and filter of the controller.
     """
     plant, law = RunningBench(bench or ReferenceBench(), seed), law or PidLaw()

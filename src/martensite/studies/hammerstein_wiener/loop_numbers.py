@@ -1,4 +1,4 @@
-"""Numbers of the closed loop: gains tuned on a model alone, applied to model and bench."""
+"""Numbers of the closed loop: gains tuned on a model, applied to model and bench."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from martensite.studies.hammerstein_wiener.loop import LEVELS
 
 SMALL, LOOSE = "stage 2, 12 wavelets", "stage 2, not anchored"
 BEGIN = LEVELS[0][1]
-"""When the first step comes [s]."""
+"""Time of the first step [s]."""
 
 
 def compute_loop(*, full: bool) -> dict[str, Any]:
-    """Return the steps and sine; in full also other models, and the trap of a model without a rest."""
+    """Return the steps and sine; in full also other models, including one without a steady state."""
     both, sine = loops.compare_steps(WHOLE), loops.compare_sines(WHOLE)
     pairs, (heating, cooling) = both.responses(), sine.branches
     return {
@@ -45,7 +45,7 @@ def compute_loop(*, full: bool) -> dict[str, Any]:
 
 
 def first_step_share() -> float:
-    """Return the position of the bench [%] when the model of the paper's structure has risen to 90 %."""
+    """Return the bench position [%] when the model of the paper's structure has risen to 90 %."""
     both = loops.compare_steps(SMALL)
     (model, _), *_ = both.responses()
     done = round((BEGIN + model.rise) / INTERVAL)
@@ -54,13 +54,12 @@ def first_step_share() -> float:
 
 
 def compute_trap() -> dict[str, float]:
-    """Return a model without a rest, and the bench under gains tuned on it."""
+    """Return a model without a steady state, and the bench under gains tuned on it."""
     still = loops.build_controlled(LOOSE).chain.simulate(np.zeros((1, 1)))[0, -1]
     both = loops.compare_steps(LOOSE)
     return {"rest": float(still), "way": float(np.ptp(both.bench.output)), "likeness": both.likeness}
 
 
 def _list_other(name: str) -> dict[str, Any]:
-    """Return the steps and sine with another model."""
     likeness, apart = loops.compare_steps(name).likeness, loops.compare_sines(name).apart
     return {"key": KEYS.get(name, "paper"), "name": name, "likeness": likeness, "apart": apart}

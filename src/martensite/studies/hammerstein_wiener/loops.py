@@ -1,4 +1,4 @@
-"""Controllers tuned on models alone, and what the models and the bench then do under them."""
+"""Controllers tuned on models, and the closed loops of models and bench."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from martensite.studies.hammerstein_wiener.bench import INTERVAL
 from martensite.studies.hammerstein_wiener.comparisons import nrmse_fit
 
 LOOPS = ("stage 2, 12 wavelets", "stage 2, not anchored", "stage 2, hysteresis", "whole")
-"""Models that controllers are tuned on: second stages behind stage 1, and the whole one."""
+"""Models for tuning: second stages after stage 1, and the whole one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,30 +29,30 @@ class LoopPair:
 
     @property
     def likeness(self) -> float:
-        """Fit of the trajectory of the model to that of the bench [%]."""
+        """Return the fit of the model trajectory to the bench [%]."""
         return nrmse_fit(self.bench.output, self.model.output)
 
     def responses(self) -> list[tuple[StepResponse, StepResponse]]:
-        """Return every step, by model and bench."""
+        """Return the step responses of model and bench."""
         rows = (measure_steps(r.reference, r.output, INTERVAL) for r in (self.model, self.bench))
         return list(zip(*rows, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
 class Sines:
-    """Tracking of a sine; root mean squares after the first 20 s."""
+    """Tracking of a sine; RMS values after the first 20 s."""
 
     model: Trajectory
     bench: Trajectory
 
     @property
     def tracking(self) -> float:
-        """Return the error of the bench against the reference [m]."""
+        """Return the tracking error of the bench [m]."""
         return _counted_rms(self.bench.reference - self.bench.output)
 
     @property
     def branches(self) -> tuple[float, float]:
-        """Return the errors while the reference rises, with the wire heated, and while it falls [m]."""
+        """Return the errors on rising (heated) and on falling reference [m]."""
         error = self.bench.reference - self.bench.output
         rising = np.gradient(self.bench.reference) >= 0.0
         return _counted_rms(error, rising), _counted_rms(error, ~rising)
@@ -69,12 +69,12 @@ class Sines:
 
     @property
     def apart_unheated(self) -> float:
-        """Return the difference between bench and model at duty 0, while the bench cools passively [m]."""
+        """Return the difference between bench and model at zero duty cycle [m]."""
         return _counted_rms(self.bench.output - self.model.output, self.bench.signal <= 0.0)
 
 
 def _counted_rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
-    """Over the samples that count, or those of them where a flag holds."""
+    """Return the RMS error of the scored samples, optionally where a flag holds."""
     first = round(loop.SINE_SCORED / INTERVAL)
     chosen = error[first:] if where is None else error[first:][where[first:]]
     return float(np.sqrt(np.mean(chosen**2)))
@@ -89,21 +89,21 @@ def build_controlled(name: str) -> ControlledModel:
 
 @cache
 def find_gains(name: str) -> TunedGains:
-    """Gains found on a model alone."""
+    """Return the gains tuned on a model."""
     return tune_model(build_controlled(name), loop.TUNING)
 
 
 @cache
 def compare_steps(name: str) -> LoopPair:
-    """Return both on a staircase."""
-    reference, found = loop.step_reference(), find_gains(name)
+    """Return model and bench on a staircase."""
+    reference, tuned = loop.step_reference(), find_gains(name)
     return LoopPair(
-        found, build_controlled(name).run(found.gains, reference), loop.run_controlled(found.gains, reference)
+        tuned, build_controlled(name).run(tuned.gains, reference), loop.run_controlled(tuned.gains, reference)
     )
 
 
 @cache
 def compare_sines(name: str) -> Sines:
-    """Return both on a sine."""
-    reference, found = loop.sine_reference(), find_gains(name).gains
-    return Sines(build_controlled(name).run(found, reference), loop.run_controlled(found, reference))
+    """Return model and bench on a sine."""
+    reference, gains = loop.sine_reference(), find_gains(name).gains
+    return Sines(build_controlled(name).run(gains, reference), loop.run_controlled(gains, reference))

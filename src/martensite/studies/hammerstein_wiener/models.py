@@ -1,12 +1,7 @@
-"""The models of the study, all estimated on one record of the bench and on nothing else.
+"""The models of the study, all estimated on one record of the bench.
 
-The paper's configuration, both stages: polynomial 2 | three poles, two zeros | piecewise linear 10,
-then wavelets 88 | three poles, two zeros | sigmoids 10. Degree of the polynomial and delay are not
-printed; 2 and one sample are taken. Ours: a second stage with hysteresis, and one model of both
-stages whose latent heat acts back on the temperature.
-
-Searches run on records thinned to 50 Hz; what is found goes on at the full 500 Hz, where alone
-models are scored.
+The paper does not print the degree of the polynomial and the delay; 2 and one sample are assumed. Searches use records
+decimated to 50 Hz; their results are refined and scored at 500 Hz.
 """
 
 from __future__ import annotations
@@ -26,11 +21,11 @@ SMALL = "wavelet12 | oe(3,3,1) | sigmoid10"
 HYSTERESIS = "oe(2,2,0) | pi12 | sigmoid10 | oe(1,1,1)"
 WHOLE = "heated"
 THIN = 10
-"""Samples of which one is kept for searches."""
+"""Decimation factor of searches."""
 ANCHOR = 0.14
-"""Weight of rest: that of 40 s at rest in a record of 283.5 s."""
+"""Weight of the steady state: 40 s at rest in a record of 283.5 s."""
 RESTLESS, AFTER = "stage 2, not anchored", 22.0
-"""A model of the record after this time [s]: the wire is warm from then on."""
+"""A model of the record after this time [s], when the wire is warm throughout."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +35,7 @@ class Recipe:
     text: str
     options: Options
     polish: int = 0
-    """Most steps at the full rate."""
+    """Maximum number of steps at the full rate."""
 
 
 RECIPES = {
@@ -66,7 +61,7 @@ def read_record(name: str) -> Sampled:
 
 
 def mapped_signals(model: str, whole: Sampled) -> Sampled:
-    """Return the signals of a model: a stage, or the whole (or a series of stages) from duty to outputs."""
+    """Return the signals of a model: of one stage, or from duty cycle to outputs."""
     if model in ("whole", "series"):
         return whole
     return records.split_stages(whole)[1 if model.startswith("stage 2") else 0]
@@ -74,19 +69,19 @@ def mapped_signals(model: str, whole: Sampled) -> Sampled:
 
 @cache_results
 def estimate_recipe(name: str) -> Chain:
-    """Return a model, by its recipe."""
+    """Return a model estimated by its recipe."""
     recipe, full = RECIPES[name], mapped_signals(name, read_record("estimation"))
     if name == RESTLESS:
         full = full.rows(round(AFTER / full.interval))
     thin = replace(full, interval=THIN * full.interval, inputs=full.inputs[::THIN], outputs=full.outputs[::THIN])
-    found = replace(estimate_chain(recipe.text, thin, recipe.options).chain, interval=full.interval)
+    chain = replace(estimate_chain(recipe.text, thin, recipe.options).chain, interval=full.interval)
     if recipe.polish:
-        polished = refine_chain(found, [full], replace(recipe.options, iterations=recipe.polish))
-        found = found.with_theta(polished.theta[: len(found.theta)])
-    return replace(found, name=name)
+        polished = refine_chain(chain, [full], replace(recipe.options, iterations=recipe.polish))
+        chain = chain.with_theta(polished.theta[: len(chain.theta)])
+    return replace(chain, name=name)
 
 
 @cache
 def join_stages(second: str) -> Chain:
-    """Stage 1 and a second stage, from duty to position."""
+    """Return stage 1 and a second stage, from duty cycle to position."""
     return estimate_recipe("stage 1").then(estimate_recipe(second))

@@ -3,16 +3,13 @@
     heating from the last minimum     z = z_m + E(T, T_m)
     cooling from the last maximum     z = z_M - E(T_M, T)
 
-E(a, b) is the weight of the relays that switch up at or below a and down at or above b. Turning
-points are kept on a stack; beyond the one before, an inner loop is closed and forgotten. Branches
-give E only where one temperature is the end of the major loop; in between it is that of relays
-whose thresholds are drawn with a Gaussian copula of some correlation, which thus shapes minor
-loops and nothing else.
+E(a, b) is the weight of the relays that switch up at or below a and down at or above b. Turning points are on a stack;
+beyond the previous one, an inner loop is closed and removed. The branches give E only where one temperature is an end
+of the major loop. Elsewhere E belongs to relays whose thresholds have a Gaussian copula; its correlation shapes minor
+loops only.
 
-A wire with latent heat is stepped by its enthalpy H(T) = C T + ΔH z(T), which rises along every
-branch: heat added gives the new H, and T follows without iteration, whatever the step.
-
-This is none of the library's laws, and no model of this library is made of it.
+A wire with latent heat is stepped by its enthalpy H(T) = C T + ΔH z(T), which rises along each branch: heat gives the
+new H, and T follows without iteration.
 """
 
 from __future__ import annotations
@@ -31,42 +28,42 @@ from martensite.studies.hammerstein_wiener.branches import GRID
 RELAYS = 200_000
 SEED = 0
 APART = 1.0
-"""Least distance of the thresholds of a relay [K]."""
+"""Smallest distance of the thresholds of a relay [K]."""
 SMOOTHING = 5.0
-"""Standard deviation of what smooths the relays, in steps of the grid."""
+"""Standard deviation of the smoothing of relays, in steps of the grid."""
 BEYOND = 2000.0
-"""Distance outside the grid beyond which transformation ends [K]."""
+"""Distance outside the grid at which transformation ends [K]."""
 
 
 @lru_cache(4)
 def everett_function(share: float, correlation: float) -> Numbers:
-    """E(a, b) on `GRID`, rows a, columns b, for branches between 50 and 100 MPa."""
-    found = branches.build_loop(share)
+    """Return E(a, b) on `GRID`, rows a, columns b, for branches between 50 and 100 MPa."""
+    loop = branches.build_loop(share)
     rng = np.random.default_rng(SEED)
     first = rng.standard_normal(RELAYS)
     second = correlation * first + np.sqrt(1.0 - correlation**2) * rng.standard_normal(RELAYS)
-    up = branches.invert_branch(found.heating, ndtr(first))
-    down = np.minimum(branches.invert_branch(found.cooling, ndtr(second)), up - APART)
+    up = branches.invert_branch(loop.heating, ndtr(first))
+    down = np.minimum(branches.invert_branch(loop.cooling, ndtr(second)), up - APART)
     weights = gaussian_filter(np.histogram2d(up, down, bins=(GRID, GRID))[0], SMOOTHING)
-    # what was smoothed across the diagonal is mirrored back, so that E is 0 there
+    # weights beyond the diagonal are mirrored back, so that E is 0 there
     weights = np.tril(weights, -1) + np.triu(weights, 1).T
     count = len(GRID)
-    made = np.zeros((count, count))
-    made[1:, :-1] = (weights / weights.sum()).cumsum(axis=0)[:, ::-1].cumsum(axis=1)[:, ::-1]
-    return made
+    everett = np.zeros((count, count))
+    everett[1:, :-1] = (weights / weights.sum()).cumsum(axis=0)[:, ::-1].cumsum(axis=1)[:, ::-1]
+    return everett
 
 
 class Cell:
-    """A piece of wire at one temperature: temperature, fraction, and the turning points."""
+    """A piece of wire at one temperature: temperature, fraction, and turning points."""
 
     def __init__(self, weights: Numbers, capacity: float, latent: float, temperature: float) -> None:
-        """Start on the heating branch from far below.
+        """Start on the heating branch.
 
         Args:
             weights: E on the grid.
-            capacity: C, per metre or of the whole piece [J/K].
-            latent: ΔH, of as much [J].
-            temperature: where it starts [K].
+            capacity: C, per metre or of the piece [J/K].
+            latent: ΔH, likewise [J].
+            temperature: start temperature [K].
         """
         self._weights, self._C, self._L = weights, capacity, latent
         self.turns: list[tuple[float, float]] = [(float(GRID[0]), 0.0)]
@@ -79,7 +76,7 @@ class Cell:
         self.enthalpy = h
 
     def heat(self, energy: float) -> None:
-        """Add heat, or take it away if it is negative, in the unit of the latent heat."""
+        """Add heat (negative to remove it), in the unit of the latent heat."""
         if energy == 0.0:
             return
         if (energy > 0.0) != self.heating:
@@ -102,7 +99,7 @@ class Cell:
         self.enthalpy = target
 
     def _branch(self) -> None:
-        """Enthalpy over temperature from the last turning point on."""
+        """Compute the enthalpy over temperature from the last turning point."""
         begin, z = self.turns[-1]
         place = min(max((begin - GRID[0]) / (GRID[1] - GRID[0]), 0.0), len(GRID) - 1.001)
         k = int(place)
@@ -115,7 +112,7 @@ class Cell:
         T_of = np.concatenate([[GRID[0] - BEYOND], GRID, [GRID[-1] + BEYOND]])
         self._T: list[float] = T_of.tolist()
         self._at = 0
-        """Index of the last hit, the first guess of the next search."""
+        """Index of the last interval, the first guess of the next search."""
         self._H: list[float] = (self._C * T_of + self._L * z_of).tolist()
         if len(self.turns) > 2:
             end, fraction = self.turns[-2]

@@ -1,20 +1,19 @@
-"""The test bench as simulated: what heats the wire, the variants compared, and their runs.
+"""The simulated test bench: heating, compared variants, and their runs.
 
-Table 2 gives for every voltage the heating power P = h S (T_ss - T_a), with S the lateral
-surface of the wire. As voltage and power are to be those of the paper whatever the leads
-take, the sine heats with
+Table 2 gives for each voltage the heating power P = h S (T_ss - T_a), with S the lateral surface of the wire. To match
+both voltage and power of the paper for any leads, the sine heats with
 
     P(t) = V²/R_eq(V),    R_eq(V) = V²/[h S (T_ss - T_a)]
 
-R_eq linear in V between the four voltages of the table and constant outside. Times of the
-sine count from the start of its second period.
+with R_eq linear in V between the four voltages of the table and constant outside. Times of the sine count from the
+start of its second period.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import cast
 
@@ -26,17 +25,15 @@ from martensite.physics.electrical.sources import PowerSource, VoltageSource
 from martensite.physics.thermal.base import AbstractCooling, Environment
 from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
 from martensite.scenario.examples import EXAMPLES
-from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import passing_time
+from martensite.studies.readings import ZERO, load_once, passing_time
 from martensite.studies.tables import Printed
 
 SCENARIO = EXAMPLES / "migaone.toml"
-ZERO = 273.15
-"""0 °C [K]."""
+load_scenario = partial(load_once, SCENARIO)
 VARIANTS = {
     "polynomial": "polynomial h, heat capacity 837 J/(kg K) and latent heat",
     "constant": "mean constant h, heat capacity 837 J/(kg K) and latent heat",
@@ -45,13 +42,7 @@ VARIANTS = {
 }
 _TOLERANCE = 1e-4
 _SETTLING = 600.0
-"""[s]; more than ten of the longest time constants of a step response."""
-
-
-@cache
-def load_scenario() -> Scenario:
-    """Return the scenario of this study."""
-    return load(SCENARIO)
+"""More than ten of the longest time constants of a step response [s]."""
 
 
 def base_wire() -> Wire:
@@ -60,7 +51,7 @@ def base_wire() -> Wire:
 
 
 def read_number(path: str) -> float:
-    """Return a number of the scenario's system by its dotted path, in SI units."""
+    """Return a parameter of the scenario's system by its dotted path [SI]."""
     return load_scenario().system.value_of(path)
 
 
@@ -75,7 +66,7 @@ def mean_constant(printed: Printed) -> ConstantCooling:
 
 
 def run_heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
-    """Return the bench with a given cooling, heated by an imposed power; numbers changed by name."""
+    """Return the bench with a given cooling, heated by power, with changed parameters."""
     base = load_scenario().single_system
     environment = base.environment.with_parts(cooling=cooling)
     system = base.with_parts(environment=environment, source=PowerSource())
@@ -84,7 +75,7 @@ def run_heated(cooling: AbstractCooling, values: Mapping[str, float] | None = No
 
 @cache
 def run_variant(key: str, printed: Printed) -> System:
-    """Return one of `VARIANTS`."""
+    """Return the bench of one of `VARIANTS`."""
     if key == "constant":
         return run_heated(mean_constant(printed))
     values: dict[str, float] = {}
@@ -96,24 +87,24 @@ def run_variant(key: str, printed: Printed) -> System:
 
 
 def heating_power(step: Printed, printed: Printed) -> float:
-    """Return the power in the wire that holds a steady state of Table 2 [W]."""
+    """Return the power of a steady state of Table 2 [W]."""
     return step.film * base_wire().surface() * (step.temperature - printed.ambient)
 
 
 def equivalent_resistance(voltage: float, printed: Printed) -> float:
-    """R_eq at a voltage [V], such that V²/R_eq is the heating power [ohm]."""
-    known = [(s.voltage, s.voltage**2 / heating_power(s, printed)) for s in printed.steps]
-    if voltage <= known[0][0]:
-        return known[0][1]
-    for (low, first), (high, last) in pairwise(known):
+    """Return R_eq at a voltage [V], such that V²/R_eq is the heating power [ohm]."""
+    points = [(s.voltage, s.voltage**2 / heating_power(s, printed)) for s in printed.steps]
+    if voltage <= points[0][0]:
+        return points[0][1]
+    for (low, first), (high, last) in pairwise(points):
         if voltage <= high:
             return first + (last - first) * (voltage - low) / (high - low)
-    return known[-1][1]
+    return points[-1][1]
 
 
 @cache
 def steady_temperature(cooling: AbstractCooling, power: float) -> float:
-    """Return the temperature long after switching on a power [W], simulated [°C]."""
+    """Return the simulated steady temperature under a power [W], in °C."""
     run = simulate(run_heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101)
     return run["temperature"][-1] - ZERO
 
@@ -136,29 +127,29 @@ def sine_run(key: str, printed: Printed) -> Result:
 
 @dataclass(frozen=True)
 class SineResponse:
-    """Readings of the second period of the sine."""
+    """Quantities of the second period of the sine."""
 
     hottest: float
     """[°C]"""
     rise: float
-    """Time of passing half the quoted stroke on the way up [s]."""
+    """Time of half the quoted stroke on heating [s]."""
     fall: float
-    """Time of passing it on the way down [s]."""
+    """Time of half the quoted stroke on cooling [s]."""
     stroke: float
     """[m]"""
 
 
 def read_response(key: str, printed: Printed) -> SineResponse:
-    """Read off the second period of a variant."""
+    """Return the quantities of a variant."""
     run = sine_run(key, printed)
-    times, found = run.draw_curves(["temperature", "position"])
-    start, position = 0.5 * run.times[-1], found["position"].tolist()
+    times, curves = run.draw_curves(["temperature", "position"])
+    start, position = 0.5 * run.times[-1], curves["position"].tolist()
     half = int(np.searchsorted(times, start))
     level = 0.5 * printed.stroke
     top = max(range(half, len(position)), key=position.__getitem__)
     falling = [-x for x in position[top:]]
     return SineResponse(
-        hottest=float(found["temperature"][half:].max()) - ZERO,
+        hottest=float(curves["temperature"][half:].max()) - ZERO,
         rise=passing_time(times[half : top + 1], position[half : top + 1], level) - start,
         fall=passing_time(times[top:], falling, -level) - start,
         stroke=position[top] - min(position[half:]),
@@ -174,8 +165,8 @@ def actuation_time(
     Args:
         printed: supply voltage, and resistance of the wire; nothing is in series.
         ambient: ambient temperature [°C].
-        values: numbers of the system to change, by name.
-        duration: length of the run, in which the stroke must complete [s].
+        values: changed parameters of the system, by name.
+        duration: duration of the run [s], in which the stroke must complete.
     """
     environment = Environment(temperature=ambient + ZERO, cooling=printed_film(printed))
     base = load_scenario().single_system.with_parts(environment=environment, source=VoltageSource())

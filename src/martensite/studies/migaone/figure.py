@@ -1,9 +1,4 @@
-"""The figure of the study: what a reader of the paper looks for, on one page.
-
-Left: stroke under the sine, coloured by heating and cooling as in its Figure 7, against a
-constant h and against the paper's own equations; below, what drives it. Right: h(T) with the
-points of its Table 2 and the fits; below, how far each returns the steady temperatures.
-"""
+"""The figure of the study."""
 
 from __future__ import annotations
 
@@ -26,9 +21,9 @@ MEAN, REFIT, LINE = MEASURED[3], MEASURED[2], MEASURED[0]
 OTHERS = (
     ("constant", "mean constant h", MEAN, (0, (5, 1.6))),
     ("paper", "paper: 320 J/(kg K), no latent heat", MEASURED[0], (0, (1, 1.3))),
-    ("one-curve", "paper, eq. (6) on cooling too", MEASURED[1], (0, (4, 1.2, 1, 1.2))),
+    ("one-curve", "paper, eq. (6) also for cooling", MEASURED[1], (0, (4, 1.2, 1, 1.2))),
 )
-"""Variants drawn beside the main one: key, label, colour, dashes."""
+"""Other variants: key, label, colour, dashes."""
 
 
 def draw_figure(printed: Printed) -> Figure:
@@ -60,7 +55,7 @@ def draw_figure(printed: Printed) -> Figure:
 
 
 def _second_period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
-    """Return the times from the start of the second period [s], and its columns in SI units."""
+    """Return times from the start of the second period [s], and its columns [SI]."""
     run = bench.sine_run(key, printed)
     half = len(run.times) // 2
     times = np.asarray(run.times[half:]) - run.times[half]

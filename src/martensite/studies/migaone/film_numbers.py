@@ -1,4 +1,4 @@
-"""Numbers of the film coefficient: the fit of h(T) to Table 2, and what follows from it."""
+"""Numbers of the film coefficient: the fit of h(T) to Table 2, and its consequences."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from martensite.studies.migaone import bench
 from martensite.studies.tables import Printed
 
 OTHER_AMBIENT = 41.0
-"""Another ambient temperature, to see what rests on the printed one [°C]."""
+"""Another ambient temperature for a sensitivity [°C]."""
 ROUNDING = 0.25
-"""Rounding error of the temperatures of Table 2, most of them printed in steps of 0.5 K [K]."""
+"""Rounding error of the temperatures of Table 2, mostly printed in steps of 0.5 K [K]."""
 
 
 def compute_film(printed: Printed) -> dict[str, Any]:
-    """Return the fit, the steady temperatures, the influence of the ambient temperature."""
+    """Return the fit, the steady temperatures, and the influence of the ambient temperature."""
     constant = steady_errors("constant", printed)
     films = films_at_ambient(OTHER_AMBIENT, printed)
     tilted = fit_film(printed.steps.column("temperature"), films, terms=(0, 1))
@@ -43,7 +43,6 @@ def compute_film(printed: Printed) -> dict[str, Any]:
 
 
 def _name_coefficients(fit: FilmFit) -> SimpleNamespace:
-    """Return a fit with its coefficients by name."""
     named = {f"h{k}": h for k, h in enumerate(fit.coefficients)}
     return SimpleNamespace(**named, r_squared=fit.r_squared, adjusted=fit.adjusted)
 
@@ -59,7 +58,7 @@ def fit_quadratic(printed: Printed) -> FilmFit:
 
 
 def no_linear(printed: Printed) -> FilmFit:
-    """Constant and square fitted, as the printed coefficients suggest was done."""
+    """Return the fit of constant and square, which the printed coefficients suggest."""
     return fit_film(*_table_points(printed), terms=(0, 2))
 
 
@@ -75,23 +74,23 @@ def rounding_margin(printed: Printed) -> float:
 
 
 def fit_straight(printed: Printed) -> FilmFit:
-    """Return a straight line fitted."""
+    """Return the fit of a straight line."""
     return fit_film(*_table_points(printed), terms=(0, 1))
 
 
 def printed_r_squared(printed: Printed) -> float:
-    """R² that the printed coefficients have on the printed points."""
+    """Return R² of the printed coefficients on the printed points."""
     coefficients = printed.h0, printed.h1, printed.h2
     return film_r_squared(*_table_points(printed), coefficients)
 
 
 def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
-    """Return the table 2's film coefficients had the ambient temperature been another one [°C]."""
+    """Return the film coefficients of Table 2 for another ambient temperature [°C]."""
     return [step.film * (step.temperature - printed.ambient) / (step.temperature - ambient) for step in printed.steps]
 
 
 def refit_film(printed: Printed) -> PolynomialCooling:
-    """Return the film coefficient fitted here with h₁ = 0."""
+    """Return the film coefficient fitted with h₁ = 0."""
     h0, h1, h2 = no_linear(printed).coefficients
     return PolynomialCooling(h0=h0, h1=h1, h2=h2)
 
@@ -100,7 +99,7 @@ COOLINGS = {"polynomial": bench.printed_film, "refitted": refit_film, "constant"
 
 
 def steady_errors(cooling: str, printed: Printed) -> list[float]:
-    """Return the simulated less printed steady temperatures with one of `COOLINGS` [K]."""
+    """Return simulated less printed steady temperatures with one of `COOLINGS` [K]."""
     model = COOLINGS[cooling](printed)
     return [
         bench.steady_temperature(model, bench.heating_power(step, printed)) - step.temperature for step in printed.steps

@@ -1,7 +1,7 @@
-"""Numbers of the wire itself: the geometry of Table 1, and the resistance behind Table 2.
+"""Numbers of the wire: the geometry of Table 1, and the resistance implied by Table 2.
 
-Table 1 prints a diameter of 0.038 mm where the text has 0.015 inch, 0.381 mm. Surface and
-volume were computed from the misprint: they are too small by 10 and by 100.
+Table 1 prints a diameter of 0.038 mm, but the text 0.015 inch, 0.381 mm. Surface and volume follow from the misprint:
+they are too small by 10 and by 100.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from martensite.studies.tables import Printed
 
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
-    """Return the geometry first, then resistance."""
+    """Return geometry, then resistance."""
     length, wrong, right = printed_length(printed), printed.diameter, printed.diameter_in_text
     surface, volume = math.pi * right * length, 0.25 * math.pi * right**2 * length
     first, last = printed.steps[0].voltage, printed.steps[-1].voltage
@@ -35,11 +35,11 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
 
 
 def printed_length(printed: Printed) -> float:
-    """Return the length of wire that gives the printed surface with the printed diameter [m]."""
+    """Return the length that gives the printed surface with the printed diameter [m]."""
     return printed.surface / (math.pi * printed.diameter)
 
 
 def series_resistance(voltage: float, printed: Printed) -> float:
-    """Return the resistance in series with the quoted resistance that gives the powers of Table 2 [ohm]."""
+    """Return the series resistance that, with the quoted resistance, gives the powers of Table 2 [ohm]."""
     power = voltage**2 / bench.equivalent_resistance(voltage, printed)
     return voltage / math.sqrt(power / printed.resistance) - printed.resistance

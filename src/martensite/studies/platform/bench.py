@@ -1,15 +1,15 @@
-"""The platform as simulated: parameter sets, its springs, and runs of one hot spring.
+"""The simulated platform: parameter sets, its springs, and runs of one hot spring.
 
-Where the paper is silent a number is chosen once, here or in `scenario.toml`: the springs are
-free of force as assembled, closed (N d long) when hot and unloaded, and weigh and resist what is
-printed whatever the coil diameter. Heat capacity and latent heat are those of the material.
+Values missing in the paper are chosen here or in `scenario.toml`: the springs have no force as assembled, are closed (N
+d long) when hot and unloaded, and have the printed mass and resistance for any coil diameter. Heat capacity and latent
+heat are those of the material.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import cast
 
@@ -17,19 +17,16 @@ from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.physics.electrical.resistances import MixtureResistance
-from martensite.scenario.scenario import Scenario, load
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import choose_runtime, passing_time
+from martensite.studies.readings import ZERO, choose_runtime, load_once, passing_time
 from martensite.studies.tables import Printed, printed_numbers
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
-ZERO = 273.15
-"""0 °C [K]."""
+load_scenario = partial(load_once, SCENARIO)
 STEEP = 1e9
-"""Slope at which stress hardly matters [Pa/K]; the printed 6 and 12 GPa/K are beyond what a law
-takes."""
+"""Slope with negligible effect of stress [Pa/K]; the printed 6 and 12 GPa/K exceed the range of a law."""
 UNLIMITED = 1e6
 """Current limit without effect [A]."""
 PORTS = ("first", "second", "third")
@@ -38,12 +35,12 @@ RISE, LATE, COOLING = 32.0, 50.0, 40.0
 FINE, COARSE = 0.01, 0.02
 """Steps [s]: springs that heat within seconds, and slower ones."""
 HOT = PORTS[0]
-"""The spring that is heated: the one on +Y, so that the platform turns about X."""
+"""The heated spring, on +Y, so that the platform turns about X."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A way to fill in what the paper leaves open."""
+    """A choice of the values missing in the paper."""
 
     title: str
     film: float
@@ -55,13 +52,13 @@ class Case:
     damping: float = 0.0
     """Damping of the joint [N m s/rad]."""
     capacity: float | None = None
-    """Heat capacity [J/(kg K)]; that of the material if left out."""
+    """Heat capacity [J/(kg K)]; by default of the material."""
     latent: float | None = None
-    """Latent heat [J/kg]; that of the material if left out."""
+    """Latent heat [J/kg]; by default of the material."""
     coil: float | None = None
-    """Mean coil diameter [m]; the printed one as outer diameter if left out."""
+    """Mean coil diameter [m]; by default the printed one is the outer diameter."""
     slope: float | None = None
-    """C_A and C_M [Pa/K]; those printed, in MPa/K, if left out."""
+    """C_A and C_M [Pa/K]; by default the printed ones in MPa/K."""
 
 
 AS_PRINTED = Case("as printed: V²/R, 150 W/(m² K)", 150.0)
@@ -72,7 +69,7 @@ CASES = {
     "A'": Case("A': 37.5 W/(m² K), 2.283 A at 5 V, 1.904 A at 3 V", 37.5, limits=(2.2834, 1.9038)),
     "C": replace(AS_PRINTED, title="C: as printed, joint with 16.48 N m s/rad", damping=16.48),
 }
-"""The paper's equations, and sets that were calibrated to its two response times."""
+"""The paper's equations, and sets calibrated to its two response times."""
 VARIANTS = {
     "base": AS_PRINTED,
     "no latent heat": replace(AS_PRINTED, latent=0.0),
@@ -82,26 +79,17 @@ VARIANTS = {
     "C of 1 GPa/K": replace(AS_PRINTED, slope=STEEP),
     "C of 1 GPa/K, 320 J/(kg K), no latent heat": replace(AS_PRINTED, slope=STEEP, capacity=320.0, latent=0.0),
 }
-"""Readings of the paper's equations: what it does not print, or may have meant."""
+"""Interpretations of the paper's equations and missing values."""
 IN_SERIES = {
     "no heat loss": replace(AS_PRINTED, film=0.0),
     "35 W/(m² K), 0.6 Ω in series": replace(AS_PRINTED, film=35.0, series=0.6),
     "35 W/(m² K), 1.2 Ω in series": replace(AS_PRINTED, film=35.0, series=1.2),
 }
-"""Other ways in which a voltage may heat without a limit."""
-
-
-@cache
-def load_scenario() -> Scenario:
-    """Return the scenario of this study: set A."""
-    return load(SCENARIO)
-
-
-# ---------------------------------------------------------------- the machine
+"""Other heating by voltage without a current limit."""
 
 
 def build_spring(case: Case, printed: Printed) -> CoilSpring:
-    """Return a spring of printed mass and resistances, free of force as assembled."""
+    """Return a spring of printed mass and resistances, without force as assembled."""
     base = cast("CoilSpring", load_scenario().system.actuators()[HOT].element)
     outer = printed.coil_diameter if case.coil is None else case.coil + printed.diameter
     shape = base.with_values(
@@ -154,13 +142,10 @@ def build_platform(printed: Printed) -> ParallelPlatform:
     return cast("ParallelPlatform", build_machine(AS_PRINTED, printed).mechanism)
 
 
-# ---------------------------------------------------------------- runs
-
-
 def run_heated(
     case: Case, printed: Printed, voltage: float, duration: float, step: float = FINE, until: float = math.inf
 ) -> Result:
-    """Return a voltage on the hot spring from rest, until a time [s]; one sample in every step."""
+    """Return a run under a voltage on the hot spring until a time [s], with a sample per step."""
     return _run_heated(case, without_results(printed), voltage, duration, step, until)
 
 
@@ -174,17 +159,17 @@ def _run_heated(case: Case, printed: Printed, voltage: float, duration: float, s
 
 
 RESULTS = ("centroid", "current", "contraction", "fast", "slow")
-"""Printed numbers that no run depends on."""
+"""Printed numbers without effect on runs."""
 
 
 def without_results(printed: Printed) -> Printed:
-    """Return the numbers that a run depends on; the others as in the paper."""
+    """Return the numbers with an effect on runs; the others as in the paper."""
     plain = vars(printed_numbers("platform"))
     return printed.with_numbers(**{name: plain[name] for name in RESULTS})
 
 
 def step_of(case: Case) -> float:
-    """Return a step [s] that suits a calibrated set: shorter where the spring outruns a stiff joint."""
+    """Return a step [s] for a calibrated set, shorter for a stiff joint."""
     return FINE if case.damping > 0.0 else COARSE
 
 
@@ -196,20 +181,21 @@ def angle_degrees(result: Result, name: str = "alpha") -> list[float]:
 def arrival_time(
     case: Case, printed: Printed, voltage: float, angle: float, duration: float, step: float = FINE
 ) -> float:
-    """Return the time from rest to an angle about X [s]; NaN if it is not reached within the duration."""
+    """Return the time to an angle about X [s]; NaN if it is not reached within the duration."""
     result = run_heated(case, printed, voltage, duration, step)
     return passing_time(result.times, angle_degrees(result), angle)
 
 
 def at_angle(result: Result, angle: float, name: str) -> float:
-    """Return an output of the hot spring, in SI units, where the platform first passes an angle [°]."""
+    """Return an output of the hot spring [SI] where the platform first passes an angle [°]."""
     return passing_time(result.columns[f"{HOT}.{name}"], angle_degrees(result), angle)
 
 
 def run_cooling(printed: Printed, case: Case) -> dict[str, float]:
-    """Heated by the high voltage to the angle of the response times, then left alone.
+    """Return times of cooling after heating to the angle of the response times [s].
 
-    Times [s] from switching off until the plate moves, and until it is 10° and 20° further back.
+    Returns:
+        Times from switching off until the plate moves, and until it has turned back by 10° and 20°.
     """
     begin = arrival_time(case, printed, printed.high, printed.angle, RISE, COARSE)
     result = run_heated(case, printed, printed.high, begin + COOLING, COARSE, until=begin)

@@ -1,7 +1,6 @@
-"""Numbers of ON/OFF control to 30°: limit cycle, and where an overshoot can come from.
+"""Numbers of ON/OFF control to 30°: limit cycle, and causes of an overshoot.
 
-The paper says that the actuation "was not smooth and had an overshoot with oscillations", for
-which it shows a figure that is not in the text at hand.
+The paper reports that the actuation "was not smooth and had an overshoot with oscillations", in an unavailable figure.
 """
 
 from __future__ import annotations
@@ -13,10 +12,10 @@ from martensite.studies.tables import Printed
 
 
 def compute_control(printed: Printed) -> dict[str, float]:
-    """Limit cycle first, then overshoot."""
+    """Return limit cycle, then overshoots."""
     first, period, on = limit_cycle(printed)
-    found = {f"overshoot_{key}": value for key, value in list_overshoots(printed).items()}
-    return {name.replace("-", "_"): value for name, value in found.items()} | {
+    overshoots = {f"overshoot_{key}": value for key, value in list_overshoots(printed).items()}
+    return {name.replace("-", "_"): value for name, value in overshoots.items()} | {
         "band": BAND,
         "sampling": 1e3 * CYCLES.period,
         "cycle_first_off": first,
@@ -27,7 +26,7 @@ def compute_control(printed: Printed) -> dict[str, float]:
 
 
 def limit_cycle(printed: Printed) -> tuple[float, float, float]:
-    """Return the first switching off, period of the limit cycle and time on in it [s], of set A."""
+    """Return first switch-off, period of the limit cycle and its on-time [s], of set A."""
     result = loop.run_controlled(CASES["A"], printed, CYCLES)
     first, _, second, on, third = loop.switching_times(result)[:5]
     return first, third - second, third - on

@@ -1,4 +1,4 @@
-"""Numbers of the equations of the spring as printed, where the answer is known."""
+"""Numbers of the printed equations of the spring, where the result is known."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from martensite.studies.tables import Printed
 
 
 def compute_equation(printed: Printed) -> dict[str, float]:
-    """Kinetics, then resistance."""
+    """Return kinetics, then resistance."""
     spring = bench.build_spring(bench.AS_PRINTED, printed)
     shape = spring.section() / spring.wire_length()
     return {
@@ -22,7 +22,7 @@ def compute_equation(printed: Printed) -> dict[str, float]:
 
 
 def equation_8(printed: Printed, temperature: float, fraction: float = 0.0) -> float:
-    """ξ as printed at a temperature [°C] without stress, from an earlier fraction ξ_A."""
+    """Return ξ as printed at a temperature [°C] without stress, from an earlier fraction ξ_A."""
     cosine = math.cos(math.pi * (temperature - printed.M_f) / (printed.M_s - printed.M_f))
     return 0.5 * (1.0 - fraction) * (cosine + 0.5 * (1.0 + fraction))
 

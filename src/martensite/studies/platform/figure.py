@@ -1,9 +1,4 @@
-"""The figure of the study: what a reader of the paper looks for, on one page.
-
-Above: the angle over time at both voltages with everything as printed and with the calibrated
-sets, against the two response times of the paper; the reach of the platform. Below: ON/OFF control
-to 30° as in its Figure 7, what a late measurement overshoots, and the hysteresis of its Figure 6.
-"""
+"""The figure of the study."""
 
 from __future__ import annotations
 
@@ -31,13 +26,13 @@ LIMIT_COLOUR = MEASURED[3]
 DASHES = (0, (4, 1.6))
 """Line style of the low voltage."""
 SPAN = 24.0
-"""Time after which the springs as printed are hot at 3 V too [s]."""
+"""Time after which the springs as printed are hot also at 3 V [s]."""
 SHOWN = Sampling(20.0, 0.005)
-"""Sampling of the run as printed, through some cycles."""
+"""Sampling of the run as printed, over some cycles."""
 FINER = 5
-"""Points of the drawn outline per step of the grid of the reach."""
+"""Points of the drawn outline per grid step of the reach."""
 DELAYS = (0.0, 0.15, DELAY, 0.45)
-"""Ages of a measurement for which overshoot is drawn [s]."""
+"""Measurement delays of the overshoot panel [s]."""
 
 
 def draw_figure(printed: Printed) -> Figure:
@@ -47,7 +42,7 @@ def draw_figure(printed: Printed) -> Figure:
         7.4,
         "Parallel platform on three shape-memory springs, one of them hot",
         "Simulated for this project; circles are the paper's two response times. The sets A, "
-        "A' and C were calibrated to them.",
+        "A' and C are calibrated to them.",
     ) as figure:
         grid = figure.add_gridspec(
             2, 3, left=0.055, right=0.985, top=0.885, bottom=0.075, wspace=0.24, hspace=0.34, height_ratios=(1.15, 1.0)
@@ -87,7 +82,7 @@ def _draw_responses(axes: Any, printed: Printed) -> None:
 
 
 def _draw_response(key: str, printed: Printed, volts: float) -> tuple[list[float], list[float]]:
-    """Return the times [s] and angles [°]; springs that are hot stay where they are."""
+    """Return the times [s] and angles [°], extended for springs at their final state."""
     case = CASES[key]
     if key == "as-printed":
         result = bench.run_heated(case, printed, volts, SPAN, FINE)
@@ -97,15 +92,12 @@ def _draw_response(key: str, printed: Printed, volts: float) -> tuple[list[float
     return result.times.tolist(), bench.angle_degrees(result)
 
 
-# ---------------------------------------------------------------- reach
-
-
 def _draw_reach(axes: Any, printed: Printed) -> None:
-    found = geometry_numbers.find_workspace(printed)
-    x, y, room = _distance_grid(found)
+    workspace = geometry_numbers.find_workspace(printed)
+    x, y, room = _distance_grid(workspace)
     axes.contourf(x, y, room.T, [0.0, np.inf], colors=["#e9eff3"], zorder=0.5)
     axes.contour(x, y, room.T, [0.0], colors=[QUIET], linewidths=0.9, zorder=1.0)
-    for leg, ray in enumerate(found.rays):
+    for leg, ray in enumerate(workspace.rays):
         points = np.degrees(np.asarray(ray))
         axes.plot(*points.T, color=HEATING, linewidth=1.6)
         axes.plot(*points[-1:].T, "o", color=HEATING, markersize=4.0)
@@ -126,25 +118,22 @@ def _draw_reach(axes: Any, printed: Printed) -> None:
     axes.set_title("reach, and the ways of single springs")
 
 
-def _distance_grid(found: Workspace) -> tuple[Any, Any, Any]:
-    """Return the angles [°] of a fine grid, and there how far springs are from their limits [m].
+def _distance_grid(workspace: Workspace) -> tuple[Any, Any, Any]:
+    """Return the angles [°] of a fine grid, and the margins of the springs from their limits [m].
 
-    Not a number away from the reachable set, where postures may be allowed but are cut off.
+    Outside the reachable set the margin is NaN, also for allowed but disconnected postures.
     """
     alphas, betas = (
-        np.linspace(grid[0], grid[-1], FINER * (len(grid) - 1) + 1) for grid in (found.alphas, found.betas)
+        np.linspace(grid[0], grid[-1], FINER * (len(grid) - 1) + 1) for grid in (workspace.alphas, workspace.betas)
     )
-    near = np.pad(np.asarray(found.reached), 1)
+    near = np.pad(np.asarray(workspace.reached), 1)
     near = near[:-2] | near[1:-1] | near[2:]
     near = near[:, :-2] | near[:, 1:-1] | near[:, 2:]
     rows, columns = (np.rint(np.arange(len(x)) / FINER).astype(int) for x in (alphas, betas))
     turned: Any = np.meshgrid(alphas, betas, indexing="ij")
-    length = np.array(compute_lengths(ArrayNamespace(np), found.legs.plates, *turned))
-    room = np.minimum(length.min(axis=0) - found.legs.shortest, found.legs.longest - length.max(axis=0))
+    length = np.array(compute_lengths(ArrayNamespace(np), workspace.legs.plates, *turned))
+    room = np.minimum(length.min(axis=0) - workspace.legs.shortest, workspace.legs.longest - length.max(axis=0))
     return (np.degrees(alphas), np.degrees(betas), np.where(near[np.ix_(rows, columns)], room, np.nan))
-
-
-# ---------------------------------------------------------------- control
 
 
 def _draw_control(axes: Any, printed: Printed) -> None:
@@ -166,13 +155,13 @@ def _draw_control(axes: Any, printed: Printed) -> None:
 def _draw_overshoot(axes: Any, printed: Printed) -> None:
     for key, sampling in (("as-printed", QUICK), ("C", LAGGING), ("A", CYCLES)):
         delays = {"as-printed": DELAYS, "A": (0.0, DELAY)}.get(key, (0.0,))
-        found = [
+        overshoots = [
             loop.angle_overshoot(loop.run_controlled(CASES[key], printed, sampling, delay), printed) for delay in delays
         ]
-        axes.plot(delays, found, "o-", color=COLOURS[key], markersize=4.0)
+        axes.plot(delays, overshoots, "o-", color=COLOURS[key], markersize=4.0)
         axes.annotate(
             "as printed" if key == "as-printed" else f"set {key}",
-            (delays[-1], found[-1]),
+            (delays[-1], overshoots[-1]),
             xytext=(5, 6),
             textcoords="offset points",
             color=COLOURS[key],
@@ -204,8 +193,8 @@ def _draw_hysteresis(axes: Any, printed: Printed) -> None:
 
 def _hysteresis_path(result: Result) -> tuple[list[float], list[float]]:
     """Return the temperature [°C] and martensite fraction of the hot spring."""
-    found = [t - bench.ZERO for t in result["first.temperature"]]
-    return found, result.columns["first.martensite_fraction"].tolist()
+    temperatures = [t - bench.ZERO for t in result["first.temperature"]]
+    return temperatures, result.columns["first.martensite_fraction"].tolist()
 
 
 def _describe_case(on: bool) -> str:

@@ -1,4 +1,4 @@
-"""Numbers of the platform and its springs at rest: geometry, stroke, reach, mass, vibration."""
+"""Static numbers of the platform and its springs: geometry, stroke, reach, mass, vibration."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ from martensite.studies.platform.workspace import Workspace, reachable_angles
 from martensite.studies.tables import Printed
 
 SHORTEST, LONGEST = 0.030, 0.090
-"""Lengths of springs between which the reach is asked for [m]: assumed."""
+"""Assumed range of spring lengths for the reach [m]."""
 
 DENSITY = 6450.0
-"""Density of nickel-titanium [kg/m³]."""
 
 
 def compute_geometry(printed: Printed) -> dict[str, Any]:
-    """Return the geometry first, then the stroke of one spring, the reach, and vibration."""
+    """Return the geometry, then stroke, reach, and vibration."""
     (x, y), (_, near), _ = locate_corners(printed.side)
     frequency = natural_frequency(printed)
     return {
@@ -49,7 +48,7 @@ def lengths_at(printed: Printed, degrees: float) -> Sequence[float]:
 
 @cache
 def end_of_one_spring(printed: Printed) -> tuple[float, float]:
-    """Contraction [m] and angle [°] of one hot spring against two cold ones."""
+    """Return contraction [m] and angle [°] of one hot spring against two cold ones."""
     result = bench.run_heated(bench.AS_PRINTED, printed, printed.high, 12.0)
     turned = result["alpha"][-1]
     return bench.build_platform(printed).contraction(floats, [turned, 0.0])[0], math.degrees(turned)
@@ -57,13 +56,13 @@ def end_of_one_spring(printed: Printed) -> tuple[float, float]:
 
 @cache
 def find_workspace(printed: Printed) -> Workspace:
-    """Postures with springs of 30 to 90 mm."""
+    """Return the postures with springs of 30 to 90 mm."""
     plates = bench.build_platform(printed).plates()
     return reachable_angles(plates, SHORTEST, LONGEST)
 
 
 def natural_frequency(printed: Printed) -> float:
-    """Return the frequency of small vibrations about any axis, all springs cold [Hz]."""
+    """Return the frequency of small vibrations about any axis with cold springs [Hz]."""
     plates, spring = (bench.build_platform(printed).plates(), bench.build_spring(bench.AS_PRINTED, printed))
     rate = 1.0 / spring.spring(floats, spring.initial_fractions(floats, 0.0), 298.15, 1.0).compliance
     _, levers, _ = compute_length_slopes(floats, plates, 0.0, 0.0)
@@ -72,7 +71,7 @@ def natural_frequency(printed: Printed) -> float:
 
 
 def compute_stroke(printed: Printed) -> dict[str, float]:
-    """Stroke, mass and rates of one spring."""
+    """Return stroke, mass and rates of one spring."""
     contraction, angle = end_of_one_spring(printed)
     spring = bench.build_spring(bench.AS_PRINTED, printed)
     hot, cold = (g / (8.0 * spring.index() ** 3 * printed.turns) * printed.diameter for g in (printed.G_A, printed.G_M))
@@ -90,31 +89,31 @@ def compute_stroke(printed: Printed) -> dict[str, float]:
 
 
 def compute_reach(printed: Printed) -> dict[str, Any]:
-    """Rotations that springs of some lengths reach, and the order of rotations."""
-    found = find_workspace(printed)
-    plates = found.legs.plates
+    """Return the reachable rotations, and the effect of the order of rotations."""
+    workspace = find_workspace(printed)
+    plates = workspace.legs.plates
     x, y = (math.radians(printed.angle),) * 2
     straight = platform_lengths(plates, x, y)
     swapped = _swap_rotations(plates.side, plates.height, x, y)
-    ends = [tuple(math.degrees(angle) for angle in ray[-1]) for ray in found.rays]
-    extents = {"alpha": found.alpha_extent, "beta": found.beta_extent}
+    ends = [tuple(math.degrees(angle) for angle in ray[-1]) for ray in workspace.rays]
+    extents = {"alpha": workspace.alpha_extent, "beta": workspace.beta_extent}
     return {
         "shortest": 1e3 * SHORTEST,
         "longest": 1e3 * LONGEST,
         **{f"reach_{name}_low": math.degrees(extent[0]) for name, extent in extents.items()},
         **{f"reach_{name}_high": math.degrees(extent[1]) for name, extent in extents.items()},
-        "one_at_a_time": math.degrees(math.atan2(found.rays[1][1][1], found.rays[1][1][0])),
+        "one_at_a_time": math.degrees(math.atan2(workspace.rays[1][1][1], workspace.rays[1][1][0])),
         "ray_ends": ", ".join(f"({a:.1f}°, {b:.1f}°)" for a, b in ends),
         "rotation_order": 1e3 * max(abs(a - b) for a, b in zip(straight, swapped, strict=True)),
     }
 
 
 def _swap_rotations(side: float, height: float, alpha: float, beta: float) -> list[float]:
-    """Return the lengths [m] with R_X(α) R_Y(β) in place of R_Y(β) R_X(α), joint in the plate."""
-    found: list[float] = []
+    """Return the lengths [m] with R_X(α) R_Y(β) instead of R_Y(β) R_X(α), joint in the plate."""
+    lengths: list[float] = []
     for x, y in locate_corners(side):
         over, down = math.cos(beta) * x, -math.sin(beta) * x
         along = math.cos(alpha) * y - math.sin(alpha) * down
         drop = math.sin(alpha) * y + math.cos(alpha) * down
-        found.append(math.sqrt((over - x) ** 2 + (along - y) ** 2 + (drop - height) ** 2))
-    return found
+        lengths.append(math.sqrt((over - x) ** 2 + (along - y) ** 2 + (drop - height) ** 2))
+    return lengths

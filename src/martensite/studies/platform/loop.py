@@ -1,7 +1,7 @@
-"""ON/OFF control of the angle: runs in a loop, and what is read off them.
+"""ON/OFF control of the angle: runs in a loop, and their quantities.
 
-The paper's controller keeps the gate on "until the gyro sets to the desired angle"; it says
-neither how far the angle falls before it is on again, nor how often and how late it is measured.
+The paper's controller keeps the gate on "until the gyro sets to the desired angle"; dead band, sampling and delay are
+not given.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from martensite.studies.readings import choose_runtime
 from martensite.studies.tables import Printed
 
 BAND = 0.5
-"""Drop of the angle before the drive is on again, assumed [°]."""
+"""Assumed dead band [°]."""
 DELAY = 0.3
-"""Age of a measurement, where there is a delay: assumed [s]."""
+"""Assumed measurement delay [s]."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Duration and sample time of the control of a case."""
+    """Duration and sample time of a run [s]."""
 
     duration: float
     """[s]"""
@@ -39,11 +39,11 @@ class Sampling:
 
 
 QUICK, CYCLES, LAGGING = Sampling(3.6, 0.005), Sampling(62.0, 0.02), Sampling(62.0, 0.01)
-"""Sampling of springs that heat within seconds; of slower springs, through two limit cycles; and of set C."""
+"""Sampling of springs that heat within seconds; of slower springs, over two limit cycles; and of set C."""
 
 
 def run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: float = 0.0, motion: str = "") -> Result:
-    """ON/OFF control at the high voltage from rest to the target, sampled in every period."""
+    """Return ON/OFF control at the high voltage from the steady state to the target."""
     return _run_controlled(case, bench.without_results(printed), sampling, delay, motion)
 
 
@@ -73,6 +73,6 @@ def angle_overshoot(result: Result, printed: Printed) -> float:
 
 
 def switching_times(result: Result) -> list[float]:
-    """Return the times at which the voltage changes [s]: off, on, off and so on."""
+    """Return the switching times of the voltage [s]: off, on, off and so on."""
     drive = result[f"{bench.HOT}.drive"]
     return [result.times[k] for k in range(1, len(drive)) if drive[k] != drive[k - 1]]

@@ -1,11 +1,8 @@
-"""Numbers of the response times: what the printed equations give, and what they cannot.
+"""Numbers of the response times, and a bound that the printed equations imply.
 
-Heated by V²/R with any fixed resistances, any heat capacity, latent heat and heat loss, the time
-to an angle is T(V) = ∫ C dx/[V² p(x) - q(x)] with the same C > 0, p > 0 and q ≥ 0 at both
-voltages, because the path x from cold to hot does not depend on power. The integrand at 3 V is at
-least 25/9 of that at 5 V, hence T(3 V)/T(5 V) ≥ 25/9, with equality without heat loss. The paper
-has 30/18 = 5/3. A current limit alone that both voltages reach gives 1: something between the two
-must be present, or a lag that does not depend on the voltage.
+With V²/R heating and fixed resistances, the time to an angle is T(V) = ∫ C dx/[V² p(x) - q(x)] with the same C > 0,
+p > 0 and q ≥ 0 at both voltages, because the path x does not depend on power. Hence T(3 V)/T(5 V) ≥ 25/9, with equality
+without heat loss.
 """
 
 from __future__ import annotations
@@ -32,11 +29,11 @@ from martensite.studies.readings import passing_time
 from martensite.studies.tables import Printed
 
 FREE, SLOWED = 12.0, 80.0
-"""Durations of runs without a current limit, with nothing and something in series [s]."""
+"""Durations of runs without a current limit, without and with a series resistance [s]."""
 LONG = 400.0
-"""Duration after which a platform that has not arrived has stalled [s]."""
+"""Duration after which a platform has stalled [s]."""
 NO_STRESS = "C of 1 GPa/K"
-"""Name of the reading in which stress hardly matters."""
+"""Variant with negligible effect of stress."""
 ARRIVALS = (1.0, 2.0)
 """Tolerances of the two times [s]; the second is "around 30 s"."""
 
@@ -44,11 +41,11 @@ SETS = {
     "A": ("h and series resistance chosen for these two times", "A"),
     "A'": ("h of free convection, one current per voltage chosen for each time", "A2"),
 }
-"""Calibrated sets: how, and the name in their claims."""
+"""Description of calibrated sets, and their name in claims."""
 
 
 def compute_response(printed: Printed) -> dict[str, Any]:
-    """Compute the response as printed, the ratio, the limit, the calibrated sets, and cooling."""
+    """Return the response as printed, the ratio, the limit, the calibrated sets, and cooling."""
     return {
         **compute_times(printed),
         **compute_ratios(printed),
@@ -81,9 +78,9 @@ def response_times(key: str, printed: Printed, angle: float) -> tuple[float, flo
 
 
 def needed_current(printed: Printed) -> float:
-    """Return the current that holds the angle of the response times with everything as printed [A].
+    """Return the steady current at the angle of the response times, as printed [A].
 
-    Temperature and resistance there are those of the path, which does not depend on power.
+    Temperature and resistance are those of the path, which does not depend on power.
     """
     result = bench.run_heated(AS_PRINTED, printed, printed.high, FREE)
     warm = bench.at_angle(result, printed.angle, "temperature") - bench.ZERO - printed.ambient
@@ -93,8 +90,8 @@ def needed_current(printed: Printed) -> float:
 
 
 def compute_times(printed: Printed) -> dict[str, Any]:
-    """Return the times as printed, and with every reading of what is not printed."""
-    found = {name: free_times(case, printed) for name, case in VARIANTS.items()}
+    """Return the times as printed, and for all variants."""
+    times = {name: free_times(case, printed) for name, case in VARIANTS.items()}
     rows = [
         {"volts": volts, "published": published, "around": around}
         for volts, published, around in zip(
@@ -103,40 +100,40 @@ def compute_times(printed: Printed) -> dict[str, Any]:
     ]
     slowest: list[dict[str, Any]] = []
     for k, row in enumerate(rows):
-        name = max(found, key=lambda name, k=k: found[name][k])
-        fastest = min(pair[k] for pair in found.values())
-        slowest.append(row | {"name": name, "time": found[name][k], "fastest": fastest})
+        name = max(times, key=lambda name, k=k: times[name][k])
+        fastest = min(pair[k] for pair in times.values())
+        slowest.append(row | {"name": name, "time": times[name][k], "fastest": fastest})
     as_printed = zip(rows, free_times(AS_PRINTED, printed), strict=True)
     return {
         "as_printed": [row | {"time": time} for row, time in as_printed],
-        "readings": len(found),
+        "readings": len(times),
         "slowest": slowest,
         "current_drawn": printed.high / printed.R_A,
     }
 
 
 def time_ratios(printed: Printed) -> dict[str, float]:
-    """Return the time at the low voltage over that at the high one, of every reading."""
-    found = {name: free_times(case, printed) for name, case in (VARIANTS | IN_SERIES).items()}
-    return {name: slow / fast for name, (fast, slow) in found.items()}
+    """Return the ratio of the times at low and high voltage, by variant."""
+    times = {name: free_times(case, printed) for name, case in (VARIANTS | IN_SERIES).items()}
+    return {name: slow / fast for name, (fast, slow) in times.items()}
 
 
 def compute_ratios(printed: Printed) -> dict[str, Any]:
-    """Return the smallest and the largest of `ratios`, and that with a limited current."""
-    found = time_ratios(printed)
-    least, most = (choose(found, key=found.__getitem__) for choose in (min, max))
+    """Return the smallest and the largest time ratio, and the ratio with a limited current."""
+    ratios = time_ratios(printed)
+    least, most = (choose(ratios, key=ratios.__getitem__) for choose in (min, max))
     fast, slow = (
         bench.arrival_time(replace(LIMITED, slope=STEEP), printed, volts, printed.angle, RISE)
         for volts in (printed.high, printed.low)
     )
     return {
         "ratio_printed": printed.slow / printed.fast,
-        "ratio": found[least],
-        "ratio_count": len(found),
+        "ratio": ratios[least],
+        "ratio_count": len(ratios),
         "least": least,
         "bound": (bound := (printed.high / printed.low) ** 2),
         "slow_at_least": bound * printed.fast,
-        "ratio_largest": found[most],
+        "ratio_largest": ratios[most],
         "most": most,
         "ratio_limited": slow / fast,
         "limited_time": fast,
@@ -144,13 +141,13 @@ def compute_ratios(printed: Printed) -> dict[str, Any]:
 
 
 def _list_paths(printed: Printed) -> list[dict[str, Any]]:
-    """Return the temperature and fraction at both angles, with either reading of the stress factor."""
+    """Return the temperature and fraction at both angles, for both units of the stress factor."""
     shift = 200.0 / printed.C_A
     cases = {"MPa": ("C_A = 6 MPa/°C", AS_PRINTED), "GPa": ("C_A = 1 GPa/°C", VARIANTS[NO_STRESS])}
-    found: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     for key, (words, case) in cases.items():
         result = bench.run_heated(case, printed, printed.high, FREE)
-        found += [
+        rows += [
             {
                 "key": key,
                 "words": words,
@@ -162,7 +159,7 @@ def _list_paths(printed: Printed) -> list[dict[str, Any]]:
             }
             for angle in (printed.angle, printed.target)
         ]
-    return found
+    return rows
 
 
 def _list_set(key: str, printed: Printed) -> list[dict[str, Any]]:
@@ -184,7 +181,6 @@ def _list_set(key: str, printed: Printed) -> list[dict[str, Any]]:
 
 
 def _list_currents(case: Case, volts: float, printed: Printed) -> str:
-    """Return the currents of a case at a voltage, in words."""
     limit = case.limits[0 if volts >= printed.high else 1]
     low, high = (min(volts / (ohms + case.series), limit) for ohms in (printed.R_M, printed.R_A))
     return f"{low:.2f} A" if high - low < 0.005 else f"{low:.2f} to {high:.2f} A"
@@ -199,7 +195,7 @@ def compute_damped(printed: Printed) -> dict[str, float]:
 
 
 def compute_cooling(printed: Printed) -> dict[str, float]:
-    """Compute the time of the return of set A, and of the same angle on the way up."""
+    """Return the cooling times of set A, and the heating time of the same angle."""
     result = bench.run_heated(CASES["A"], printed, printed.high, RISE, COARSE)
     turned = bench.angle_degrees(result)
     begin, end = (passing_time(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle))

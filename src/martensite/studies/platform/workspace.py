@@ -1,19 +1,18 @@
-r"""Workspace of a platform: the angles at which every leg keeps between two lengths.
+"""Workspace of a platform: the angles with all leg lengths between two limits.
 
-Reachable angles are connected to the home posture; allowed angles behind forbidden ones are not reachable. The set is
-found on a grid by filling it from home, its extents along both axes by halving. One leg alone reaches a curve only
-(`platform_rays`).
+Reachable angles are connected to the home posture. The set is found on a grid by flood fill from home, its extents
+along both axes by bisection. A single leg reaches only a curve.
 
 Source: the lengths of `platform_kinematics`.
 
-If the two other legs are equal linear springs, free of force at home, their pulls J_j (L_j - h) must balance the pull
+If the two other legs are equal linear springs without force at home, their pulls J_j (L_j - h) must balance the pull
 J_i F_i of leg i:
 
     J_i × Σ_{j≠i} J_j (L_j - h) = 0
 
-F_i and the stiffness drop out: one leg reaches a curve only. For leg 0 the curve is β = 0; the curves of legs 1 and 2
-leave home at 120° to it and bend, since the joint turns about X in the plate and about Y in the base. Gravity is left
-out; at the centroid of the plate its torque is zero.
+F_i and the stiffness cancel. For leg 0 the curve is β = 0; the curves of legs 1 and 2 leave home at 120° to it and
+bend, since the joint turns about X in the plate and about Y in the base. Gravity is neglected; at the centroid of the
+plate its torque is zero.
 
 Source: the balance of torques, solved for this project; J as in `platform_kinematics`.
 """
@@ -40,21 +39,21 @@ from martensite.kernels.namespace import Namespace, Scalar
 STEP = math.radians(0.5)
 FINEST, COARSEST = math.radians(0.05), math.radians(5.0)
 QUARTER = math.pi / 2
-"""The set ends before this angle [rad], whatever the legs allow."""
+"""Upper bound of both angles [rad]."""
 
 
 @dataclass(frozen=True)
 class Legs:
-    """The legs of a platform, and how long they may be [m]."""
+    """The legs of a platform and their length limits [m]."""
 
     plates: Plates
     shortest: float
     longest: float
 
     def allow(self, alpha: float, beta: float) -> bool:
-        """Return whether all keep within their limits at angles [rad], reachable or not."""
-        found = compute_lengths(floats, self.plates, alpha, beta)
-        inside = self.shortest <= min(found) and max(found) <= self.longest
+        """Return whether all legs are within their limits at angles [rad], reachable or not."""
+        lengths = compute_lengths(floats, self.plates, alpha, beta)
+        inside = self.shortest <= min(lengths) and max(lengths) <= self.longest
         return inside and max(abs(alpha), abs(beta)) < QUARTER
 
 
@@ -64,23 +63,23 @@ class Workspace:
 
     legs: Legs
     step: float
-    """Step of the grid [rad]."""
+    """Grid step [rad]."""
     alphas: list[float]
     """Angles α of the grid, one line wider than the set at each end [rad]."""
     betas: list[float]
     """Angles β of the grid, one line wider than the set at each end [rad]."""
     reached: list[list[bool]]
-    """True if a point of the grid is reachable: one row per α, in it one flag per β."""
+    """True if a grid point is reachable, indexed [α][β]."""
     alpha_extent: Angles
-    """Smallest and largest α reached along β = 0 from home [rad], to 1e-12."""
+    """Range of α along β = 0 from home [rad], to 1e-12."""
     beta_extent: Angles
-    """Smallest and largest β reached along α = 0 from home [rad], to 1e-12."""
+    """Range of β along α = 0 from home [rad], to 1e-12."""
     rays: list[list[Angles]]
-    """Per leg the curve on which it moves the platform alone, from home outwards."""
+    """Curve of each leg alone, from home outwards."""
 
     @property
     def bounds(self) -> tuple[Angles, Angles]:
-        """Smallest and largest α, and β, of the whole set [rad]; to one step of the grid."""
+        """Return the ranges of α and β of the whole set [rad], to one grid step."""
         alphas, betas = zip(*self.points(), strict=True)
         return (min(alphas), max(alphas)), (min(betas), max(betas))
 
@@ -91,19 +90,19 @@ class Workspace:
 
 
 def reachable_angles(plates: Plates, shortest: float, longest: float, step: float = STEP) -> Workspace:
-    """Return the postures a platform can reach from home while its legs keep between two lengths.
+    """Return the postures that a platform can reach from home within leg length limits.
 
     Args:
         plates: geometry.
         shortest: smallest length of a leg [m].
         longest: largest length of a leg [m].
-        step: of the grid [rad], 0.05° to 5°. What forbids less than a step may be missed.
+        step: grid step [rad], 0.05° to 5°. Narrower obstacles can be missed.
 
     Returns:
         The set on its grid, its extents, and the curves of single legs.
 
     Raises:
-        ParameterError: a number cannot be, or the home posture is outside the limits.
+        ParameterError: a value is not allowed, or the home posture is outside the limits.
     """
     check_plates(plates)
     check_number("length `shortest`", shortest)
@@ -136,14 +135,14 @@ def _explore_grid(legs: Legs, step: float) -> Workspace:
 
 def _flood_cells(allowed: Callable[[int, int], bool]) -> set[tuple[int, int]]:
     """Return all cells connected to (0, 0) through sides."""
-    found, edge = {(0, 0)}, [(0, 0)]
+    cells, edge = {(0, 0)}, [(0, 0)]
     while edge:
         i, j = edge.pop()
         for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
-            if cell not in found and allowed(*cell):
-                found.add(cell)
+            if cell not in cells and allowed(*cell):
+                cells.add(cell)
                 edge.append(cell)
-    return found
+    return cells
 
 
 def _pad_numbers(numbers: list[int]) -> range:
@@ -151,7 +150,7 @@ def _pad_numbers(numbers: list[int]) -> range:
 
 
 def _measure_reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
-    """Return the distance from home along one half of an axis that stays allowed [rad]."""
+    """Return the allowed distance from home along one half of an axis [rad]."""
 
     def holds(far: float) -> bool:
         return legs.allow(far * alpha, far * beta)
@@ -164,19 +163,19 @@ def _measure_reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
 
 HALVINGS = 40
 TURNS = 6
-"""Bracketed Newton steps for the direction of a ray, from that of the last point."""
+"""Bracketed Newton steps for the direction of a ray."""
 SWING = 0.2
-"""Largest change of direction of a ray from one point to the next [rad]."""
+"""Largest change of direction of a ray between points [rad]."""
 BALANCED = 1e-9
-"""Largest pull across that counts as none, as a share of the plates' side cubed."""
+"""Largest unbalanced pull, relative to the cubed side of the plates."""
 
 Angles = tuple[float, float]
 
 
 def compute_crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scalar) -> Scalar:
     """Return the pull of two springs of unit rate across the third [m³/rad²]; 0 in balance."""
-    found, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
-    rows = list(zip(found, over_alpha, over_beta, strict=True))
+    lengths, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
+    rows = list(zip(lengths, over_alpha, over_beta, strict=True))
     _, own_alpha, own_beta = rows.pop(leg)
     (first, a1, b1), (second, a2, b2) = rows
     first, second = first - plates.height, second - plates.height
@@ -185,10 +184,9 @@ def compute_crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, be
 
 
 def trace_ray(plates: Plates, leg: int, step: float, allowed: Callable[[float, float], bool]) -> list[Angles]:
-    """Return the curve of one leg: home, points (α, β) one step [rad] apart, and the end if it moves.
+    """Return the curve of one leg: home, points (α, β) one step [rad] apart, and the end.
 
-    It ends where postures are no longer allowed or the leg gets no shorter; early, if it swings
-    round too fast to be followed with this step.
+    It ends where postures are not allowed or the leg gets no shorter; or early, if it turns too fast for this step.
     """
     heading = leg * 2.0 * math.pi / 3.0
     points, far = [(0.0, 0.0)], step
@@ -208,7 +206,7 @@ def trace_ray(plates: Plates, leg: int, step: float, allowed: Callable[[float, f
 
 
 def find_balanced(plates: Plates, leg: int, radius: float, heading: float) -> Angles:
-    """Return the posture at a distance from home [rad], near a heading, that one leg brings about."""
+    """Return the posture of one leg at a distance from home [rad], near a heading."""
 
     def unbalance(xp: Namespace, turn: Scalar) -> Scalar:
         alpha, beta = radius * xp.cos(turn), radius * xp.sin(turn)
@@ -220,7 +218,7 @@ def find_balanced(plates: Plates, leg: int, radius: float, heading: float) -> An
 
 
 def _is_pulling(plates: Plates, leg: int, alpha: float, beta: float) -> bool:
-    """Return whether a leg balances the others, and still gets shorter on its way out."""
+    """Return whether a leg balances the others, and still gets shorter outwards."""
     _, over_alpha, over_beta = compute_length_slopes(floats, plates, alpha, beta)
     across = compute_crosswise(floats, plates, leg, alpha, beta)
     shorter = alpha * over_alpha[leg] + beta * over_beta[leg] < 0.0

@@ -1,7 +1,7 @@
 """Figure of the workspace of a platform: its reachable angles, and the path of each leg alone.
 
-The edge of the set is solid where a leg is at its shortest and dashed where one is at its
-longest. Contour lines show the length of leg 0.
+The edge of the set is solid where a leg is at its shortest and dashed where it is at its longest. Contour lines show
+the length of leg 0.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 REGION = "#e9eff3"
 FINER = 4
-"""Times as many points as the grid of the set has, so that its corners are sharp."""
+"""Refinement of the grid of the set, for sharp corners."""
 LINES = 14
-"""Contour lines at most."""
+"""Largest number of contour lines."""
 ROW = 0.443
-"""Height at which contour lines have their numbers, as a share of the axes."""
+"""Height of contour labels, as a fraction of the axes."""
 EDGES = ("-", (0, (4, 2)), (0, (1, 1.5)))
 """Line styles of shortest legs, longest legs, and the largest angle."""
 
@@ -37,7 +37,7 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
     """Draw the reachable set in the plane of both angles.
 
     Raises:
-        InputError: nothing but the home posture is reachable.
+        InputError: only the home posture is reachable.
     """
     if len(workspace.points()) == 1:
         raise InputError(
@@ -64,7 +64,6 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
 
 
 def _set_frame(axes: Any, workspace: Workspace) -> None:
-    """Room around the set for the names of legs."""
     for place, (low, high) in zip("xy", workspace.bounds, strict=True):
         margin = 0.06 * (high - low) + workspace.step
         axes.set(**{f"{place}lim": (math.degrees(low - margin), math.degrees(high + margin))})
@@ -81,9 +80,9 @@ def _draw_region(axes: Any, workspace: Workspace) -> Any:
     room = np.where(_outline_region(workspace), room, np.nan)
     x, y = np.degrees(alphas), np.degrees(betas)
     axes.contourf(x, y, room.T, [0.0, np.inf], colors=[REGION], zorder=0.5)
-    found = axes.contour(x, y, room.T, [0.0], linewidths=0.0)
-    outline = [Path(points) for points in found.allsegs[0]]
-    found.remove()
+    contours = axes.contour(x, y, room.T, [0.0], linewidths=0.0)
+    outline = [Path(points) for points in contours.allsegs[0]]
+    contours.remove()
     kinds = {kind for path in outline for kind in _draw_edge(axes, workspace, path.vertices)}
     for kind, name in enumerate(_list_limits(workspace)):
         if kind in kinds:
@@ -106,12 +105,12 @@ def _outline_region(workspace: Workspace) -> Any:
 
 
 def _compute_rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
-    """Return the margins of legs from the shortest and longest length, and of the plate from 90° [m]: (3, …)."""
+    """Return the margins from the shortest and longest length, and of the plate from 90° [m], shape (3, …)."""
     legs = workspace.legs
     alphas, betas = np.broadcast_arrays(alphas, betas)
-    found = np.array(compute_lengths(ArrayNamespace(np), legs.plates, alphas, betas))
+    lengths = np.array(compute_lengths(ArrayNamespace(np), legs.plates, alphas, betas))
     angle = QUARTER - np.maximum(np.abs(alphas), np.abs(betas))
-    short, long = found.min(axis=0) - legs.shortest, legs.longest - found.max(axis=0)
+    short, long = lengths.min(axis=0) - legs.shortest, legs.longest - lengths.max(axis=0)
     return np.array([short, long, legs.plates.height * angle])
 
 
@@ -131,7 +130,7 @@ def _list_limits(workspace: Workspace) -> list[str]:
 
 
 def _draw_contours(axes: Any, workspace: Workspace, outline: Any) -> None:
-    """Lines of equal length of leg 0, in millimetres, cut at the edge of the set."""
+    """Draw lines of equal length of leg 0 [mm], clipped to the set."""
     from matplotlib.ticker import MaxNLocator
 
     x, y = (np.linspace(low, high, 241) for low, high in (axes.get_xlim(), axes.get_ylim()))

@@ -1,8 +1,7 @@
 """The wire on its own test bench: 100 mm under 500 g, heated by nine voltages and cooled.
 
-Closure B of study `wire-heating` with the law of the beam's wire. Recovered strain and current
-over time are the thesis's Figures 9 to 12, which its text does not hold; the alloy is assumed, so
-neither temperatures of transformation nor strokes are predictions.
+Closure B of study `wire-heating` with the law of the beam's wire. The alloy is assumed, so transformation temperatures
+and strokes are no predictions.
 """
 
 from __future__ import annotations
@@ -18,26 +17,26 @@ from martensite.studies.tables import Printed
 from martensite.studies.wire_heating.bench import CLOSURES
 
 HEATED, LENGTH = 60.0, 120.0
-"""Time with the voltage on, and length of a run [s]."""
+"""Time with the voltage on, and duration of a run [s]."""
 COMPLETE = 0.01
-"""Martensite fraction below which the transformation counts as complete."""
+"""Martensite fraction of a complete transformation."""
 
 
 @cache
 def load_scenario() -> Scenario:
-    """Closure B with the Elahinia–Ashrafiuon law."""
+    """Return closure B with the Elahinia–Ashrafiuon law."""
     return load(CLOSURES["b"], {"element.law": "elahinia"})
 
 
 @cache
 def run_heated(volts: float) -> Result:
-    """Return the voltage [V] on for 60 s, off for 60 s."""
+    """Return a run with the voltage [V] on for 60 s, then off for 60 s."""
     wave = Step(high=volts, until=HEATED)
     return simulate(load_scenario().system, wave, LENGTH, tolerance=1e-3, samples=601)
 
 
 def at_end(volts: float, name: str) -> float:
-    """Return a column just before the voltage is switched off."""
+    """Return a column just before switch-off."""
     run = run_heated(volts)
     return run[name][round(HEATED / LENGTH * (len(run.times) - 1)) - 1]
 
@@ -49,6 +48,6 @@ def recovered_strain(volts: float) -> float:
 
 
 def complete_from(printed: Printed) -> float:
-    """Return the lowest of the voltages that transforms the whole wire [V]; NaN if none does."""
-    found = (volts for volts in printed.heating_voltages if at_end(volts, "martensite_fraction") < COMPLETE)
-    return next(found, math.nan)
+    """Return the lowest voltage that transforms the whole wire [V]; NaN without one."""
+    voltages = (volts for volts in printed.heating_voltages if at_end(volts, "martensite_fraction") < COMPLETE)
+    return next(voltages, math.nan)

@@ -1,12 +1,12 @@
-r"""Averaged steady states near the resonance, their folds, and what follows from measured ramps.
+"""Averaged steady states near the resonance, their folds, and parameters of measured ramps.
 
-With the rotor at the speed ω the tip swings by X, and the torque that this takes loads the motor:
+At rotor speed ω the tip has amplitude X, and the resulting torque loads the motor:
 
     X(ω) = m r ω²/√[(k - M ω²)² + (c ω)²]
     V(ω) = K_B ω + (R/K_T) [b ω + ½ c ω X²]
 
-Where V falls with ω the states are unstable; folds are its maximum and minimum. At the peak of a
-slow ramp ω = √(k/M), so c ω A = m r ω² and, without b,
+Where V falls with ω the states are unstable; folds are its maximum and minimum. At the peak of a slow ramp ω = √(k/M),
+so c ω A = m r ω² and, without b,
 
     M = k/ω²,    c = m r ω/A,    R = K_T (V - K_B ω)/(½ m r ω² A).
 
@@ -25,8 +25,9 @@ from martensite.studies.sommerfeld.machines import natural_frequency
 from martensite.studies.tables import Printed
 
 AMPLITUDE = 0.054
-"""Peak amplitude of the ramp without the wire [m]: the whole millimetres near the printed 0.052 m, "approximately", of
-which the printed reduction leaves whole millimetres."""
+"""Peak amplitude of the ramp without the wire [m]: whole millimetres near the printed "approximately" 0.052 m that give
+the printed reduction.
+"""
 
 
 @dataclass(frozen=True)
@@ -40,27 +41,26 @@ class Fold:
 
 
 def amplitude_at(motor: BeamMotor, speed: float) -> float:
-    """X [m] at a speed [rad/s]."""
+    """Return X [m] at a speed [rad/s]."""
     thrown = motor.unbalance * motor.eccentricity * speed * speed
     detuned = motor.stiffness - motor.mass * speed * speed
     return thrown / math.hypot(detuned, motor.damping * speed)
 
 
 def voltage_at(motor: BeamMotor, speed: float) -> float:
-    """V [V] at a speed [rad/s]."""
+    """Return V [V] at a speed [rad/s]."""
     torque = motor.rotor_friction + 0.5 * motor.damping * amplitude_at(motor, speed) ** 2
     return speed * (motor.back_emf + motor.resistance / motor.torque_constant * torque)
 
 
 def find_folds(motor: BeamMotor) -> tuple[Fold, Fold]:
-    """Upward and downward fold: where V(ω), followed from below √(k/M), turns back and turns back again."""
+    """Return the upward and the downward fold of V(ω), followed from below √(k/M)."""
     peak = natural_frequency(motor)
 
     def missing(unknowns: Numbers) -> float:
         return voltage_at(motor, float(unknowns[0])) - float(unknowns[1])
 
     def sizes(unknowns: Numbers) -> tuple[float, float]:
-        """Return the scales of the unknowns: distance of the speed from the resonance, and voltage."""
         return math.hypot(float(unknowns[0]) - peak, motor.damping / motor.mass), abs(float(unknowns[1]))
 
     begin, most = 0.8 * peak, 2.0 * voltage_at(motor, peak)
@@ -71,7 +71,7 @@ def find_folds(motor: BeamMotor) -> tuple[Fold, Fold]:
 
 @dataclass(frozen=True)
 class RampCalibration:
-    """Calibration that makes a slow ramp agree with the measurement."""
+    """Calibration of a slow ramp to the measurement."""
 
     mass: float
     """[kg]"""
@@ -82,7 +82,7 @@ class RampCalibration:
 
 
 def calibrate_beam(printed: Printed) -> RampCalibration:
-    """M from the measured frequency, c from the amplitude, R from the jump voltage."""
+    """Return M from the measured frequency, c from the amplitude, R from the jump voltage."""
     omega = 2.0 * math.pi * printed.measured_frequency
     moment = printed.unbalance * printed.eccentricity
     torque = 0.5 * moment * omega**2 * AMPLITUDE
@@ -91,7 +91,7 @@ def calibrate_beam(printed: Printed) -> RampCalibration:
 
 
 def required_changes(printed: Printed) -> tuple[float, float]:
-    """By which factors the wire must change stiffness and damping, whatever R is."""
+    """Return the required factors of stiffness and damping by the wire, for any R."""
     first = 2.0 * math.pi * printed.measured_frequency
     share = 1.0 - printed.reduction
 

@@ -9,7 +9,7 @@ from martensite.studies.sommerfeld import averages, machines, rk4, runs
 from martensite.studies.tables import Printed
 
 FIRST = 6.0
-"""Voltage at which the search on the grid begins [V]."""
+"""First voltage of the search on the grid [V]."""
 MASS_ROUNDING = 0.005
 """Half of the last printed digit of the masses [kg]."""
 UP, DOWN = (0.5, 90.0), (0.02, (2.0, 0.8))
@@ -17,7 +17,7 @@ UP, DOWN = (0.5, 90.0), (0.02, (2.0, 0.8))
 
 
 def compute_beam(printed: Printed) -> dict[str, Any]:
-    """Beam, capture from rest, integrator, energy, folds."""
+    """Return beam, capture from rest, integrator, energy, folds."""
     wrong, right = (machines.printed_motor(printed, form) for form in ("printed", "lagrange"))
     upper, lower = averages.find_folds(right)
     captured = runs.last_captured(wrong, FIRST)
@@ -49,14 +49,14 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
 
 def compute_frequencies(printed: Printed) -> dict[str, float]:
     """Return the stiffness [N/m] of the beam, and its natural frequencies [Hz] with both printed masses."""
-    other, found = (
+    other, frequency = (
         math.sqrt(k / m) / (2.0 * math.pi)
         for m, k in ((printed.mass, printed.stiffness), (printed.second_mass, printed.computed_stiffness))
     )
     return {
         "stiffness": machines.build_beam(printed).stiffness,
-        "frequency": found,
+        "frequency": frequency,
         "other_frequency": other,
-        "frequency_margin": 0.5 * found * MASS_ROUNDING / printed.second_mass,
+        "frequency_margin": 0.5 * frequency * MASS_ROUNDING / printed.second_mass,
         "needed_mass": printed.computed_stiffness / (2.0 * math.pi * printed.analytical_frequency) ** 2,
     }

@@ -12,24 +12,24 @@ from martensite.studies.sommerfeld import averages, beam_numbers, machines, runs
 from martensite.studies.sommerfeld.runs import Settled
 from martensite.studies.tables import Printed
 
-FORMS = (("printed", "(3.15) as printed", MEASURED[1], "s"), ("lagrange", "signs derived anew", SIMULATED, "o"))
+FORMS = (("printed", "(3.15) as printed", MEASURED[1], "s"), ("lagrange", "derived signs", SIMULATED, "o"))
 COARSE = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)
 FINE = tuple(round(6.0 + 0.1 * k, 10) for k in range(1, 10))
 HERTZ = 1.0 / (2.0 * np.pi)
 
 
 def run_settled(printed: Printed, form: str) -> list[Settled]:
-    """Return the runs from rest at every voltage drawn."""
+    """Return the runs from rest at all drawn voltages."""
     motor = machines.printed_motor(printed, form)
     return [runs.from_rest(motor, volts) for volts in sorted({*COARSE, *FINE})]
 
 
 def _draw_dots(axes: Any, printed: Printed, name: str, scale: float) -> None:
     for form, label, colour, marker in FORMS:
-        found = run_settled(printed, form)
+        runs_at_rest = run_settled(printed, form)
         axes.plot(
-            [one.voltage for one in found],
-            [scale * getattr(one, name) for one in found],
+            [one.voltage for one in runs_at_rest],
+            [scale * getattr(one, name) for one in runs_at_rest],
             marker=marker,
             markersize=4.0 if form == "printed" else 2.6,
             linestyle="none",
@@ -43,7 +43,7 @@ def _draw_dots(axes: Any, printed: Printed, name: str, scale: float) -> None:
 
 
 def draw_amplitude(axes: Any, printed: Printed) -> None:
-    """Amplitude after 25 s over the voltage."""
+    """Draw amplitude after 25 s over the voltage."""
     _draw_dots(axes, printed, "amplitude", 1e3)
     axes.set_title("jump: amplitude after 25 s at one voltage")
     axes.set_ylabel("amplitude [mm]")
@@ -52,7 +52,7 @@ def draw_amplitude(axes: Any, printed: Printed) -> None:
 
 
 def draw_speed(axes: Any, printed: Printed) -> None:
-    """Speed after 25 s over the voltage: the plateau."""
+    """Draw speed after 25 s over the voltage."""
     motor = machines.printed_motor(printed)
     _draw_dots(axes, printed, "speed", HERTZ)
     natural = HERTZ * machines.natural_frequency(motor)
@@ -69,7 +69,7 @@ def draw_speed(axes: Any, printed: Printed) -> None:
 
 
 def draw_folds(axes: Any, printed: Printed) -> None:
-    """Steady states over the voltage, and slow sweeps up and down."""
+    """Draw steady states over the voltage, and slow sweeps up and down."""
     motor = machines.printed_motor(printed)
     upper, lower = averages.find_folds(motor)
     speeds = np.concatenate([np.linspace(15.0, 90.0, 6000), np.linspace(90.0, 4300.0, 2000)[1:]])
@@ -83,8 +83,8 @@ def draw_folds(axes: Any, printed: Printed) -> None:
         axes.plot(volts[part], HERTZ * speeds[part], color=INK, linestyle=dashes, linewidth=1.0, label=label)
     up = runs.run_upward(motor, *beam_numbers.UP)
     down = runs.run_downward(motor, *beam_numbers.DOWN)
-    for found, colour, label in ((up, HEATING, "ramp up"), (down, COOLING, "ramp down")):
-        axes.plot(found.voltage, HERTZ * found.speed, color=colour, linewidth=2.2, alpha=0.6, label=label)
+    for sweep, colour, label in ((up, HEATING, "ramp up"), (down, COOLING, "ramp down")):
+        axes.plot(sweep.voltage, HERTZ * sweep.speed, color=colour, linewidth=2.2, alpha=0.6, label=label)
     for fold, below in ((upper, False), (lower, True)):
         axes.plot(fold.voltage, HERTZ * fold.speed, "o", color=INK, markersize=4.5, zorder=4)
         axes.annotate(

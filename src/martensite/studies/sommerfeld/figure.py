@@ -1,10 +1,4 @@
-"""The figure of the study: what a reader of the thesis looks for, on one page.
-
-First row, Table 3: amplitude and speed over the voltage from rest at each voltage, as in its
-Figures 20 to 22; both folds; the fit of the slack. Second row, calibrated, in a ramp: displacement
-with and without the wire, speed and current of the motor, as in Figures 34 to 41. Third row: the
-wire while it works (Figure 40), and on its own bench (Figures 9 and 10).
-"""
+"""The figure of the study."""
 
 from __future__ import annotations
 
@@ -23,10 +17,10 @@ def draw_figure(printed: Printed) -> Figure:
     with draw_page(
         15.0,
         9.2,
-        "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",
+        "Motor with an unbalance on a beam: the Sommerfeld effect, and its change by a hot wire",
         "Simulated for this project. First row: Table 3 of the thesis. Second row: resistance, "
         "damping and mass calibrated to the measured ramp, slack of the wire fitted to both "
-        "numbers that the thesis gives with it;",
+        "values of the thesis with the wire;",
         "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed values.",
     ) as figure:
         grid = figure.add_gridspec(3, 4, left=0.038, right=0.962, top=0.885, bottom=0.055, wspace=0.34, hspace=0.38)

@@ -1,4 +1,4 @@
-"""Numbers of the measured ramps: what they imply, and the calibrated motor without the wire."""
+"""Numbers of the measured ramps: implications, and the calibrated motor without the wire."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LAST = 12.0
 
 
 def compute_ramp(printed: Printed) -> dict[str, Any]:
-    """Return the values of Table 3 in a ramp, calibration, rates, what the change requires."""
+    """Return the values of Table 3 in a ramp, calibration, rates, and required changes."""
     without, motor = wire.run_without_wire(printed), machines.calibrated_motor()
     stiff, damped = averages.required_changes(printed)
     return {
@@ -36,14 +36,14 @@ def compute_ramp(printed: Printed) -> dict[str, Any]:
 
 
 def compare_jumps(printed: Printed) -> dict[str, float]:
-    """Compute the jumps from printed numbers alone."""
+    """Return the jumps from printed numbers alone."""
     _, after = whole_millimetres(printed)
     sooner = printed.jump - printed.jump_with_wire
     return {"earlier": sooner, "left_mm": after, "current_drop_table_3": sooner / printed.resistance}
 
 
 def whole_millimetres(printed: Printed) -> tuple[int, int]:
-    """Return the amplitudes within 6 mm of that in the text that give the reduction, to its digits."""
+    """Return the amplitudes within 6 mm of the printed one that give the printed reduction [mm]."""
     text, wanted = round(1e3 * printed.amplitude_in_text), round(100.0 * printed.reduction, 2)
     return next(
         (before, after)
@@ -54,7 +54,7 @@ def whole_millimetres(printed: Printed) -> tuple[int, int]:
 
 
 def ramp_variants(printed: Printed) -> dict[str, Windows]:
-    """Return the ramps with the stiffness, the damping, or both changed as the published numbers require."""
+    """Return the ramps with the stiffness, the damping, or both changed as required."""
     base = machines.calibrated_motor()
     stiff, damped = averages.required_changes(printed)
     more = {"stiffness": stiff * base.stiffness, "damping": damped * base.damping}

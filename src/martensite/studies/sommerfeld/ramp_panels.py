@@ -20,7 +20,7 @@ HERTZ = 1.0 / (2.0 * np.pi)
 
 
 def list_pairs(printed: Printed) -> tuple[tuple[Windows, str, str], ...]:
-    """Windows, label and colour of both ramps."""
+    """Return windows, label and colour of both ramps."""
     return (
         (wire.run_without_wire(printed), "without the wire", WITHOUT),
         (wire.run_controlled(printed).sweep, "with the wire", WITH),
@@ -28,12 +28,12 @@ def list_pairs(printed: Printed) -> tuple[tuple[Windows, str, str], ...]:
 
 
 def draw_displacement(axes: Any, printed: Printed) -> None:
-    """Extremes of the displacement over the rising voltage."""
+    """Draw extremes of the displacement over the rising voltage."""
     duration = printed.last_voltage / wire.RATE
     wave = Ramp(high=printed.last_voltage, end=duration)
     bare = runs.run_course(machines.calibrated_motor(), wave, duration)
     both = (bare, wire.run_controlled(printed).result)
-    for run, (found, label, colour) in zip(both, list_pairs(printed), strict=True):
+    for run, (windows, label, colour) in zip(both, list_pairs(printed), strict=True):
         volts, low, high = _window_extremes(run)
         axes.fill_between(
             volts,
@@ -42,7 +42,7 @@ def draw_displacement(axes: Any, printed: Printed) -> None:
             color=colour,
             linewidth=0.0,
             alpha=0.55 if colour == WITHOUT else 0.8,
-            label=f"{label}: jump at {found.jump:.2f} V, amplitude {1e3 * found.peak:.1f} mm",
+            label=f"{label}: jump at {windows.jump:.2f} V, amplitude {1e3 * windows.peak:.1f} mm",
         )
     for volts in (printed.jump, printed.jump_with_wire):
         axes.axvline(volts, color=INK, linestyle=DOTTED, linewidth=0.9)
@@ -69,14 +69,14 @@ def _window_extremes(run: Result) -> tuple[Any, Any, Any]:
 
 
 def _over_voltage(axes: Any, printed: Printed, name: str, scale: float) -> None:
-    for found, label, colour in list_pairs(printed):
-        axes.plot(found.voltage, scale * getattr(found, name), color=colour, linewidth=1.8, label=label)
+    for windows, label, colour in list_pairs(printed):
+        axes.plot(windows.voltage, scale * getattr(windows, name), color=colour, linewidth=1.8, label=label)
     axes.set_xlabel("motor voltage [V]")
     axes.set_xlim(0.0, 10.0)
 
 
 def draw_speed(axes: Any, printed: Printed) -> None:
-    """Speed of the rotor over the voltage."""
+    """Draw speed of the rotor over the voltage."""
     _over_voltage(axes, printed, "speed", HERTZ)
     axes.axhline(printed.measured_frequency, color=INK, linestyle=DOTTED, linewidth=0.9)
     words = f"printed: $f_n$ = {printed.measured_frequency:g} Hz"
@@ -88,7 +88,7 @@ def draw_speed(axes: Any, printed: Printed) -> None:
 
 
 def draw_current(axes: Any, printed: Printed) -> None:
-    """Current of the motor over the voltage."""
+    """Draw current of the motor over the voltage."""
     _over_voltage(axes, printed, "current", 1.0)
     drop = wire.run_without_wire(printed).most_current - wire.run_controlled(printed).sweep.most_current
     axes.text(6.75, 0.62, f"peak lower by {drop:.2f} A\n(printed: about {printed.current_drop:g} A)", fontsize=8.0)
@@ -97,11 +97,11 @@ def draw_current(axes: Any, printed: Printed) -> None:
 
 
 def draw_fit(axes: Any, printed: Printed) -> None:
-    """Jump voltage and reduction over the slack."""
-    found = wire.run_trials(printed)
-    slacks = [100.0 * one.slack for one in found]
+    """Draw jump voltage and reduction over the slack."""
+    trials = wire.run_trials(printed)
+    slacks = [100.0 * one.slack for one in trials]
     axes.plot(
-        slacks, [one.jump for one in found], marker="o", markersize=4.0, color=SIMULATED, label="jump voltage (left)"
+        slacks, [one.jump for one in trials], marker="o", markersize=4.0, color=SIMULATED, label="jump voltage (left)"
     )
     axes.axhline(printed.jump_with_wire, color=SIMULATED, linestyle=DOTTED, linewidth=1.0)
     axes.set_ylabel("jump [V]", color=SIMULATED)
@@ -109,7 +109,7 @@ def draw_fit(axes: Any, printed: Printed) -> None:
     other = add_right_axis(axes, "reduction [%]", 20.0, 60.0, HEATING)
     other.plot(
         slacks,
-        [100.0 * one.reduction for one in found],
+        [100.0 * one.reduction for one in trials],
         marker="s",
         markersize=4.0,
         color=HEATING,

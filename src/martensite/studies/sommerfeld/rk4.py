@@ -1,8 +1,8 @@
-r"""The thesis's integrator over the package's equations of motion, and what limits its step.
+"""The thesis's integrator with the package's equations of motion, and its step limit.
 
-Classical Runge–Kutta of fourth order for [x, x', φ, φ', i]: the accelerations are those of the
-mechanism, V is taken at the times of the stages. The current has the pole -R/L, so the step must
-stay below 2.785 L/R, the end of the stability interval of the method on the real axis.
+Classical Runge–Kutta of fourth order for [x, x', φ, φ', i], with the accelerations of the mechanism and V at the times
+of the stages. The current has the pole -R/L, so the step must be below 2.785 L/R, the stability limit of the method on
+the real axis.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from martensite.studies.sommerfeld.runs import CAPTURED, find_last
 INTERVAL = 2.785293563
 """Root of 1 - z + z²/2 - z³/6 + z⁴/24 = 1 other than 0."""
 DURATION = 10.0
-"""Length of a run [s]."""
+"""Duration of a run [s]."""
 FINE = 1e-4
 """Step [s]."""
 STATES = ("x", "v", "a", "w", "i")
@@ -38,8 +38,8 @@ def advance_step(motor: BeamMotor) -> Advance:
     def rates(xp: Any, state: Sequence[Any], volts: Any) -> list[Any]:
         x, v, a, w, i = state
         motion = Motion((x, a, 0.0), (v, w, i), (0.0, 0.0, 0.0))
-        found = twin.release(xp, motion, [0.0, 0.0, 0.0], [volts])
-        return [v, found[0], w, found[1], found[2]]
+        released = twin.release(xp, motion, [0.0, 0.0, 0.0], [volts])
+        return [v, released[0], w, released[1], released[2]]
 
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *state, begin, middle, end, h = arguments
@@ -70,13 +70,13 @@ def mean_speed(motor: BeamMotor, volts: float) -> float:
 
 @cache
 def last_captured(motor: BeamMotor, first: float) -> float:
-    """Return the last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    """Return the last captured voltage [V] of a grid of 0.1 V from `first` on."""
     limit = CAPTURED * natural_frequency(motor)
     return find_last(lambda volts: mean_speed(motor, volts) < limit, first)
 
 
 def is_stable(motor: BeamMotor, h: float, volts: float = 5.0, steps: int = 4000) -> bool:
-    """True if the current stays below twice V/R in so many steps of h [s] from rest."""
+    """Return whether the current stays below twice V/R in `steps` steps of h [s] from rest."""
     step, state = advance_step(motor), (0.0,) * 5
     most = 2.0 * volts / motor.resistance
     for _ in range(steps):
@@ -88,7 +88,7 @@ def is_stable(motor: BeamMotor, h: float, volts: float = 5.0, steps: int = 4000)
 
 @cache
 def step_limit(motor: BeamMotor) -> float:
-    """Return the longest step [s] that is stable, found by trying."""
+    """Return the longest stable step [s], by bisection."""
     shortest = motor.inductance / motor.resistance
     low, high = 2.0 * shortest, 4.0 * shortest
     for _ in range(12):
@@ -100,7 +100,7 @@ def step_limit(motor: BeamMotor) -> float:
 def energy_drift(motor: BeamMotor) -> float:
     """Return the largest relative change of the energy of the isolated system over 5 s.
 
-    Isolated: no damping, no friction, no torque; the rotor turns and the tip swings at the start.
+    It has no damping, friction or torque; rotor and tip move at the start.
     """
     losses = ("damping", "rotor_friction", "dry_friction", "torque_constant", "back_emf")
     alone = motor.with_values(dict.fromkeys(losses, 0.0))

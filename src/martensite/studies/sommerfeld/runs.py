@@ -1,8 +1,7 @@
-"""Runs of the motor without a wire: from rest at one voltage, and in slow changes of it.
+"""Runs of the motor without a wire: from rest at one voltage, and in slow voltage changes.
 
-Captured is a run whose mean speed over the last second is below 1.5 √(k/M). In a ramp the jump
-is at the last window of 0.25 s with a mean speed below that; amplitude is half the distance of
-the extremes in a window.
+A run is captured if its mean speed over the last second is below 1.5 √(k/M). A ramp jumps at the last window of 0.25 s
+with a mean speed below that limit. The amplitude is half the range of a window.
 """
 
 from __future__ import annotations
@@ -27,17 +26,16 @@ from martensite.studies.readings import choose_runtime
 from martensite.studies.sommerfeld.machines import STEP, natural_frequency
 
 SETTLING = 25.0
-"""Length of a run from rest [s]."""
+"""Duration of a run from rest [s]."""
 SAMPLING = 2e-3
-"""Distance of samples in ramps [s]."""
+"""Sampling interval in ramps [s]."""
 SPARSE = 0.02
-"""Distance of samples in runs from rest [s]."""
+"""Sampling interval in runs from rest [s]."""
 WINDOW = 0.25
-"""[s]"""
 GRID = 0.1
-"""Distance of the voltages tried [V]."""
+"""Step of the voltage grid [V]."""
 CAPTURED = 1.5
-"""Share of √(k/M) below which a mean speed counts as captured."""
+"""Speed limit of a captured motor, relative to √(k/M)."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ class Settled:
 
 @cache
 def from_rest(motor: BeamMotor, volts: float) -> Settled:
-    """Return a constant voltage [V] for 25 s."""
+    """Return the end of a run from rest at a voltage [V], after 25 s."""
     run = simulate(
         Machine(mechanism=motor),
         {"motor": Constant(level=volts)},
@@ -71,12 +69,12 @@ def from_rest(motor: BeamMotor, volts: float) -> Settled:
 
 @cache
 def last_captured(motor: BeamMotor, first: float = 6.0) -> float:
-    """Return the last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    """Return the last captured voltage [V] of a grid of 0.1 V from `first` on."""
     return find_last(lambda volts: from_rest(motor, volts).captured, first)
 
 
 def find_last(captured: Callable[[float], bool], first: float) -> float:
-    """Return the last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    """Return the last captured voltage [V] of a grid of 0.1 V from `first` on, for a given test."""
     number = round(first / GRID)
     while captured(round(number * GRID, 10)):
         number += 1
@@ -92,11 +90,11 @@ class Windows:
     amplitude: Any
     """[m]"""
     speed: Any
-    """Mean [rad/s]"""
+    """Mean [rad/s]."""
     current: Any
     """Mean current of the motor [A]."""
     limit: float
-    """Speed below which the motor is captured [rad/s]."""
+    """Speed limit of a captured motor [rad/s]."""
 
     @property
     def end(self) -> int:
@@ -150,22 +148,24 @@ def run_course(motor: BeamMotor, wave: AbstractWaveform, duration: float) -> Res
 
 
 def run_upward(motor: BeamMotor, rate: float, volts: float) -> Windows:
-    """From rest up to a voltage [V] at a rate [V/s]."""
+    """Return the windows of a ramp from rest to a voltage [V] at a rate [V/s]."""
     duration = volts / rate
     return split_windows(run_course(motor, Ramp(high=volts, end=duration), duration), motor)
 
 
 def run_downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> Windows:
-    """Return the running free, slowly down from one voltage [V] to another at a rate [V/s]."""
+    """Return the windows of a free motor under a voltage falling from one value [V] to another at a rate [V/s]."""
     high, low = volts
     free = 10.0
     times = (0.0, 5.0, 25.0, 55.0, 55.0 + (high - low) / rate)
     wave = Table(times=times, values=(free, free, high, high, low))
-    found = split_windows(run_course(motor, wave, times[-1]), motor)
+    windows = split_windows(run_course(motor, wave, times[-1]), motor)
     late = slice(math.ceil(times[3] / WINDOW), None)
-    return Windows(found.voltage[late], found.amplitude[late], found.speed[late], found.current[late], found.limit)
+    return Windows(
+        windows.voltage[late], windows.amplitude[late], windows.speed[late], windows.current[late], windows.limit
+    )
 
 
-def dropped_below(found: Windows, speed: float) -> float:
-    """Return the voltage [V] at which a downward sweep falls below a speed [rad/s] for good."""
-    return float(found.voltage[int(np.flatnonzero(found.speed > speed)[-1])])
+def dropped_below(windows: Windows, speed: float) -> float:
+    """Return the voltage [V] below which a downward sweep stays under a speed [rad/s]."""
+    return float(windows.voltage[int(np.flatnonzero(windows.speed > speed)[-1])])

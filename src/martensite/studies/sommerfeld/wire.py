@@ -1,9 +1,8 @@
-"""The beam with the heated wire: when it is switched, what it does, and which slack fits.
+"""The beam with the heated wire: its switching, its effect, and the fit of its slack.
 
-The wire is switched by `LatchedOnOff`: on at 3 Hz of the rotor, off once the amplitude is below
-30 % of its peak. Cold, the wire is slack and cannot influence what switches it on; hot, it
-cannot know when it will be switched off. So three runs close the loop: cold, hot to the end, and
-hot until then.
+`LatchedOnOff` switches the wire on at 3 Hz of the rotor, and off below 30 % of its peak amplitude. The cold wire is
+slack and does not influence the time of switching on; so three runs close the loop: cold, hot to the end, and hot until
+switched off.
 """
 
 from __future__ import annotations
@@ -26,15 +25,15 @@ from martensite.studies.sommerfeld.runs import Windows, split_windows
 from martensite.studies.tables import Printed
 
 RATE = 0.2
-"""Rate of the voltage in all ramps with the wire, assumed [V/s]."""
+"""Assumed rate of the voltage in all ramps with the wire [V/s]."""
 PERIOD = runs.SAMPLING
-"""Sample time of the controller, assumed [s]."""
+"""Assumed sample time of the controller [s]."""
 SHARE = 0.3
-"""Fraction of the peak amplitude below which the wire is switched off, assumed."""
+"""Assumed fraction of the peak amplitude at switch-off."""
 SLACKS = (0.005, 0.010, 0.015, 0.020, 0.025)
-"""Tried in the fit."""
+"""Tried slacks."""
 REACH = 6.0
-"""Voltage to which they are tried [V]; all jump before."""
+"""Final voltage of the trials [V]; all jump before."""
 NAMES = ("rotor_speed", "displacement")
 
 
@@ -59,29 +58,29 @@ def run_ramp(slack: float, volts: float, drive: Step) -> Result:
     return simulate(system, waves, duration, step=STEP, samples=round(duration / PERIOD) + 1, runtime=choose_runtime())
 
 
-def switching_times(printed: Printed, found: Result) -> list[float]:
-    """Return the times at which the controller would have switched along a run [s]."""
-    columns = {name: found[name].tolist() for name in NAMES}
-    signals = replay_controller(build_controller(printed), found.times, columns)
-    rows = zip(found.times[1:], signals, signals[1:], strict=False)
+def switching_times(printed: Printed, run: Result) -> list[float]:
+    """Return the switching times of the controller on a recorded run [s]."""
+    columns = {name: run[name].tolist() for name in NAMES}
+    signals = replay_controller(build_controller(printed), run.times, columns)
+    rows = zip(run.times[1:], signals, signals[1:], strict=False)
     return [time for time, before, after in rows if before != after]
 
 
 @cache
 def switched_on(printed: Printed) -> float:
-    """When the wire is switched on [s]: along a ramp without it."""
+    """Return the time of switching on [s], from a ramp without the wire."""
     cold = runs.run_course(calibrated_motor(), Ramp(high=1.0, end=1.0 / RATE), 1.0 / RATE)
     return switching_times(printed, cold)[0]
 
 
 def always_on_current(printed: Printed) -> Step:
-    """Return the current of the wire [A] that is never switched off."""
+    """Return the current of the wire [A], never switched off."""
     return Step(high=printed.wire_current, at=switched_on(printed))
 
 
 @dataclass(frozen=True)
 class SlackTrial:
-    """A ramp with the wire on, with one slack."""
+    """A ramp with the hot wire and one slack."""
 
     slack: float
     jump: float
@@ -99,19 +98,19 @@ def run_without_wire(printed: Printed) -> Windows:
 
 @cache
 def run_trial(printed: Printed, slack: float) -> SlackTrial:
-    """Return the ramp with a slack."""
-    found = run_ramp(slack, REACH, always_on_current(printed))
-    sweep = split_windows(found, calibrated_motor())
+    """Return the trial of a slack."""
+    run = run_ramp(slack, REACH, always_on_current(printed))
+    sweep = split_windows(run, calibrated_motor())
     return SlackTrial(slack, sweep.jump, 1.0 - sweep.peak / run_without_wire(printed).peak, sweep)
 
 
 def run_trials(printed: Printed) -> list[SlackTrial]:
-    """Return the ramp with every slack."""
+    """Return the trials of all slacks."""
     return [run_trial(printed, slack) for slack in SLACKS]
 
 
 def best_trial(printed: Printed) -> SlackTrial:
-    """Return the slack tried that comes nearest to both published numbers, by their relative errors."""
+    """Return the trial nearest to both published numbers, by relative errors."""
 
     def apart(one: SlackTrial) -> float:
         volts = one.jump / printed.jump_with_wire - 1.0
@@ -121,7 +120,7 @@ def best_trial(printed: Printed) -> SlackTrial:
 
 
 def slack_for(printed: Printed, name: str, value: float) -> float:
-    """Slack at which `jump` or `reduction` has a value, linear between those tried; else NaN."""
+    """Return the slack for a `jump` or `reduction`, linear between trials; NaN outside."""
     tried = [(one.slack, getattr(one, name) - value) for one in run_trials(printed)]
     for (s0, d0), (s1, d1) in pairwise(tried):
         if (d0 < 0.0) != (d1 < 0.0):
@@ -134,9 +133,9 @@ class Controlled:
     """The whole ramp with the wire switched by the controller."""
 
     on: float
-    """[s]"""
+    """Switch-on time [s]."""
     off: float
-    """[s]"""
+    """Switch-off time [s]."""
     result: Result
     sweep: Windows
 
@@ -147,8 +146,8 @@ def run_controlled(printed: Printed) -> Controlled:
     slack, on = best_trial(printed).slack, switched_on(printed)
     off = switching_times(printed, run_ramp(slack, REACH, always_on_current(printed)))[1]
     drive = Step(high=printed.wire_current, at=on, until=off)
-    found = run_ramp(slack, printed.last_voltage, drive)
-    return Controlled(on, off, found, split_windows(found, calibrated_motor()))
+    run = run_ramp(slack, printed.last_voltage, drive)
+    return Controlled(on, off, run, split_windows(run, calibrated_motor()))
 
 
 def agreement_voltage(printed: Printed) -> float:

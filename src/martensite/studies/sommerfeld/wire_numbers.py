@@ -1,19 +1,20 @@
 """Numbers of the wire: a fit of its slack on the beam, its control, and its own test bench.
 
-The thesis gives neither length, slack, attachment nor alloy of the wire, nor the rate of the
-ramp. Nothing here is a prediction.
+The thesis gives neither length, slack, attachment nor alloy of the wire, nor the rate of the ramp. No number here is a
+prediction.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from martensite.studies.sommerfeld import actuator, machines, wire
+from martensite.studies.readings import ZERO
+from martensite.studies.sommerfeld import actuator, wire
 from martensite.studies.tables import Printed
 
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
-    """Return the fit, what follows from it, the control signal, the actuator alone."""
+    """Return the fit, its consequences, the control signal, and the actuator alone."""
     best, controlled = wire.best_trial(printed), wire.run_controlled(printed)
     result, volts = controlled.result, printed.heating_voltages[-1]
     return {
@@ -32,7 +33,7 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
         "wire_on": wire.RATE * controlled.on,
         "wire_off": wire.RATE * controlled.off,
         "share": 100 * wire.SHARE,
-        "wire_temperature": result.measure("max(temperature)") - machines.ZERO,
+        "wire_temperature": result.measure("max(temperature)") - ZERO,
         "wire_stress": 1e-6 * result.measure("max(stress)"),
         "actuator_current": actuator.at_end(printed.complete_at, "current"),
         "actuator_complete": actuator.complete_from(printed),

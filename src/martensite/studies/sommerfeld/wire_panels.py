@@ -1,4 +1,4 @@
-"""Panels of the third row: the wire on the beam while it works, and on its own test bench."""
+"""Panels of the third row: the wire on the beam, and on its own test bench."""
 
 from __future__ import annotations
 
@@ -8,28 +8,23 @@ import numpy as np
 
 from martensite.show.figures.style import COOLING, HEATING, QUIET, SIMULATED
 from martensite.studies.figures import add_right_axis, label_axes
+from martensite.studies.readings import ZERO
 from martensite.studies.sommerfeld import actuator, machines, wire
 from martensite.studies.tables import Printed
 
 SHOWN = 0.6
-"""Length of the loops drawn, up to the jump: some turns of the rotor [s]."""
+"""Duration of the drawn loops before the jump [s]."""
 
 
 def draw_control(axes: Any, printed: Printed) -> None:
-    """Temperature of the wire, and its current, over the motor voltage."""
-    found = wire.run_controlled(printed).result
-    volts = np.asarray(found["motor"])
-    axes.plot(
-        volts,
-        np.asarray(found["temperature"]) - machines.ZERO,
-        color=HEATING,
-        linewidth=1.0,
-        label="temperature (left)",
-    )
+    """Draw temperature and current of the wire over the motor voltage."""
+    run = wire.run_controlled(printed).result
+    volts = np.asarray(run["motor"])
+    axes.plot(volts, np.asarray(run["temperature"]) - ZERO, color=HEATING, linewidth=1.0, label="temperature (left)")
     axes.set_ylabel("$T$ [°C]", color=HEATING)
     axes.set_ylim(15.0, 115.0)
     other = add_right_axis(axes, "$I$ [A]", -0.05, 1.6, QUIET)
-    other.plot(volts, found["current"], color=QUIET, linewidth=1.4, label="current of the wire (right)")
+    other.plot(volts, run["current"], color=QUIET, linewidth=1.4, label="current of the wire (right)")
     handles = [*axes.get_lines(), *other.get_lines()]
     axes.legend(handles=handles, loc="upper right")
     axes.set_title("wire: on at 3 Hz, off at 30 % of the peak")
@@ -38,11 +33,11 @@ def draw_control(axes: Any, printed: Printed) -> None:
 
 
 def draw_loops(axes: Any, printed: Printed) -> None:
-    """Tension of the wire over the displacement of the tip, shortly before the jump."""
-    found = wire.run_controlled(printed)
-    end = round(found.sweep.jump / wire.RATE / wire.PERIOD)
+    """Draw tension of the wire over the displacement of the tip, shortly before the jump."""
+    controlled = wire.run_controlled(printed)
+    end = round(controlled.sweep.jump / wire.RATE / wire.PERIOD)
     part = slice(end - round(SHOWN / wire.PERIOD), end)
-    x, force = (np.asarray(found.result[name])[part] for name in ("displacement", "force"))
+    x, force = (np.asarray(controlled.result[name])[part] for name in ("displacement", "force"))
     axes.plot(
         1e3 * x, force, linestyle="none", marker=".", markersize=2.8, color=SIMULATED, label="tension of the hot wire"
     )
@@ -66,7 +61,7 @@ def draw_loops(axes: Any, printed: Printed) -> None:
 
 
 def draw_bench(axes: Any, printed: Printed, name: str) -> None:
-    """Recovered strain or current over time, for every voltage."""
+    """Draw recovered strain or current over time for all voltages."""
     import matplotlib as mpl
 
     colours = mpl.colormaps["viridis"]

@@ -22,23 +22,21 @@ from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
+from martensite.studies.readings import ZERO
 from martensite.studies.tables import Printed
 
 FOLDER = Path(__file__).parent
 CLOSURES = {"a": FOLDER / "closure-a.toml", "b": FOLDER / "closure-b.toml"}
-"""Scenarios of the two closures."""
-ZERO = 273.15
-"""0 °C [K]."""
 AMBIENT = 22.0
 """Assumed ambient temperature [°C]: the thesis states none."""
 COOLING = LeFevreEde(fluid=AirTable(), gravity=9.81)
-"""The correlation with a textbook's air between 20 °C and 100 °C."""
+"""The correlation with textbook air between 20 °C and 100 °C."""
 _SETTLING = 300.0
-"""[s]; more than twenty time constants."""
+"""More than twenty time constants [s]."""
 
 
 def lateral_surface(printed: Printed) -> float:
-    """Lateral surface of the wire [m²]."""
+    """Return the lateral surface of the wire [m²]."""
     return math.pi * printed.diameter * printed.length
 
 
@@ -47,7 +45,7 @@ def _wire_shape(printed: Printed) -> Cylinder:
 
 
 def printed_film(row: Printed, printed: Printed, ambient: float = AMBIENT) -> float:
-    """h of equations (3.2) to (3.4) with the properties printed in a row [W/(m² K)]."""
+    """Return h of equations (3.2) to (3.4) with the printed properties of a row [W/(m² K)]."""
     film_temperature = 0.5 * (row.temperature + ambient) + ZERO
     difference = row.temperature - ambient
     size = printed.length
@@ -57,23 +55,23 @@ def printed_film(row: Printed, printed: Printed, ambient: float = AMBIENT) -> fl
 
 
 def _surroundings(ambient: float) -> Environment:
-    """Air at an ambient temperature [°C], with the correlation."""
+    """Return air at an ambient temperature [°C], with the correlation."""
     return Environment(temperature=ambient + ZERO, cooling=COOLING)
 
 
 def film_coefficient(temperature: float, ambient: float, printed: Printed) -> float:
-    """h of the correlation with the textbook's air [W/(m² K)]; temperatures in °C."""
+    """Return h of the correlation with textbook air [W/(m² K)]; temperatures in °C."""
     shape, around = _wire_shape(printed), _surroundings(ambient)
     return simulation.find_film_coefficient(shape, temperature=temperature + ZERO, environment=around)
 
 
 def steady_temperature(power: float, ambient: float, printed: Printed) -> float:
-    """Return the root of power = h(T) S (T - T_a) [°C], with h from the correlation."""
+    """Return the root of power = h(T) S (T - T_a) [°C], with h of the correlation."""
     return simulation.find_steady_temperature(_wire_shape(printed), power, environment=_surroundings(ambient)) - ZERO
 
 
 def implied_ambient(row: Printed) -> float:
-    """Return the ambient temperature [°C] for which a row's conductivity is that at the film temperature."""
+    """Return the ambient temperature [°C] whose film temperature has a row's conductivity."""
     table = [(entry[0], entry[1]) for entry in ROWS["textbook"]]
     for (low, first), (high, last) in pairwise(table):
         if row.conductivity <= last:
@@ -83,7 +81,7 @@ def implied_ambient(row: Printed) -> float:
 
 
 def textbook_prandtl(row: Printed) -> float:
-    """Prandtl number of a textbook's air that conducts as a row."""
+    """Return the Prandtl number of textbook air with the conductivity of a row."""
     table = [(entry[1], entry[3]) for entry in ROWS["textbook"]]
     for (low, first), (high, last) in pairwise(table):
         if row.conductivity <= high:
@@ -99,7 +97,7 @@ def load_scenario(closure: str) -> Scenario:
 
 @cache
 def simulated_temperature(closure: str, voltage: float) -> float:
-    """Return the simulated temperature long after switching on a voltage [V], in °C."""
+    """Return the simulated steady temperature under a voltage [V], in °C."""
     system = load_scenario(closure).system
     run = simulate(system, Constant(level=voltage), _SETTLING, tolerance=1e-4, samples=101)
     return run["temperature"][-1] - ZERO
@@ -107,5 +105,5 @@ def simulated_temperature(closure: str, voltage: float) -> float:
 
 @cache
 def heating_run(closure: str) -> Result:
-    """Return the run of a closure's own scenario: the voltage on, then off."""
+    """Return the run of a closure's scenario: the voltage on, then off."""
     return load_scenario(closure).run()  # type: ignore[return-value]

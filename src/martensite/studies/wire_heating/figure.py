@@ -1,9 +1,4 @@
-"""The figure of the study: the heat balance that does not close, and the two ways to close it.
-
-Left: steady temperatures over voltage, printed and computed. Right: the film coefficient over
-the wire's temperature; below, both closures heated by the same voltage, which differ in time
-only.
-"""
+"""The figure of the study: the heat balance that does not close, and two closures."""
 
 from __future__ import annotations
 
@@ -28,9 +23,9 @@ def draw_figure(printed: Printed) -> Figure:
     with draw_page(
         11.0,
         5.6,
-        "Wire of 0.375 mm heated by a voltage: a balance that does not close",
+        "Wire of 0.375 mm heated by a voltage: the balance does not close",
         "Computed for this project; points from the thesis's Table 2. Assumed: an "
-        f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
+        f"ambient of {bench.AMBIENT:g} °C, and the alloy.",
     ) as figure:
         grid = figure.add_gridspec(
             2, 2, left=0.06, right=0.98, top=0.85, bottom=0.09, width_ratios=(1.25, 1.0), wspace=0.17, hspace=0.42
@@ -42,7 +37,7 @@ def draw_figure(printed: Printed) -> Figure:
 
 
 def legend_labels(printed: Printed) -> dict[str, str]:
-    """Legend entries of the closures."""
+    """Return the legend entries of the closures."""
     a, b = closures.closure_a(printed), closures.closure_b(printed)
     return {"a": NAMES["a"].format(ohms=a.resistance), "b": NAMES["b"].format(h=b.h)}
 
@@ -64,12 +59,12 @@ def _draw_steady(axes: Any, printed: Printed) -> None:
             linestyle=(0, (4, 1.5)),
             label=f"h of (3.2), {label}",
         )
-    for key, found in (("a", closures.closure_a(printed)), ("b", closures.closure_b(printed))):
+    for key, closure in (("a", closures.closure_a(printed)), ("b", closures.closure_b(printed))):
         axes.plot(
             volts,
-            at + np.asarray(found.errors),
+            at + np.asarray(closure.errors),
             color=COLOURS[key],
-            label=f"{legend_labels(printed)[key]}, rms {found.rms:.1f} K",
+            label=f"{legend_labels(printed)[key]}, rms {closure.rms:.1f} K",
         )
     axes.plot(volts, at, "o", color=INK, markersize=5.5, zorder=4, label="Table 2")
     label_axes(axes, "steady temperature", "voltage [V]", "$T$ [°C]", "upper left")

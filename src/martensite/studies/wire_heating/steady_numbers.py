@@ -59,11 +59,11 @@ def predict_steady(printed: Printed) -> list[dict[str, Any]]:
             "voltage": row.voltage,
             "measured": row.temperature,
             "temperature": at,
-            "span": found[-1] - found[0],
+            "span": temperatures[-1] - temperatures[0],
             "measured_span": measured[-1] - measured[0],
         }
-        for reading, words, found in readings
-        for row, at in zip(printed.rows, found, strict=True)
+        for reading, words, temperatures in readings
+        for row, at in zip(printed.rows, temperatures, strict=True)
     ]
 
 
