@@ -16,12 +16,12 @@ _STYLES = Path(__file__).parent / "page.css"
 _CODE = re.compile(r"`([^`]+)`")
 _HASH = re.compile(r"<code>(?=[0-9a-f]{64}</code>)")
 LONG = 30
-"""Characters of a cell from which on it may take several lines."""
+"""Smallest number of characters of a cell with line breaks."""
 _PAGE = Path(__file__).parent / "page.html"
 
 
 def render_page(summary: Summary, by: str) -> str:
-    """Return the whole page, and which program wrote it: nothing is fetched, light or dark."""
+    """Return a self-contained page that names its program."""
     sections = [block.title for block in summary.blocks if isinstance(block, Heading)]
     return _PAGE.read_text(encoding="utf-8").format(
         title=escape(summary.title),
@@ -34,7 +34,7 @@ def render_page(summary: Summary, by: str) -> str:
 
 
 def render_fragment(summary: Summary) -> str:
-    """Return the title and blocks alone, without styles."""
+    """Return title and blocks without styles."""
     lines = [f"<p><b>{escape(line)}</b></p>" for line in (summary.title,) if line]
     lead = [f"<p>{_render_inline(line)}</p>" for line in (summary.lead,) if line]
     return "\n".join([*lines, *lead, *map(_render_block, summary.blocks)])
@@ -103,7 +103,6 @@ def _render_picture(picture: Picture) -> str:
 
 
 def _draw_svg(picture: Picture) -> str:
-    """Return a figure as SVG in base64; the same figure gives the same text."""
     buffer = io.BytesIO()
     figure = picture.draw()
     with use_style():

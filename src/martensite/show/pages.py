@@ -1,4 +1,4 @@
-"""Summaries as files: a page of HTML, or Markdown with its figures in a folder beside it."""
+"""Summaries as files: a page of HTML, or Markdown with a folder of figures."""
 
 from __future__ import annotations
 
@@ -24,29 +24,25 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"(`[^`]+`)")
 _MARKUP = re.compile(r"<(?=[A-Za-z/!?])|`|(?<=\])\(")
-"""Characters that would begin a tag, a name in backquotes, or the address of a link."""
+"""Characters that begin a tag, a name in backquotes, or the address of a link."""
 HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
 
 
 def write_report(
     fit: Fit, path: str | Path, *, scenario: Scenario | None = None, title: str = "", profiles: Sequence[Profile] = ()
 ) -> list[Path]:
-    """Write what a fit found, and how far to trust it; existing files are replaced.
+    """Write the report of a fit; existing files are replaced.
 
     Args:
         fit: a finished fit.
-        path: the file to write: .html holds its figures, .md has them in the folder
-            `NAME_figures` beside it. The folder of the path must exist.
-        scenario: what the fit began with, if the fit does not know; its title, file and material
-            are told.
-        title: headline; made from the names of the records if left out.
+        path: an .html file with figures inside, or an .md file with figures in the folder `NAME_figures` next to it.
+            The folder of the path must exist.
+        scenario: the start scenario, if the fit has none; for title, file and material.
+        title: headline; by default made of the names of the records.
         profiles: profile likelihoods of some parameters.
 
     Returns:
-        The files written, the report first.
-
-    Raises:
-        InputError: the path ends in neither .html nor .md, or a file cannot be written.
+        The written files, the report first.
     """
     from martensite.show.summaries.fit import summarise_fit
 
@@ -56,20 +52,16 @@ def write_report(
 def write_model_report(
     validations: Sequence[Validation], path: str | Path, uncertainty: ChainUncertainty | None = None, title: str = ""
 ) -> list[Path]:
-    """Write how well a model does on records; existing files are replaced.
+    """Write the report of a model on records; existing files are replaced.
 
     Args:
         validations: the same model on one or several records.
-        path: the file to write: .html holds its figures, .md has them in the folder
-            `NAME_figures` beside it. The folder of the path must exist.
-        uncertainty: of the model; adds its numbers, and bands to the figures.
-        title: headline; made from the name of the model if left out.
+        path: an .html or .md file, as for `write_report`.
+        uncertainty: adds parameters to the report, and bands to its figures.
+        title: headline; by default made of the name of the model.
 
     Returns:
-        The files written, the report first.
-
-    Raises:
-        DataError: there are no validations, or a file cannot be written.
+        The written files, the report first.
     """
     from martensite.show.summaries.identification import summarise_model
 
@@ -77,11 +69,7 @@ def write_model_report(
 
 
 def write_page(summary: Summary, path: str | Path) -> list[Path]:
-    """Write a summary with its figures; all files written, the page first.
-
-    Raises:
-        DataError: the path ends in neither .html nor .md, or a file cannot be written.
-    """
+    """Write a summary with its figures; return the written files, the page first."""
     path, by = check_page_path(path), f"Written by {describe_program()}."
     if path.suffix.lower() in HTML:
         write_file(path, render_page(summary, by))
@@ -93,7 +81,7 @@ def write_page(summary: Summary, path: str | Path) -> list[Path]:
 
 
 def list_page_files(summary: Summary, path: Path) -> list[Path]:
-    """Return all files that `write_page` writes or replaces, the page first."""
+    """Return all files of `write_page`, the page first."""
     if path.suffix.lower() in HTML:
         return [path]
     folder = find_figure_folder(path)
@@ -102,7 +90,7 @@ def list_page_files(summary: Summary, path: Path) -> list[Path]:
 
 
 def check_page_path(path: str | Path) -> Path:
-    """Return the path of a page; `DataError` if it ends in neither .html nor .md, or its folder does not exist."""
+    """Return the path of a page."""
     path = Path(path)
     if path.suffix.lower() not in (*HTML, *MARKDOWN):
         raise DataError(f"A report ends in .html or .md, but this is `{path}`.")
@@ -117,7 +105,6 @@ def find_figure_folder(path: Path) -> Path:
 
 
 def _write_figures(summary: Summary, path: Path) -> None:
-    """Write all pictures of a summary into its folder, which is made if there is any."""
     folder = find_figure_folder(path)
     for block in summary.blocks:
         if isinstance(block, Picture):
@@ -126,7 +113,7 @@ def _write_figures(summary: Summary, path: Path) -> None:
 
 
 def render_markdown(summary: Summary, by: str, folder: str) -> str:
-    """Return the whole text; figures are looked for in `folder`, relative to it."""
+    """Return the whole text, with figures in the relative `folder`."""
     body = "\n\n".join(_render_block(block, folder) for block in summary.blocks)
     return f"# {_escape_text(summary.title)}\n\n{_escape_text(summary.lead)}\n\n{body}\n\n---\n\n{_escape_text(by)}\n"
 
@@ -151,9 +138,9 @@ def _render_block(block: Block, folder: str) -> str:
 
 
 def _escape_text(text: str) -> str:
-    """Return a line that brings no mark-up but names in backquotes, wherever its words come from.
+    """Return a line without mark-up except names in backquotes.
 
-    Entities are the same to every reader of Markdown, which backslashes are not.
+    Entities are portable between readers of Markdown, unlike backslashes.
     """
     parts = _NAME.split(" ".join(text.splitlines()))
     parts[::2] = [_MARKUP.sub(lambda found: f"&#{ord(found[0])};", part) for part in parts[::2]]

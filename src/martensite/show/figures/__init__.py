@@ -1,4 +1,4 @@
-"""Figures of results: time series, hysteresis loops, measured records beside them."""
+"""Figures of results: time series, hysteresis loops, comparisons with measured records."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,8 +1,7 @@
 """The figure of a bench: reference and response, error, signals, temperatures, over time.
 
-What is true, what is measured of it and what is estimated stand in one panel; so do the signal
-that a controller wants and the one that the source got, which differ where a supervisor or a
-fault comes between them. Times of an alarm of the supervisor are shaded in every panel.
+One panel holds true, measured and estimated values; another holds the signal of a controller and the signal at the
+source, which a supervisor or a fault can change. Times of an alarm are shaded in all panels.
 """
 
 from __future__ import annotations
@@ -44,19 +43,19 @@ if TYPE_CHECKING:
 
 WIDTH, PANEL_HEIGHT = 9.0, 1.35
 HEAD, FOOT = 0.62, 0.55
-"""Room for the title and the time axis [inch]."""
+"""Space for the title and the time axis [inch]."""
 FOLLOWED: dict[str, Any] = {"color": INK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 READ: dict[str, Any] = {"color": MEASURED[1], "linewidth": 0.8, "alpha": 0.85}
 HELD: dict[str, Any] = {"drawstyle": "steps-post"}
 WANTED: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 APPLIED: dict[str, Any] = {"linewidth": 1.1}
 SURE = 2.0
-"""Standard deviations about an estimate that are tinted."""
+"""Standard deviations of the band about an estimate."""
 
 
 @dataclass(frozen=True)
 class BenchPanel:
-    """One panel: its words, and what draws it."""
+    """Title and drawing function of one panel."""
 
     title: str
     draw: Callable[[Any], None]
@@ -66,24 +65,24 @@ def plot_bench(result: Result, records: Records = None, title: str | None = None
     """Return the figure of a run on a bench.
 
     Args:
-        result: the run to show.
-        records: measured records, drawn over the truth wherever they have the same quantity.
-        title: first line of the figure; by default what was simulated.
-        outside: controllers that ran outside of the bench, by drive.
+        result: run to draw.
+        records: measured records, drawn over the truth of the same quantity.
+        title: first line of the figure; by default the description of the system.
+        outside: controllers outside of the bench, by drive.
 
     Raises:
-        InputError: the result is none of a bench.
-        DataError: a record holds nothing that can be compared with the result.
+        InputError: the result is not from a bench.
+        DataError: a record has no quantity in common with the result.
     """
     find_bench(result)
     measured = check_records(result, records)
     with use_style():
-        found = find_loops(result, outside)
-        panels = [_show_response(result, loop, measured) for loop in found] or _show_outputs(result, measured)
-        panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]
-        panels += _show_signals(result, found)
-        panels += _show_temperatures(result, found, measured)
-        panels += [_show_estimate(result, name) for name in list_estimates(result, found)]
+        loops = find_loops(result, outside)
+        panels = [_show_response(result, loop, measured) for loop in loops] or _show_outputs(result, measured)
+        panels += [_show_errors(result, group) for group in _group_by_unit(result, loops)]
+        panels += _show_signals(result, loops)
+        panels += _show_temperatures(result, loops, measured)
+        panels += [_show_estimate(result, name) for name in list_estimates(result, loops)]
         return _make_figure(result, panels, title)
 
 
@@ -131,7 +130,6 @@ def _show_response(result: Result, loop: Loop, records: Sequence[MeasuredRecord]
 
 
 def _show_outputs(result: Result, records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
-    """Without a loop: what sensors look at, and their readings."""
     bench = find_bench(result)
     return [
         _show_response(result, Loop("", np.full(len(result.times), np.nan), reading, truth, ""), records)
@@ -142,7 +140,6 @@ def _show_outputs(result: Result, records: Sequence[MeasuredRecord]) -> list[Ben
 
 
 def _group_by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
-    """Return the loops whose errors have one unit, together."""
     groups: dict[str, list[Loop]] = {}
     for loop in found:
         groups.setdefault(result.unit(loop.truth), []).append(loop)
@@ -164,7 +161,6 @@ def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
 
 
 def _show_signals(result: Result, found: Sequence[Loop]) -> list[BenchPanel]:
-    """Return the signals that controllers want, and those that the sources got; those of a unit together."""
     got, wants = (map_applied_signals(result), {loop.drive: loop.wanted for loop in found if loop.wanted})
     drives = [drive.name for drive in find_bench(result).plant.drives()]
     groups: dict[str, list[str]] = {}
@@ -192,10 +188,10 @@ def _show_signal(result: Result, group: Sequence[str], wants: Mapping[str, str],
 
 
 def _show_temperatures(result: Result, found: Sequence[Loop], records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
-    """Return the temperatures of all elements, unless another panel shows the only one."""
+    """Return the panel of all element temperatures, unless another panel shows the only one."""
     names = list_temperatures(result)
-    seen = {loop.truth for loop in found} | {one.removeprefix(ESTIMATED) for one in list_estimates(result, found)}
-    if not names or (len(names) == 1 and names[0] in seen):
+    shown = {loop.truth for loop in found} | {one.removeprefix(ESTIMATED) for one in list_estimates(result, found)}
+    if not names or (len(names) == 1 and names[0] in shown):
         return []
 
     def draw_panel(axes: Any) -> None:
@@ -210,7 +206,6 @@ def _show_temperatures(result: Result, found: Sequence[Loop], records: Sequence[
 
 
 def _show_estimate(result: Result, name: str) -> BenchPanel:
-    """Return an estimate beside the truth, and how sure it is where that is known."""
     truth = name.removeprefix(ESTIMATED)
 
     def draw_panel(axes: Any) -> None:

@@ -21,68 +21,63 @@ TEMPERATURE = "temperature"
 
 @dataclass(frozen=True)
 class Loop:
-    """A controller and what it does."""
+    """Columns of a controller's loop."""
 
     drive: str
-    """Name of its drive."""
     reference: Any
     """Reference of the reading over the times of the result [SI]."""
     reading: str
-    """Column of its reading."""
     truth: str
-    """Column of the measured quantity; the column of the reading if the result lacks the quantity."""
+    """Column of the measured quantity, else of the reading."""
     wanted: str
-    """Column of the signal that it wants; empty if the result does not know it."""
+    """Column of the requested signal; empty without one."""
 
 
 def find_bench(result: Result) -> Bench:
-    """Return the bench that was run; `InputError` if the result is that of a system alone."""
+    """Return the bench of a result."""
     if not isinstance(result.system, Bench):
         raise InputError("This figure needs a bench; use `plot_result` for a system without controllers and sensors.")
     return result.system
 
 
 def find_loops(result: Result, outside: Mapping[str, AbstractController] | None = None) -> list[Loop]:
-    """Return the loops of a bench; controllers that ran outside of it are given by drive."""
+    """Return the loops of a bench, including controllers outside of it, given by drive."""
     bench = find_bench(result)
     members = bench.controllers.members()
-    found = [
+    entries = [
         _find_loop(result, bench, drive, one, name)
         for (drive, one), name in zip(members.items(), list_references(bench), strict=True)
     ]
     outer = outside or {}
     for drive, name in outside_references(bench, outer).items():
-        found.append(_find_loop(result, bench, drive, outer[drive], name))
-    return [loop for loop in found if loop is not None]
+        entries.append(_find_loop(result, bench, drive, outer[drive], name))
+    return [loop for loop in entries if loop is not None]
 
 
 def _find_loop(result: Result, bench: Bench, drive: str, one: AbstractController, name: str) -> Loop | None:
-    """Return the loop of a controller; None if its reading is not a column."""
     reading = _find_column(result, one.measured)
     if reading is None:
         return None
     truth = _find_truth(result, bench, one.measured, reading)
-    known = name in result.columns  # not in that of another run than `simulate_bench`
-    given = result.columns[name] if known else [one.reference.value(time) for time in result.times]
-    wanted = wanted_name(name) if known else ""
+    recorded = name in result.columns  # only runs of `simulate_bench` have it
+    given = result.columns[name] if recorded else [one.reference.value(time) for time in result.times]
+    wanted = wanted_name(name) if recorded else ""
     return Loop(drive, np.asarray(given, dtype=np.float64), reading, truth, wanted)
 
 
 def _find_column(result: Result, name: str) -> str | None:
-    """Return the column of a reading: of a sensor, of an observer, or of the system itself."""
     return next((c for c in (MEASURED + name, name) if c in result.outputs), None)
 
 
 def _find_truth(result: Result, bench: Bench, name: str, reading: str) -> str:
-    """Return the column of the quantity behind a reading."""
     sensor = bench.sensors.members().get(name)
-    seen = sensor.sees()[0] if sensor is not None else name.removeprefix(ESTIMATED)
-    known = seen in result.outputs and result.unit(seen) == result.unit(reading)
-    return seen if known else reading
+    truth = sensor.sees()[0] if sensor is not None else name.removeprefix(ESTIMATED)
+    comparable = truth in result.outputs and result.unit(truth) == result.unit(reading)
+    return truth if comparable else reading
 
 
 def map_applied_signals(result: Result) -> dict[str, str]:
-    """Return the drive of the plant -> column of the signal that its source got, where there is one."""
+    """Return the column of the source signal by drive of the plant."""
     plant = find_bench(result).plant
     return {plant.drive_at(port): plant.label(port, "drive") for port in plant.actuators()}
 
@@ -94,7 +89,7 @@ def list_temperatures(result: Result) -> list[str]:
 
 
 def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
-    """Return the columns of estimates whose truth is known, and which no loop shows."""
+    """Return the columns of estimates with a known truth that no loop shows."""
     shown = {loop.reading for loop in found}
     return [
         name
@@ -104,23 +99,23 @@ def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
 
 
 def find_alarmed_spans(result: Result) -> list[tuple[float, float]]:
-    """Return the times between which the supervisor raised an alarm [s]."""
+    """Return the time intervals of supervisor alarms [s]."""
     if ALARM not in result.columns:
         return []
     times, columns = result.list_rows([ALARM])
     raised = columns[ALARM] > 0.5
-    found: list[tuple[float, float]] = []
+    spans: list[tuple[float, float]] = []
     begin: float | None = None
     for time, on in zip(times.tolist(), raised.tolist(), strict=True):
         if on and begin is None:
             begin = time
         if not on and begin is not None:
-            found.append((begin, time))
+            spans.append((begin, time))
             begin = None
-    return found if begin is None else [*found, (begin, result.times[-1])]
+    return spans if begin is None else [*spans, (begin, result.times[-1])]
 
 
 def compute_shown_error(result: Result, loop: Loop) -> Any:
-    """Return the reference less truth, in the unit that the truth is shown in."""
+    """Return reference minus truth, in the displayed unit of the truth."""
     how = describe_axis(result, loop.truth)
     return how.values(loop.reference) - how.values(result.columns[loop.truth])

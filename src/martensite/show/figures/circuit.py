@@ -1,4 +1,4 @@
-"""The circuit of a wire or a coil: a resistor in series with a switch, or the switch alone under a duty."""
+"""The circuit of a wire or a coil: a series resistor with a switch, or a switch with PWM."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 7.0, 3.1
 LOOPS = 7
-"""Turns of a coil as it is drawn."""
+"""Drawn turns of a coil."""
 
 
 def plot_circuit(found: WireRatings) -> Figure:
-    """Return both ways to drive a wire from its supply, with the numbers of the parts."""
+    """Return both circuits of a wire on its supply, with component values."""
     cycle = found.cycle
     current = found.holding_current if cycle is None else cycle.current
     series, power = found.series_resistor(current)
@@ -39,7 +39,6 @@ def plot_circuit(found: WireRatings) -> Figure:
 
 
 def _draw_loop(axes: Axes, found: WireRatings, resistor: str, gate: str) -> None:
-    """Supply on the left, wire on the top, switch on the right, ground below."""
     line = {"color": INK, "linewidth": 1.1, "solid_capstyle": "round"}
     axes.plot([1.5, 1.5], [1.0, 4.4], **line)
     axes.plot([1.5, 1.5, 2.4], [5.0, 8.0, 8.0], **line)

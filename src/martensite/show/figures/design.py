@@ -1,4 +1,4 @@
-"""The figure of a design: how the search went, and what is done before and after."""
+"""The figure of a design: progress of the search, and motion before and after."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WIDTH, HEIGHT = 7.5, 3.2
 
 
 def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
-    """Return the best design over the runs of the search, and the first coordinate over time."""
+    """Return the best goal over the runs of the search, and the first coordinate over time."""
     with use_style():
         figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2, title)
         _draw_history(found, left)
@@ -28,7 +28,7 @@ def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
 
 
 def _draw_history(found: OptimisedDesign, axes: Axes) -> None:
-    """Goal of the best design so far; hollow while it does not keep all constraints."""
+    """Draw the best goal so far; hollow if constraints are violated."""
     goal = found.question.goal
     shown = units.choose_readable_unit(goal.unit)
     runs = np.array([mark.runs for mark in found.history])

@@ -1,4 +1,4 @@
-"""Draw the energy of every cycle of a run."""
+"""Figure of the energies per cycle of a run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ENERGY_WIDTH, ENERGY_HEIGHT, BAR = 9.0, 3.1, 0.38
 
 
 def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
-    """Draw the energies of every cycle that `compute_cycle_energies` found, and the efficiency."""
+    """Draw the energies and the efficiency of each cycle."""
     with use_style():
         figure = make_figure(ENERGY_WIDTH, ENERGY_HEIGHT)
         ((heat, work, share),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.48))

@@ -1,8 +1,7 @@
-"""Figure of a fit with its data, record by record, over time and as a loop; and its residuals.
+"""Figures of a fit: data and model by record, over time and as loops, and residuals.
 
-Held-out data are tinted, and the model is drawn there in another colour. Of the
-residuals the autocorrelation is drawn too, with the band that holds 95 % of the lags if they are
-white.
+Held-out data have a tinted background and another model colour. The autocorrelation of the residuals is drawn with the
+95 % band of white residuals.
 """
 
 from __future__ import annotations
@@ -38,27 +37,27 @@ if TYPE_CHECKING:
     from martensite.search.whiteness import Whiteness
 
 HELD = "#a03c6e"
-"""The model where it was not fitted."""
+"""Colour of the model on held-out data."""
 TINT = "#f7eef3"
 """Background colour of held-out data."""
 SEEN = "#9aa2a9"
 """Colour of measured data."""
 DOTS = 150
-"""Rows up to which measurements are dots."""
+"""Largest number of rows drawn as dots."""
 MOST = 12
-"""Panels at most; of more, those spread evenly over the records."""
+"""Largest number of panels; of more, evenly spread ones are drawn."""
 WARM = 1.0
-"""Least range of a measured temperature [K] over which a loop is drawn."""
+"""Smallest range of a measured temperature for a loop [K]."""
 TIME = QuantityAxis("time", "time", "t", "s", "s")
 CONDITION = QuantityAxis("condition", "condition", "row of the table", "1", "1")
 MOST_RESIDUALS = 8
-"""Records and outputs drawn at most; of more, those spread evenly."""
+"""Largest number of residual rows; of more, evenly spread ones are drawn."""
 ROOM = 1.12
-"""Half the height of a panel over the largest residual."""
+"""Half height of a panel, relative to the largest residual."""
 
 
 def plot_fit(fit: Fit, title: str = "") -> Figure:
-    """Draw measured and modelled outputs of all records of a fit over time."""
+    """Draw measured and modelled outputs of all records over time."""
     rows = pick_evenly(list_compared(fit), MOST)
     with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
@@ -71,13 +70,13 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
 
 
 def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
-    """Draw outputs over the measured temperature, or stress over strain, where both exist.
+    """Draw outputs over the measured temperature, or stress over strain.
 
     Raises:
-        InputError: no record holds both.
+        InputError: no record has both.
     """
-    found = [(one, find_loop_column(one)) for one in list_compared(fit)]
-    rows = pick_evenly([one for one, column in found if column is not None], MOST)
+    entries = [(one, find_loop_column(one)) for one in list_compared(fit)]
+    rows = pick_evenly([one for one, column in entries if column is not None], MOST)
     if not rows:
         raise InputError(
             "No record holds a temperature that varies, or both stress and strain: there is no loop to draw."
@@ -107,7 +106,7 @@ def make_output_axis(name: str, described: Output) -> QuantityAxis:
 
 
 def find_loop_column(one: ComparedOutput) -> str | None:
-    """Return the column of a record over which an output makes a loop; None if there is none."""
+    """Return the column over which an output makes a loop, or None."""
     record, last = one.experiment.record, one.output.rpartition(".")[2]
     partner = {"stress": "strain", "force": "position"}.get(last)
     for column in ("temperature", partner):
@@ -151,7 +150,7 @@ def _choose_axis(one: ComparedOutput) -> QuantityAxis:
 
 
 def _widen_rows(rows: Any) -> Any:
-    """Return the rows, and those beside them, so that lines of two colours meet."""
+    """Return the rows and their neighbours, so that lines of two colours meet."""
     wide = rows.copy()
     wide[1:] |= rows[:-1]
     wide[:-1] |= rows[1:]
@@ -172,7 +171,7 @@ def _write_name(axes: Any, one: ComparedOutput) -> None:
 
 
 def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None:
-    """Give panels of the same output the same vertical scale, so that they compare at a glance."""
+    """Give panels of the same output the same vertical scale."""
     for name in dict.fromkeys(one.output for one in rows):
         own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
         shown = make_output_axis(name, own[0][1].description)
@@ -182,7 +181,6 @@ def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None
 
 
 def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
-    """Add a key of the lines below the headline."""
     colours = {"measured": SEEN}
     if any(one.used.any() for one in rows):
         colours["model, fitted to it"] = SIMULATED
@@ -192,7 +190,7 @@ def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
 
 
 def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
-    """Draw the residuals of every record and output, and their autocorrelation."""
+    """Draw the residuals of each record and output, and their autocorrelation."""
     rows = pick_evenly(list_compared(fit), MOST_RESIDUALS)
     tests = {one.record: one for one in fit.whiteness}
     with use_style():
@@ -209,11 +207,11 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
 
 
 def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
-    found: dict[str, float] = {}
+    table: dict[str, float] = {}
     for one in rows:
         largest = float(np.nanmax(np.abs(one.residuals)))
-        found[one.output] = max(found.get(one.output, 0.0), largest)
-    return found
+        table[one.output] = max(table.get(one.output, 0.0), largest)
+    return table
 
 
 def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:

@@ -22,22 +22,22 @@ if TYPE_CHECKING:
     from martensite.search.profile import Profile
 
 NUMBERED = 14
-"""Parameters up to which correlations are printed as numbers."""
+"""Largest number of parameters with printed correlations."""
 CELL = 0.46
 """Side of a cell [inch]."""
 LETTER = 0.073
-"""Width of a letter of a name [inch], roughly."""
+"""Approximate width of a letter [inch]."""
 MOVERS = 8
-"""Parameters of a direction that are drawn."""
+"""Largest number of drawn parameters of a direction."""
 ZERO_POSITION = 1e-3
-"""Position of singular values of 0, below the smallest other one."""
+"""Position of zero singular values, relative to the smallest other one."""
 TOP = 2.4
 """Height of a panel, in limits."""
 BAND = "#e8eef3"
 
 
 def plot_correlation(fit: Fit, title: str = "") -> Figure:
-    """Draw the correlations of the parameters of a fit, each pair once."""
+    """Draw the correlations of the parameters of a fit."""
     names, matrix = ([shorten_name(name) for name in fit.uncertainty.names], np.asarray(fit.uncertainty.correlation))
     count = len(names)
     cell = CELL if count <= NUMBERED else 0.26
@@ -63,11 +63,10 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
 
 
 def plot_singular_values(fit: Fit, title: str = "") -> Figure:
-    """Draw how certain every direction of the parameters is, and what the least certain one is.
+    """Draw the singular values of a fit, and its least certain direction.
 
-    Left, singular values of the Jacobian per search range over the noise: along a direction with
-    a value of 1 the parameters are uncertain by the whole search range. Right, what moves in the
-    least certain direction.
+    Left: singular values of the Jacobian per search range over the noise; along a direction with value 1 the
+    uncertainty is the whole search range. Right: parameters of the least certain direction.
     """
     longer, moves, how = _find_weakest(fit)
     names = [shorten_name(name) for name in longer]
@@ -84,7 +83,7 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
 
 
 def plot_search(fit: Fit, title: str = "") -> Figure:
-    """Draw how the cost fell over the runs of the search."""
+    """Draw the cost over the runs of the search."""
     runs, costs = (np.asarray(column, float) for column in zip(*fit.history, strict=True))
     total = fit.simulations + fit.jacobians
     with use_style():
@@ -139,12 +138,12 @@ def _name_axes(axes: Any, names: Sequence[str]) -> None:
 
 
 def _draw_values(axes: Any, fit: Fit) -> None:
-    """Singular values over the noise, those of 0 as open marks at the lower edge."""
-    found = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
-    seen = [value for value in found if 0.0 < value < math.inf]
-    bottom = ZERO_POSITION * min([*seen, 1.0]) if 0.0 in found else 0.3 * min([*seen, 1.0])
-    places = np.arange(1, len(found) + 1)
-    heights = np.asarray([value if value > 0.0 else 2.0 * bottom for value in found])
+    """Draw singular values over the noise; zero values as open marks at the lower edge."""
+    entries = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
+    positive = [value for value in entries if 0.0 < value < math.inf]
+    bottom = ZERO_POSITION * min([*positive, 1.0]) if 0.0 in entries else 0.3 * min([*positive, 1.0])
+    places = np.arange(1, len(entries) + 1)
+    heights = np.asarray([value if value > 0.0 else 2.0 * bottom for value in entries])
     axes.set_yscale("log")
     axes.axhline(1.0, color=HEATING, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.4)
     place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
@@ -155,15 +154,15 @@ def _draw_values(axes: Any, fit: Fit) -> None:
     for some, fill in ((heights > 2.0 * bottom, SIMULATED), (heights <= 2.0 * bottom, "white")):
         axes.plot(places[some], heights[some], "o", color=SIMULATED, markerfacecolor=fill, markersize=5.0, zorder=2.2)
     _set_decades(axes, np.asarray([bottom, 1.0, *heights]))
-    axes.set(ylim=(bottom, 2.5 * max([*seen, 1.0])), xlim=(0.4, len(found) + 0.6))
-    axes.set_xticks(places if len(found) <= 16 else places[:: len(found) // 8])
+    axes.set(ylim=(bottom, 2.5 * max([*positive, 1.0])), xlim=(0.4, len(entries) + 0.6))
+    axes.set_xticks(places if len(entries) <= 16 else places[:: len(entries) // 8])
     axes.set(xlabel="direction of the parameters", ylabel="singular value / noise")
-    if 0.0 in found:
+    if 0.0 in entries:
         write_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
 
 
 def _set_decades(axes: Any, values: Any) -> None:
-    """Plain labels of powers of ten, and more of them where there are few decades."""
+    """Label powers of ten, and intermediate values for few decades."""
     from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
     span = math.log10(float(np.max(values)) / float(np.min(values)))
@@ -173,7 +172,7 @@ def _set_decades(axes: Any, values: Any) -> None:
 
 
 def _find_weakest(fit: Fit) -> tuple[list[str], list[float], str]:
-    """Return the names and moves, as shares of the search ranges, of the least certain direction."""
+    """Return names, changes relative to search ranges, and description of the least certain direction."""
     found, names = fit.identifiability, fit.problem.names
     if found.weak:
         first = found.weak[0]
@@ -206,11 +205,11 @@ def _draw_direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> 
 
 
 def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: str = "") -> Figure:
-    """Draw profile likelihoods, one panel for each parameter.
+    """Draw profile likelihoods, one panel per parameter.
 
     Args:
         profiles: at least one.
-        fit: the fit that they start from; its parabola is drawn beside each.
+        fit: their fit; its parabola is drawn for comparison.
         title: headline.
 
     Raises:
@@ -236,8 +235,8 @@ def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     axes.plot(at, excess, linestyle="none", zorder=2.2, **dots)
     curve = _interpolate_root(at, excess, shown.values([one.value])[0])
     axes.plot(*curve, markevery=[], zorder=2.1, label="refitted", **dots)
-    seen = at[excess <= TOP]
-    low, high = float(seen.min()), float(seen.max())
+    visible = at[excess <= TOP]
+    low, high = float(visible.min()), float(visible.max())
     room = 0.06 * (high - low) or 1.0
     axes.set_xlim(low - room, high + room)
     if fit is not None:
@@ -252,7 +251,7 @@ def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
 
 
 def _interpolate_root(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
-    """Return a curve through the points of a profile, interpolated in its root: nearly straight."""
+    """Return a curve through the points of a profile, interpolated in the square root."""
     root = np.sign(at - best) * np.sqrt(np.maximum(excess, 0.0))
     fine = np.linspace(at[0], at[-1], 401)
     return fine, np.interp(fine, at, root) ** 2

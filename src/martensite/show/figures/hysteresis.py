@@ -87,9 +87,9 @@ def find_strips(result: Result) -> list[StripMark]:
     """Return the strips of the law at the mean stress of the run; none if it has no such strips."""
     (actuator,) = result.system.actuators().values()
     law = actuator.element.law
-    known = law.declarations
+    declarations = law.declarations
     curved = getattr(law, "surfaces", "") == "curved"
-    if curved or any(n not in known for n in _SHIFTED) or any(n in known for n in _CRITICAL):
+    if curved or any(n not in declarations for n in _SHIFTED) or any(n in declarations for n in _CRITICAL):
         return []
     values = {leaf.path: leaf.value for leaf in law.leaves()}
     shown, stress = describe_axis(result, "temperature"), float(np.mean(result["stress"]))
@@ -189,7 +189,6 @@ def _name_strips(axes: Any, marks: Sequence[StripMark]) -> None:
 
 
 def _write_above(axes: Any, x: float, points: float, text: str, **properties: Any) -> None:
-    """Write at a share of the width and some points above the axes."""
     axes.annotate(
         text,
         (x, 1.0),

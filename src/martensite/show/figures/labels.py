@@ -1,4 +1,4 @@
-"""Label of an axis: symbol and unit, and the numbers in that unit."""
+"""Axis labels: symbol and unit, and values in that unit."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ class QuantityAxis:
     unit: str
     """SI unit of the column."""
     shown: str
-    """Unit on the axis, as `martensite.base.units` spells it."""
+    """Displayed unit, in the spelling of `martensite.base.units`."""
 
     @property
     def label(self) -> str:
-        """Symbol and unit, such as T [°C]."""
+        """Return symbol and unit, such as T [°C]."""
         return f"{typeset_symbol(self.symbol)} [{typeset_unit(self.shown, '–')}]"
 
     @property
     def difference_unit(self) -> str:
-        """Return the unit of a difference of two values, for running text."""
+        """Return the unit of a difference of two values, for text."""
         return "K" if self.shown == "degC" else typeset_unit(self.shown)
 
     def values(self, column: ArrayLike) -> Any:
-        """Return a column in SI as an array in the shown unit."""
+        """Return a column in SI as an array in the displayed unit."""
         factor, offset = units.find_conversion(self.shown, self.unit)
         return (np.asarray(column, dtype=np.float64) - offset) / factor
 
@@ -52,7 +52,7 @@ STRAIN = QuantityAxis("strain", "strain", "ε", "1", "%")
 
 
 def describe_axis(result: Result, name: str) -> QuantityAxis:
-    """Return the display of the column `name` of a result, or of `time`."""
+    """Return the display of a column of a result, or of `time`."""
     unit = result.unit(name)
     if name == "time":
         return QuantityAxis(name, "time", "t", unit, unit)
@@ -61,12 +61,12 @@ def describe_axis(result: Result, name: str) -> QuantityAxis:
 
 
 def read_column(result: Result, name: str) -> Any:
-    """Return a column of a result as an array in its shown unit."""
+    """Return a column of a result as an array in its displayed unit."""
     return describe_axis(result, name).values(result[name])
 
 
 def typeset_symbol(symbol: str) -> str:
-    """Return a symbol such as ξ_S as italic mathematics with its subscript; words as they are."""
+    """Return a symbol such as ξ_S as italic mathematics with its subscript; words are unchanged."""
     if " " in symbol:
         return symbol.replace("$", "")
     head, _, index = symbol.partition("_")
@@ -74,10 +74,7 @@ def typeset_symbol(symbol: str) -> str:
 
 
 def choose_limits(name: str, *columns: Any) -> tuple[float, float]:
-    """Return the limits of the axis of `name` around all finite values, in its shown unit.
-
-    A fraction is always seen from 0 to 1.
-    """
+    """Return axis limits around all finite values, in the displayed unit; fractions span at least 0 to 1."""
     low, high = enclose_values(*columns)
     if name.rpartition(".")[-1] in FRACTIONS:
         return min(low, -0.06), max(high, 1.06)
@@ -85,7 +82,7 @@ def choose_limits(name: str, *columns: Any) -> tuple[float, float]:
 
 
 def enclose_values(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
-    """Return the limits around all finite values, wide enough for a constant to look like one."""
+    """Return limits around all finite values, with a minimum range for constants."""
     values = np.concatenate([np.ravel(c) for c in columns])
     values = values[np.isfinite(values)]
     if not values.size:
@@ -100,7 +97,7 @@ def enclose_values(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
 
 
 def label_difference(unit: str) -> tuple[str, float]:
-    """Return the unit in which a difference is read, as it is printed, and its size in the SI `unit`."""
+    """Return the typeset unit of a difference, and its size in the SI `unit`."""
     shown, size = choose_difference_unit(unit)
     return typeset_unit(shown, "1"), size
 

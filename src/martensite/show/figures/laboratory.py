@@ -1,9 +1,8 @@
 """Figures of laboratory tests: tangents of isobaric cycles, and a fitted film coefficient.
 
-Tangents: one panel per cycle with the three lines of each branch, and where they meet; beside them
-stress over temperature with the lines of common slope, and the transformation strain over stress.
-Film coefficient: the points and each form with the confidence band of its mean; beside them the
-same fluxes turned into h with other ambient temperatures.
+Tangents: one panel per cycle with the three lines of each branch and their intersections; also stress over temperature
+with the lines of common slope, and the transformation strain over stress. Film coefficient: the points and each form
+with the confidence band of its mean; also the same heat fluxes converted to h at other ambient temperatures.
 """
 
 from __future__ import annotations
@@ -29,9 +28,9 @@ if TYPE_CHECKING:
 
 TRANSFORMATION = QuantityAxis("H", "transformation strain", "H", "1", "%")
 MOST_PANELS = 6
-"""Cycles drawn at most; of more, those spread evenly over the stresses."""
+"""Largest number of drawn cycles; of more, those evenly spread over the stresses."""
 DOTS = 120
-"""Rows of a branch up to which they are drawn as dots, too."""
+"""Largest number of rows of a branch with dots."""
 _MARKS = {"A_s": "o", "A_f": "s", "M_s": "s", "M_f": "o"}
 LOOKS: dict[str, tuple[str, Any]] = {
     "constant": (MEASURED[0], (0, (1, 1.3))),
@@ -39,9 +38,9 @@ LOOKS: dict[str, tuple[str, Any]] = {
     "quadratic": (HEATING, (0, (5, 1.6))),
     "h1=0": (MEASURED[2], (0, (4, 1.2, 1, 1.2))),
 }
-"""Form -> colour and dashes."""
+"""Colour and dashes by form."""
 BANDED = ("linear", "quadratic")
-"""Forms whose band is drawn, if no single one was asked for."""
+"""Forms with a drawn band, if several forms are drawn."""
 
 
 def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
@@ -176,8 +175,8 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
     """Draw fits of a film coefficient, and its dependence on the ambient temperature.
 
     Args:
-        report: what `judge_film` found.
-        forms: names of the forms to draw; all if left out.
+        report: fits and tests.
+        forms: names of the forms to draw; by default all.
         title: headline.
     """
     shown = [form for form in report.fits if forms is None or form in forms]

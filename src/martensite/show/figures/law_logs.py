@@ -1,4 +1,4 @@
-"""Laws beside a log: one panel with what was recorded and what each says, and their phase diagrams with its path."""
+"""Laws compared with a log: one panel with all curves, and phase diagrams with the path."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def plot_law_log(comparisons: Sequence[LawComparison], *, title: str | None = None) -> Figure:
-    """Return the figure of laws beside a log, or beside several of one kind; from `compare_laws_with_log`.
+    """Return the figure of laws compared with logs of one kind, from `compare_laws_with_log`.
 
     Raises:
-        InputError: there is nothing to draw, or stress rests in one log and moves in another.
+        InputError: there is nothing to draw, or stress is constant in one log and varies in another.
     """
     if len({one.compared for one in comparisons}) != 1:
         raise InputError("Draw logs of one kind together: with a stress that rests, or with one that moves.")

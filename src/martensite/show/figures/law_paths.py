@@ -1,8 +1,7 @@
 """Figures of material points: stress over strain, strain over temperature, ξ, phase diagram.
 
-Paths of one law fill a figure of four panels; several laws stand side by side, one column
-each, with axes shared along every row. A single path is coloured by what its legs do, several
-paths by path.
+Paths of one law fill four panels; several laws have one column each, with axes shared along each row. A single path is
+coloured by the kind of its legs, several paths by path.
 """
 
 from __future__ import annotations
@@ -52,9 +51,9 @@ AXES = {
 }
 LOOP = ("strain", "stress")
 COLUMN, ROW, HEAD = 3.7, 2.9, 0.95
-"""Width of a column, height of a row, and room for the title [inch]."""
+"""Width of a column, height of a row, and space for the title [inch]."""
 ROOM, GAPS = (0.75, 0.2, HEAD, 0.5), (0.8, 0.65)
-"""Around the panels, and between them [inch]."""
+"""Margins around the panels, and between them [inch]."""
 
 
 def plot_point(
@@ -64,8 +63,8 @@ def plot_point(
 
     Args:
         results: one path, several paths of one law, or paths of several laws.
-        title: first line of the figure; the names of the laws by default.
-        plane: columns (horizontal, vertical) of the first row where laws stand side by side.
+        title: first line of the figure; by default the names of the laws.
+        plane: columns (horizontal, vertical) of the first row for several laws.
 
     Raises:
         InputError: there is nothing to draw.
@@ -114,7 +113,7 @@ def _draw_beside(by_law: dict[Any, list[PointResult]], title: str | None, plane:
 
 
 def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> None:
-    """Draw one column over another, with an arrow on every leg that shows."""
+    """Draw one column over another, with an arrow on each leg."""
     across, up = AXES[x], AXES[y]
     shown = [(across.values(r[x]), up.values(r[y])) for r in results]
     axes.set(xlim=enclose_values(*(s[0] for s in shown)), ylim=enclose_values(*(s[1] for s in shown)))
@@ -129,7 +128,7 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
 
 
 def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
-    """Draw ξ (solid) and the oriented part (dotted) over the legs of the paths."""
+    """Draw ξ (solid) and the oriented fraction (dotted) over the legs of the paths."""
     for result, colour in zip(results, _choose_colours(results), strict=True):
         for leg, (first, last, own) in enumerate(_split_legs(result, colour, alone=len(results) == 1)):
             x = np.linspace(leg, leg + 1.0, last - first + 1)
@@ -143,7 +142,7 @@ def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
 
 
 def _split_legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
-    """Return the first sample, last sample and colour of every leg."""
+    """Return first sample, last sample and colour of each leg."""
     spans = pairwise(result.ends)
     if not alone:
         return [(first, last, colour) for first, last in spans]

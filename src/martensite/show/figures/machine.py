@@ -1,8 +1,8 @@
-"""The standard figure of a machine: every actuator in its own colour.
+"""The standard figure of a machine, with one colour per actuator.
 
-Left, over time: the coordinates, then what drives and what happens in every element. Right:
-the loops ξ-T and σ-ε of all elements, and the path of the mechanism: its first coordinate over
-the second, or over the temperature of the first element if there is but one.
+Left, over time: the coordinates, then drives and states of the elements. Right: the loops ξ-T and σ-ε of all elements,
+and the path of the mechanism: its first coordinate over the second, or over the temperature of the first element if
+there is only one.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 WIDTH, PANEL_HEIGHT = 12.0, 1.3
 HEAD, FOOT = 1.0, 0.6
 COLOURS = ("#1f5f8b", "#d55e00", "#5a8f7b", "#8a6fa8", "#b0783c", "#6f6f6f")
-"""Colours of actuators and coordinates; larger numbers of them use a colour map."""
+"""Colours of actuators and coordinates; more lines use a colour map."""
 PANELS = ("drive", "temperature", "martensite_fraction", "force")
 LOOPS = (("temperature", "martensite_fraction"), ("strain", "stress"))
 
@@ -64,15 +64,15 @@ def choose_colours(count: int) -> list[Any]:
 
 
 def choose_width(i: int, count: int) -> float:
-    """Return the width of line `i` of `count`: later lines are thinner, so that lines below remain visible."""
+    """Return the width of line `i` of `count`: later lines are thinner, so that earlier ones remain visible."""
     return 1.0 + 1.2 * (1.0 - (i + 1) / count)
 
 
 def _group_outputs(result: Result) -> list[list[str]]:
-    found: dict[str, list[str]] = {}
+    table: dict[str, list[str]] = {}
     for name, (unit, _, _) in result.system.of_mechanism().items():
-        found.setdefault(unit, []).append(name)
-    return list(found.values())
+        table.setdefault(unit, []).append(name)
+    return list(table.values())
 
 
 def _draw_lines(axes: Any, result: Result, columns: Sequence[str], labels: Sequence[str], tints: Sequence[Any]) -> None:
@@ -86,7 +86,7 @@ def _draw_lines(axes: Any, result: Result, columns: Sequence[str], labels: Seque
 
 
 def _write_label(shown: QuantityAxis, count: int) -> str:
-    """Return the label of a panel, without the name of the port, or of the coordinate among several."""
+    """Return the label of a panel, without the name of the port or of one of several coordinates."""
     words = shown.long_name.partition(", ")[0]
     return words if count == 1 or "." in shown.name else f"{words} and others"
 

@@ -1,4 +1,4 @@
-"""Bode and Nyquist plots of a loop on both branches, with its margins; responses are those of python-control."""
+"""Bode and Nyquist plots of a loop on both branches, with margins; python-control computes the responses."""
 
 from __future__ import annotations
 
@@ -28,25 +28,17 @@ MARGINS_WIDTH, MARGINS_HEIGHT = 8.2, 4.8
 COLOURS = {"heating": HEATING, "cooling": COOLING, "dead band": QUIET}
 LINES = ("-", "--", ":", "-.")
 SHOWN, NEAR = 2.5, 0.5
-"""Half width of the Nyquist plot, and the distance from -1 at which M_s is 2."""
+"""Half width of the Nyquist plot, and the distance from -1 where M_s is 2."""
 
 
 def to_control_system(linear: LinearSystem) -> Any:
-    """A linear system as a `control.StateSpace`, without states that take no part.
-
-    Raises:
-        InputError: python-control is not installed.
-    """
+    """Return a linear system as a minimal `control.StateSpace`."""
     slim = linear.reduce_states()
     return import_extra("control", "control", "python-control").ss(slim.a, slim.b, slim.c, slim.d, slim.interval)
 
 
 def plot_scenario_margins(scenario: Scenario) -> Figure:
-    """Draw the figure of the first loop of a scenario that holds a reading.
-
-    Raises:
-        InputError: the scenario has no linearisable loop, or python-control is not installed.
-    """
+    """Draw the first loop of a scenario that tracks a reading."""
     members = {} if scenario.bench is None else scenario.bench.controllers.members()
     drive = next((name for name, one in members.items() if one.holds), None)
     if scenario.bench is None or drive is None:
@@ -56,11 +48,14 @@ def plot_scenario_margins(scenario: Scenario) -> Figure:
 
 
 def plot_margins(loops: Sequence[LinearLoop], title: str = "") -> Figure:
-    """Bode plots on the left, Nyquist plots on the right, with the circle outside of which M_s is below 2.
+    """Draw Bode plots on the left, Nyquist plots on the right, with the circle of M_s = 2.
 
     Args:
-        loops: from `linearise_loops`; such as do not answer at all are left out.
-        title: above.
+        loops: from `linearise_loops`; loops without response are omitted.
+        title: headline.
+
+    Raises:
+        InputError: no loop has a response.
     """
     moving = [one for one in loops if len(one.loop.active)]
     if not moving:
@@ -73,10 +68,10 @@ def plot_margins(loops: Sequence[LinearLoop], title: str = "") -> Figure:
             k = places[one.branch].index(one)
             look = {"color": COLOURS[one.branch], "linestyle": LINES[k % len(LINES)], "label": _describe_loop(one)}
             omega = list_frequencies(one.loop.interval)
-            found = np.squeeze(to_control_system(one.loop)(np.exp(1j * omega * one.loop.interval)))
-            size.loglog(omega, np.abs(found), **look)
-            angle.semilogx(omega, np.degrees(np.unwrap(np.angle(found))), **look)
-            plane.plot(found.real, found.imag, **look)
+            response = np.squeeze(to_control_system(one.loop)(np.exp(1j * omega * one.loop.interval)))
+            size.loglog(omega, np.abs(response), **look)
+            angle.semilogx(omega, np.degrees(np.unwrap(np.angle(response))), **look)
+            plane.plot(response.real, response.imag, **look)
             _mark_margins(one, size, angle)
         size.axhline(1.0, color=INK, linewidth=0.8)
         angle.axhline(-180.0, color=INK, linewidth=0.8)
@@ -92,7 +87,7 @@ def plot_margins(loops: Sequence[LinearLoop], title: str = "") -> Figure:
 
 
 def _merge_column(figure: Figure, panels: Any) -> Any:
-    """One panel in the place of the two on the right."""
+    """Return one panel in place of the two on the right."""
     upper, lower = panels[0, 1], panels[1, 1]
     grid = upper.get_subplotspec().get_gridspec()
     upper.remove()
@@ -101,20 +96,18 @@ def _merge_column(figure: Figure, panels: Any) -> Any:
 
 
 def _mark_margins(one: LinearLoop, size: Any, angle: Any) -> None:
-    """The crossover, and the phase that is left there."""
-    found = compute_margins(one.loop)
-    if math.isfinite(found.crossover):
+    margins = compute_margins(one.loop)
+    if math.isfinite(margins.crossover):
         colour = COLOURS[one.branch]
-        size.plot([found.crossover], [1.0], "o", color=colour, markersize=3.5)
-        left = math.degrees(found.phase) - 180.0
-        angle.plot([found.crossover] * 2, [-180.0, left], color=colour, linewidth=0.7, marker="o", markersize=2.5)
+        size.plot([margins.crossover], [1.0], "o", color=colour, markersize=3.5)
+        left = math.degrees(margins.phase) - 180.0
+        angle.plot([margins.crossover] * 2, [-180.0, left], color=colour, linewidth=0.7, marker="o", markersize=2.5)
 
 
 def _describe_loop(one: LinearLoop) -> str:
-    """Branch and reading, with M_s and the phase margin."""
-    found = compute_margins(one.loop)
+    own = compute_margins(one.loop)
     at = write_quantity(one.reading, one.unit, 3)
-    if not found.stable:
+    if not own.stable:
         return f"{one.branch} {at}: unstable"
-    phase = f", {math.degrees(found.phase):.0f}°" if math.isfinite(found.phase) else ""
-    return f"{one.branch} {at}: $M_s$ {found.sensitivity:.2f}{phase}"
+    phase = f", {math.degrees(own.phase):.0f}°" if math.isfinite(own.phase) else ""
+    return f"{one.branch} {at}: $M_s$ {own.sensitivity:.2f}{phase}"

@@ -1,8 +1,8 @@
-"""Models of blocks beside what was measured, and what their residuals still hold.
+"""Models of blocks compared with measurements, and tests of their residuals.
 
-Over time with the band and the error, and as a loop; the autocorrelation of every output with the
-band of white residuals; the correlation with every input and its square, with the bands of 95 %
-and 99 % for one lag and, dashed, the limit for all lags on one side together.
+Outputs over time with band and error, and as loops; the autocorrelation of each output with the band of white
+residuals; the correlation with each input and its square, with the 95 % and 99 % bands for one lag and, dashed, the
+limit for all lags on one side together.
 """
 
 from __future__ import annotations
@@ -48,17 +48,17 @@ if TYPE_CHECKING:
     from martensite.signals.sampling.sampled import Sampled
 
 BAND = "#bcd3e2"
-"""The band in which measurements should lie."""
+"""Colour of the band of measurements."""
 LOOPED = 20_000
-"""Points of a loop at most."""
+"""Largest number of points of a loop."""
 SHADES = ("#c9d0d5", FAINT)
-"""Colours of the bands, narrow and wide."""
+"""Colours of the narrow and the wide band."""
 MOST_CORNERS = 4000
-"""Points of a line beyond which it is drawn by its extremes."""
+"""Largest number of points of a line; longer lines are drawn by their extremes."""
 MOST_PANELS = 6
-"""Records drawn at most."""
+"""Largest number of drawn records."""
 MOST_POINTS = 4000
-"""Samples of a record drawn at most."""
+"""Largest number of drawn samples of a record."""
 
 
 def plot_model(validation: Validation, band: OutputBand | None = None, title: str = "") -> Figure:
@@ -66,7 +66,7 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
 
     Args:
         validation: a chain on a record.
-        band: around the outputs, of the same record.
+        band: band of the outputs, for the same record.
         title: headline.
     """
     record = validation.record
@@ -89,11 +89,11 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
 
 
 def plot_model_loop(validation: Validation, number: int = 0, title: str = "") -> Figure:
-    """Draw every output over an input, measured and computed, rising and falling in two colours.
+    """Draw each output over an input, measured and computed, rising and falling in two colours.
 
     Args:
         validation: a chain on a record.
-        number: which input.
+        number: index of the input.
         title: headline.
     """
     record = validation.record
@@ -215,14 +215,14 @@ def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
 
 
 def write_signal_label(name: str, units: Mapping[str, str]) -> str:
-    """Return the name and unit of a signal, such as position [mm]."""
+    """Return name and unit of a signal, such as position [mm]."""
     unit = units.get(name, "")
     plain = name.replace("_", " ").replace("$", r"\$")  # a column name is not mathematics
     return f"{plain} [{typeset_unit(unit, '–')}]"
 
 
 def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
-    """Return the places of the values that a line needs: the extremes of equal stretches, or all."""
+    """Return the indices that a line needs: the extremes of equal intervals, or all."""
     count = len(values)
     if count <= most:
         return np.arange(count)
@@ -237,7 +237,7 @@ def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
 
 
 def plot_identified(found: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
-    """Draw the (last) output of a model, or of the series of its stages, beside the measured."""
+    """Draw the last output of a model, or of its stages in series, with the measurement."""
     shown = list(records)[:MOST_PANELS]
     with use_style():
         headline = title or f"{found.model.text()}, free run"

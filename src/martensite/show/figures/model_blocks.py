@@ -1,7 +1,7 @@
 """The blocks of a model one by one: curves of static ones, responses of linear ones.
 
-A static block is drawn over the range of what reached it in a record, and a little beyond, where
-nothing was seen. A linear block is drawn by its step response and its frequency response.
+A static block is drawn over the range of its input in a record, extended a little beyond. A linear block has a step
+response and a frequency response.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ EXTENSION = 0.15
 """Extension of a curve beyond the data, as a fraction of their range."""
 POINTS = 401
 CONSTANTS = 6.0
-"""Length of a step response in longest time constants."""
+"""Duration of a step response in longest time constants."""
 MOST_SAMPLES = 4000
-"""Samples of a step response at most."""
+"""Largest number of samples of a step response."""
 DECADES = 3.5
 """Decades of a frequency response, below half the sample rate or around the slowest pole."""
 
 
 def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure:
-    """Draw every static block over what reaches it in a record; `InputError` if the chain has no static block."""
+    """Draw each static block over its input in a record."""
     places = [k for k, block in enumerate(chain.blocks) if isinstance(block, AbstractStatic)]
     if not places:
         raise InputError(f"Model `{chain.text()}` has no static block.")
@@ -50,7 +50,7 @@ def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure
 
 
 def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
-    """Draw step and frequency responses of every linear block; `InputError` if the chain has no linear block."""
+    """Draw step and frequency responses of each linear block."""
     places = [k for k, block in enumerate(chain.blocks) if block.linear]
     if not places:
         raise InputError(f"Model `{chain.text()}` has no linear block.")
@@ -59,7 +59,7 @@ def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
 
 
 def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Figure:
-    """Draw step response, gain and phase of named linear systems, a row each, of the first input and output."""
+    """Draw step response, gain and phase of the first input and output of linear systems, one row each."""
     with use_style():
         figure = make_figure(9.6, 0.85 + 2.1 * len(systems))
         write_headline(figure, title)

@@ -70,9 +70,6 @@ def plot_result(result: Result, records: Records = None, title: str | None = Non
             quantity, with the RMS difference in the legend.
         title: first line of the figure; by default what was simulated.
         outside: controllers that ran outside of a bench, by drive.
-
-    Raises:
-        DataError: a record holds nothing that can be compared with the result.
     """
     if result.variants is not None:
         with use_style():
@@ -95,12 +92,7 @@ def save_figure(
     title: str | None = None,
     outside: Outside = None,
 ) -> None:
-    """Write the standard figure as png, svg or pdf; the file is replaced whole or not at all.
-
-    Raises:
-        DataError: the suffix is another one, the file cannot be written, or a record holds
-            nothing that can be compared.
-    """
+    """Write the standard figure as png, svg or pdf; the file is replaced whole or not at all."""
     path = Path(path)
     check_format(path)
     write_figure(plot_result(result, records, title, outside), path)
@@ -191,11 +183,11 @@ def draw_timeseries(
 def draw_panel(axes: Any, result: Result, name: str, records: Sequence[MeasuredRecord] = ()) -> None:
     """Draw one quantity over time [s]."""
     shown, values = describe_axis(result, name), read_column(result, name)
-    found = find_overlays(result, records, name)
+    overlays = find_overlays(result, records, name)
     axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
-    draw_overlays(axes, shown, found)
+    draw_overlays(axes, shown, overlays)
     axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
-    axes.set(ylim=choose_limits(name, values, *(overlay.values for overlay in found)))
+    axes.set(ylim=choose_limits(name, values, *(overlay.values for overlay in overlays)))
     axes.locator_params(axis="y", nbins=4)
     add_legend_above(axes)
 

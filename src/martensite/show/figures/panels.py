@@ -1,4 +1,4 @@
-"""Common parts of figures with several panels: their grid, their headline, and their key."""
+"""Common parts of figures with several panels: grid, headline, and key."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 Row = TypeVar("Row")
 Room = tuple[float, float, float, float]
 LETTERS = 14.0
-"""In an inch of a warning."""
+"""Letters per inch of a warning."""
 WARNING_LINE = 0.18
 """Height of a line of a warning [inch]."""
 
 
 def pick_evenly(rows: Sequence[Row], most: int) -> list[Row]:
-    """At most so many, evenly spread."""
+    """Return at most `most` rows, evenly spread."""
     if len(rows) <= most:
         return list(rows)
     return [rows[k] for k in np.linspace(0, len(rows) - 1, most).round().astype(int)]
@@ -34,10 +34,15 @@ def pick_evenly(rows: Sequence[Row], most: int) -> list[Row]:
 def add_panels(
     figure: Figure, rows: int, columns: int, room: Room, gaps: tuple[float, float] = (0.7, 0.6), **how: Any
 ) -> Any:
-    """Panels of a figure at fixed distances from its edges, an array (rows, columns).
+    """Return panels at fixed distances from the figure edges, an array (rows, columns).
 
-    Room [inch] is left of, right of, above and below them, gaps [inch] are between columns and between rows; `how` has
-    `width_ratios`, `height_ratios`, and what `subplots` takes.
+    Args:
+        figure: the figure.
+        rows: number of rows.
+        columns: number of columns.
+        room: margins left, right, above and below [inch].
+        gaps: distances between columns and between rows [inch].
+        how: `width_ratios`, `height_ratios`, and arguments of `subplots`.
     """
     (width, height), (left, right, above, below) = figure.get_size_inches(), room
     across = (width - left - right - gaps[0] * (columns - 1)) / columns
@@ -58,7 +63,7 @@ def add_panels(
 
 
 def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
-    """Return a figure of so many panels, with room for a headline and a key above."""
+    """Return a figure of `count` panels, with space for a headline and a key above."""
     columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
     rows = math.ceil(count / columns)
     width, height = {1: 6.4, 2: 9.2, 3: 11.5}[columns], 1.0 + (2.95 if columns < 3 else 2.6) * rows
@@ -71,12 +76,12 @@ def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
 
 
 def wrap_warnings(warnings: Iterable[str], width: float) -> list[str]:
-    """Return the lines that warnings take at the foot of a figure of a width [inch]."""
+    """Return the lines of warnings at the foot of a figure of a width [inch]."""
     return [line for text in warnings for line in textwrap.wrap(text, int(LETTERS * width))]
 
 
 def write_headline(figure: Figure, title: str, lead: str = "", warnings: Sequence[str] = ()) -> None:
-    """The title of a figure at its upper left, a line below it, and warnings at its foot."""
+    """Write the title of a figure at its upper left, a line below it, and warnings at its foot."""
     width, height = figure.get_size_inches()
     plain = {"va": "center", "parse_math": False}
     left, top = 0.2 / width, 1.0 - 0.24 / height
@@ -89,12 +94,12 @@ def write_headline(figure: Figure, title: str, lead: str = "", warnings: Sequenc
 
 
 def write_title(axes: Any, text: str, **look: Any) -> None:
-    """A title of a panel in which nothing is mathematics."""
+    """Write a title of a panel without mathematics."""
     axes.set_title(text, **look).set_parse_math(False)
 
 
 def shorten_name(name: str, most: int = 34) -> str:
-    """Return a name, or its beginning and end: members of a series differ in either."""
+    """Return a name, shortened in its middle."""
     if len(name) <= most:
         return name
     kept = (most - 1) // 2
@@ -102,7 +107,7 @@ def shorten_name(name: str, most: int = 34) -> str:
 
 
 def add_key(figure: Figure, handles: Sequence[Any], labels: Sequence[str], below: float = 0.4) -> None:
-    """Add a key of the lines, `below` the top of a figure [inch]; without labels it does nothing."""
+    """Add a key of lines, `below` the top of a figure [inch], if there are labels."""
     if not labels:
         return
     width, height = figure.get_size_inches()
@@ -126,14 +131,14 @@ def add_colour_key(figure: Figure, colours: Mapping[str, Any]) -> None:
 
 
 def make_colour_samples(colours: Mapping[str, Any]) -> list[Any]:
-    """Return the lines in these colours, for a key."""
+    """Return lines in these colours, for a key."""
     from matplotlib.lines import Line2D
 
     return [Line2D([], [], color=tint) for tint in colours.values()]
 
 
 def add_legend_above(axes: Any, columns: int = 6) -> None:
-    """Add a legend above a panel on the right; without named lines it does nothing."""
+    """Add a legend above a panel on the right, if it has named lines."""
     if axes.get_legend_handles_labels()[1]:
         axes.legend(
             loc="lower right",
@@ -146,7 +151,7 @@ def add_legend_above(axes: Any, columns: int = 6) -> None:
 
 
 def share_limits(row: Sequence[Any]) -> None:
-    """Give all axes of a row the limits that hold all of them, and only the first a label."""
+    """Give all axes of a row common limits, and only the first a label."""
     for which in ("xlim", "ylim"):
         ends = [getattr(axes, f"get_{which}")() for axes in row]
         both = min(low for low, _ in ends), max(high for _, high in ends)
@@ -157,14 +162,14 @@ def share_limits(row: Sequence[Any]) -> None:
 
 
 def add_colour_bar(figure: Any, drawn: Any, axes: Any, label: str, **how: Any) -> None:
-    """Add a bar with the colours of a map."""
+    """Add the colour bar of a map."""
     bar = figure.colorbar(drawn, ax=axes, pad=0.02, **how)
     bar.set_label(label, color=INK)
     bar.outline.set_visible(False)
 
 
 def draw_start(axes: Any, x: Any, y: Any, label: str = "_start") -> None:
-    """A ring where a path begins."""
+    """Draw a ring at the start of a path."""
     ring = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
     axes.plot(x[:1], y[:1], linestyle="none", zorder=3.2, label=label, **ring)
 
@@ -176,7 +181,7 @@ def measure_way(axes: Any, x: Any, y: Any) -> Any:
 
 
 def draw_arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
-    """An arrowhead at a share of the way along a curve; beyond its middle, so that ways back show.
+    """Draw an arrowhead at a fraction of a curve, beyond its middle to distinguish the way back.
 
     The axes must have their limits already.
     """
@@ -194,7 +199,7 @@ def draw_arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None
 def make_panels(
     width: float, height: float, rows: int, columns: int, title: str = "", **how: Any
 ) -> tuple[Figure, Any]:
-    """Return a figure [inch] whose panels, an array (rows, columns), find their places themselves."""
+    """Return a figure [inch] with automatically placed panels, an array (rows, columns)."""
     figure = make_figure(width, height)
     figure.set_layout_engine("constrained")
     write_suptitle(figure, title)
@@ -202,13 +207,13 @@ def make_panels(
 
 
 def write_suptitle(figure: Any, title: str) -> None:
-    """The title of a figure whose panels find their places themselves."""
+    """Write the title of a figure with automatically placed panels."""
     if title:
         figure.suptitle(title, x=0.01, ha="left", fontsize=12.0, fontweight="bold").set_parse_math(False)
 
 
 def draw_autocorrelation(axes: Any, test: Whiteness) -> None:
-    """Bars of an autocorrelation over lags, in the band that white residuals stay within."""
+    """Draw an autocorrelation over lags, with the band of white residuals."""
     lags = np.arange(1, len(test.autocorrelation) + 1)
     axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)

@@ -1,13 +1,11 @@
-"""Phase diagram of a law: where it transforms, in the plane of temperature and stress.
+"""Phase diagram of a law in the plane of temperature and stress.
 
-A band lies between the line on which a transformation starts and the one on which it is
-finished. Laws with the parameters A_s … C_M have straight bands,
+A band lies between start and finish line of a transformation. Laws with the parameters A_s … C_M have straight bands,
 
     M_s + σ/C_M,  M_f + σ/C_M,     A_s + σ/C_A,  A_f + σ/C_A,
 
-and with σ_s, σ_f those of detwinning under stress and of twinned martensite on cooling. What
-the parameters say is drawn if an isobar of the law confirms it. For every other law the lines
-are found by driving it along isobars, and by loading cold twinned martensite.
+with σ_s, σ_f for detwinning under stress and for twinned martensite on cooling. They are drawn if an isobar of the law
+confirms them. For all other laws, simulated isobars and the loading of cold twinned martensite give the lines.
 """
 
 from __future__ import annotations
@@ -29,14 +27,14 @@ from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import Marks, find_isobar, find_loaded
 
 BEGUN = 1e-5
-"""Share of a transformation at which a line that is found by driving counts as passed."""
+"""Fraction of a transformation at a simulated start line."""
 ISOBARS = 7
 LEAST_STRESS = 200e6
-"""The diagram reaches at least up to this stress [Pa]."""
+"""Smallest upper end of the stress axis [Pa]."""
 SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
 CRITICAL = ("sigma_s", "sigma_f")
 ARROWS = 4
-"""Legs that get an arrow; on more they would cover one another."""
+"""Largest number of legs with arrows."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +43,9 @@ class Line:
 
     name: str
     temperature: tuple[float, ...]
-    """[K]"""
+    """Temperatures [K]."""
     stress: tuple[float, ...]
-    """[Pa]"""
+    """Stresses [Pa]."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ class Band:
 
     @property
     def colour(self) -> str:
-        """Vermilion for what heating does, blue for what cooling or stress does."""
+        """Return vermilion for heating, blue for cooling or stress."""
         return HEATING if self.process == "reverse" else COOLING
 
 
@@ -79,9 +77,9 @@ _STRIPS = (("forward", "M_s", "M_f", "C_M"), ("reverse", "A_s", "A_f", "C_A"))
 
 
 def confirm_lines(law: AbstractLaw, values: dict[str, float]) -> bool:
-    """True if isobars of the law lie where its parameters put them.
+    """Return whether isobars of the law agree with its parameters.
 
-    At 1 % and 99 % a cosine is still 6 % of its strip away from the lines.
+    At 1 % and 99 % a cosine law is 6 % of its interval away from the lines.
     """
     critical = any(name in values for name in CRITICAL)
 
@@ -121,16 +119,16 @@ def _find_detwinning(values: dict[str, float], highest: float, coldest: float) -
 
 
 def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
-    """Bands found by driving a law along isobars [Pa] and by loading it cold."""
-    found = {stress: find_isobar(law, stress, BEGUN) for stress in stresses}
+    """Return bands from isobars [Pa] and from cold loading."""
+    table = {stress: find_isobar(law, stress, BEGUN) for stress in stresses}
 
     def line(name: str) -> Line:
-        known = [(getattr(m, name), s) for s, m in found.items() if math.isfinite(getattr(m, name))]
-        return Line(name, tuple(t for t, _ in known), tuple(s for _, s in known))
+        entries = [(getattr(m, name), s) for s, m in table.items() if math.isfinite(getattr(m, name))]
+        return Line(name, tuple(t for t, _ in entries), tuple(s for _, s in entries))
 
     drawn = [Band(process, line(start), line(finish)) for process, start, finish, _ in _STRIPS]
     drawn = [band for band in drawn if len(band.start.stress) > 1 < len(band.finish.stress)]
-    warmest = found[stresses[0]].M_f
+    warmest = table[stresses[0]].M_f
     if law.twins and math.isfinite(warmest):
         drawn += _find_orientation(law, min(coldest, warmest - 1.0), warmest)
     return drawn
@@ -150,27 +148,27 @@ def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[
 def draw_phase_diagram(
     axes: Any, law: AbstractLaw, results: Sequence[PointResult], colours: Sequence[Sequence[str]]
 ) -> None:
-    """Draw the bands of a law, cut to show paths through them with their direction; a colour per leg of each."""
+    """Draw the bands of a law, and paths with arrows; `colours` has one per leg of each path."""
     highest = max(LEAST_STRESS, 1.12 * max(max(r.stress) for r in results))
     coldest = min(min(r.temperature) for r in results) - 8.0
     hottest = max(max(r.temperature) for r in results) + 8.0
-    found = find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
-    unloaded = [line.temperature[0] for band in found for line in (band.start, band.finish)]
+    bands = find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
+    unloaded = [line.temperature[0] for band in bands for line in (band.start, band.finish)]
     cold, hot = min([coldest, *unloaded]), max([hottest, *unloaded])
     ends = TEMPERATURE.values([cold, hot])
     axes.set_xlim(*enclose_values(ends))
     lowest = min(min(r.stress) for r in results)
     low, high = STRESS.values([min(lowest, 0.0), highest])
     axes.set(ylim=(low - 0.03 * (high - low), high), xlabel=TEMPERATURE.label, ylabel=STRESS.label)
-    for band in found:
+    for band in bands:
         draw_band(axes, band)
     for result, colour in zip(results, colours, strict=True):
         draw_way(axes, result, colour)
-    _name_lines(axes, found)
+    _name_lines(axes, bands)
 
 
 def draw_band(axes: Any, band: Band) -> None:
-    """Fill a band and draw its lines: dashed where it starts, solid where it is finished."""
+    """Fill a band and draw its lines: dashed at the start, solid at the finish."""
     sides = [(TEMPERATURE.values(line.temperature), STRESS.values(line.stress)) for line in (band.start, band.finish)]
     (x0, y0), (x1, y1) = sides
     x, y = np.concatenate([x0, x1[::-1]]), np.concatenate([y0, y1[::-1]])
@@ -180,7 +178,7 @@ def draw_band(axes: Any, band: Band) -> None:
 
 
 def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
-    """Draw a path in the plane, with an arrow on its first legs and a ring at its start."""
+    """Draw a path in the plane, with arrows on its first legs and a ring at its start."""
     x, y = TEMPERATURE.values(result.temperature), STRESS.values(result.stress)
     draw_start(axes, x, y)
     for leg, (first, last) in enumerate(pairwise(result.ends)):

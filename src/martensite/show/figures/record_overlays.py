@@ -1,7 +1,7 @@
-"""Measured records beside a simulation: dots or a grey line, and the RMS difference.
+"""Measured records over a simulation: dots or a grey line, and the RMS difference.
 
-The difference is taken at the measured samples inside the simulated time, where the result
-is interpolated linearly; gaps (NaN) in a record are left out.
+The difference is taken at measured samples within the simulated time, with linear interpolation of the result; gaps
+(NaN) in a record are ignored.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from martensite.show.figures.style import MEASURED, SIMULATED
 from martensite.simulate.result import Result
 
 DOTS = 150
-"""Records of more samples than this are drawn as lines."""
+"""Largest number of samples drawn as dots."""
 NAMED = 2
 """Largest number of records with separate RMS values; for more, the RMS covers all together."""
 KEYED = 5
-"""Longest key: the simulation and the first records."""
+"""Largest number of key entries."""
 
 
 class MeasuredRecord(Protocol):
@@ -37,18 +37,18 @@ class MeasuredRecord(Protocol):
 
     @property
     def columns(self) -> Mapping[str, Sequence[float]]:
-        """Return the columns in SI units, `time` [s] among them."""
+        """Return the columns in SI units, including `time` [s]."""
         ...
 
     @property
     def units(self) -> Mapping[str, str]:
-        """SI unit of each column."""
+        """Return the SI unit of each column."""
         ...
 
 
 Records = Iterable[MeasuredRecord] | None
 Outside = Mapping[str, AbstractController] | None
-"""Controllers that ran outside of a bench, by drive."""
+"""Controllers outside of a bench, by drive."""
 
 
 @dataclass(frozen=True)
@@ -58,20 +58,15 @@ class Overlay:
     times: Any
     values: Any
     misfit: Any
-    """Measured less simulated at the samples inside the simulated time."""
+    """Measured minus simulated at samples within the simulated time."""
     line: dict[str, Any]
     """Line properties of its record."""
 
 
 def check_records(result: Result, records: Records) -> list[MeasuredRecord]:
-    """Return the records as a list, each known to hold times and something to compare.
-
-    Raises:
-        DataError: a record has no times, or no column of the result in its unit, or lies
-            outside the simulated time.
-    """
-    found = list(records or ())
-    for record in found:
+    """Return the records as a list, after a check."""
+    checked = list(records or ())
+    for record in checked:
         if "time" not in record.columns:
             raise DataError(f"The record `{record.name}` has no column `time`.")
         if not list_recorded(result, [record]):
@@ -81,7 +76,7 @@ def check_records(result: Result, records: Records) -> list[MeasuredRecord]:
             raise DataError(
                 f"The record `{record.name}` has no sample between 0 and {result.times[-1]:.6g} s, the time simulated."
             )
-    return found
+    return checked
 
 
 def list_recorded(result: Result, records: Iterable[MeasuredRecord]) -> list[str]:
@@ -91,7 +86,7 @@ def list_recorded(result: Result, records: Iterable[MeasuredRecord]) -> list[str
 
 
 def find_overlays(result: Result, records: Iterable[MeasuredRecord], name: str) -> list[Overlay]:
-    """Return the measured columns `name` of all records that have it, ready to draw."""
+    """Return the measured columns `name` of all records that have it."""
     shown = describe_axis(result, name)
     return [
         _make_overlay(result, r, shown, choose_look(r, i))
@@ -103,7 +98,7 @@ def find_overlays(result: Result, records: Iterable[MeasuredRecord], name: str) 
 def pair_columns(
     result: Result, records: Iterable[MeasuredRecord], x: str, y: str
 ) -> list[tuple[Any, Any, dict[str, Any]]]:
-    """x, y (in shown units) and line properties of all records that have both columns."""
+    """Return x, y (in displayed units) and line properties of all records with both columns."""
     horizontal, vertical = describe_axis(result, x), describe_axis(result, y)
     return [
         (horizontal.values(r.columns[x]), vertical.values(r.columns[y]), choose_look(r, i))
@@ -113,7 +108,7 @@ def pair_columns(
 
 
 def draw_overlays(axes: Any, shown: QuantityAxis, found: Sequence[Overlay]) -> None:
-    """Draw measured columns over time, with the RMS difference in their legend entries."""
+    """Draw measured columns over time, with the RMS difference in the legend."""
     for i, overlay in enumerate(found):
         if len(found) <= NAMED:
             label = _describe_rms(shown, [overlay])
@@ -123,7 +118,7 @@ def draw_overlays(axes: Any, shown: QuantityAxis, found: Sequence[Overlay]) -> N
 
 
 def draw_key(figure: Any, records: Sequence[MeasuredRecord], below: float) -> None:
-    """Say once which line is simulated and which is which record."""
+    """Draw the key of simulation and records."""
     from matplotlib.lines import Line2D
 
     looks = [{"color": SIMULATED}, *(choose_look(r, i) for i, r in enumerate(records))]

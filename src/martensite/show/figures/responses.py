@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 10.0, 3.4
 DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
-"""Loads, in their order; then again."""
+"""Line styles of loads, repeated."""
 RESPONSE_WIDTH, RESPONSE_HEIGHT = 10.0, 3.5
 LEAST_GAIN = 1e-4
-"""Least gain that is shown, as a share of the largest."""
+"""Smallest drawn gain, relative to the largest."""
 
 
 def plot_speeds(found: Speeds, title: str = "") -> Figure:
-    """Draw the steps that `compute_speeds` made up and down again, and how fast they were."""
+    """Draw the up and down steps of `compute_speeds`, and their speeds."""
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
         ((course, times, rates),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.51))
@@ -51,7 +51,7 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
 
 
 def _draw_courses(axes: Any, found: Speeds) -> None:
-    """The output over time; colours are signals, dashes loads."""
+    """Draw the output over time; colours are signals, dashes loads."""
     unit, size = label_difference(found.units[1])
     drive = units.choose_readable_unit(found.units[0])
     for rows, dash, load in _list_loads(found, found.courses):
@@ -66,7 +66,6 @@ def _draw_courses(axes: Any, found: Speeds) -> None:
 
 
 def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
-    """Heating and cooling over the signal; dashes are loads."""
     shown = units.choose_readable_unit(found.units[0])
     signals = [units.from_si(float(one), shown, found.units[0]) for one in found.signals]
     pairs = zip(_list_loads(found, up), _list_loads(found, down), strict=True)
@@ -78,7 +77,6 @@ def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
 
 
 def _list_loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
-    """Return the rows of a table by load, with the dashes of each."""
     return [(table[k], DASHES[k % len(DASHES)], k) for k in range(len(found.loads))]
 
 
@@ -96,16 +94,16 @@ def _label_axis(name: str, unit: str) -> str:
 def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure:
     """Draw gain, phase and distortion over frequency.
 
-    A hollow mark is a cycle that had not settled; a cross on the gain is the bandwidth. Where
-    next to nothing moves there is neither phase nor distortion.
+    A hollow mark is an unsettled cycle; a cross on the gain is the bandwidth. Negligible gains have neither phase nor
+    distortion.
     """
     with use_style():
         figure = make_figure(RESPONSE_WIDTH, RESPONSE_HEIGHT)
         (axes,) = add_panels(figure, 1, 3, (0.75, 0.15, 0.8, 0.51))
         write_headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
         unit, size = label_ratio(found.units[1], found.units[0])
-        seen = np.where(found.gain > LEAST_GAIN * np.max(found.gain), 1.0, np.nan)
-        rows = (found.gain / size, seen * np.degrees(found.phase), seen * 100.0 * found.distortion)
+        significant = np.where(found.gain > LEAST_GAIN * np.max(found.gain), 1.0, np.nan)
+        rows = (found.gain / size, significant * np.degrees(found.phase), significant * 100.0 * found.distortion)
         for one, values in zip(axes, rows, strict=True):
             _draw_lines(one, found, values)
         _mark_bandwidths(axes[0], found, size)
@@ -136,14 +134,14 @@ def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
 
 
 def _set_logarithmic(axes: Any, gains: Any) -> None:
-    """A logarithmic axis over what is not next to nothing."""
+    """Use a logarithmic axis over significant gains."""
     most = float(np.max(gains))
     if most > 0.0:
         axes.set(yscale="log", ylim=(max(0.7 * float(np.min(gains)), LEAST_GAIN * most), 1.5 * most))
 
 
 def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
-    """Mark the points of half the power on the gain curves."""
+    """Mark the half-power points on the gain curves."""
     for width, row in zip(found.bandwidth, found.gain, strict=True):
         if np.isfinite(width):
             axes.plot(width, row[0] / size / np.sqrt(2.0), "x", color=QUIET, zorder=3.0)

@@ -1,4 +1,4 @@
-"""Response curves as the field draws them: solid where stable, dotted where not, folds marked, sweeps as dots."""
+"""Response curves: solid if stable, dotted if unstable, folds marked, sweeps as dots."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 10.0, 3.6
 MARGINS = (0.7, 0.2, 0.71, 0.51)
 WIDE_RATIO = 30.0
-"""Ratio of the ends of the parameter from which its axis is logarithmic."""
+"""Smallest ratio of the ends of a logarithmic parameter axis."""
 
 
 def plot_response(
@@ -36,9 +36,9 @@ def plot_response(
 
     Args:
         found: the curve.
-        sweeps: what runs met, up first, then down.
+        sweeps: simulated sweeps, up first, then down.
         boundaries: folds in a second parameter.
-        speed: unit of the speed of the rotor: rpm, rad/s or Hz.
+        speed: unit of the rotor speed: rpm, rad/s or Hz.
         title: headline.
     """
     with use_style():
@@ -65,7 +65,6 @@ def plot_response(
 
 
 def _draw_curve(axes: Any, found: ResponseCurve, values: Numbers) -> None:
-    """One quantity along the curve."""
     across, unit = list_readable(found.parameter, found.varied.unit)
     for begin, end, stable in split_pieces(found):
         dash, tint = ("-", "black") if stable else (":", QUIET)
@@ -85,7 +84,7 @@ def _draw_curve(axes: Any, found: ResponseCurve, values: Numbers) -> None:
 
 
 def split_pieces(found: ResponseCurve) -> list[tuple[int, int, bool]]:
-    """Pieces of the curve between its folds and changes of stability: begin, end, and whether it is stable."""
+    """Return the pieces of the curve between folds and stability changes: begin, end, and stability."""
     stable, pieces, begin = found.multiplier < 1.0, list[tuple[int, int, bool]](), 0
     for k in range(1, len(stable)):
         if found.fold[k] or (stable[k] != stable[k - 1] and not found.fold[k - 1]):
@@ -107,7 +106,7 @@ def _draw_boundaries(axes: Any, boundaries: Sequence[FoldCurve]) -> None:
 
 
 def plot_cycle(found: PeriodicOrbit, title: str = "") -> Figure:
-    """Draw what the judged outputs do in a limit cycle, the ends joined: over time, and against the first of them."""
+    """Draw the main outputs of a limit cycle over time."""
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
         units_of = {name: one.unit for name, one in found.system.outputs().items()}

@@ -1,9 +1,7 @@
-"""The look of all figures: calm, readable in print, safe for the colour-blind; and their files.
+"""The style of all figures, and their files.
 
-Colours are from the palette of Okabe and Ito. Heating is vermilion and cooling blue in every
-figure; the same two tints mark the transformation strips. The style holds inside `use_style()`
-only and leaves the caller's matplotlib settings alone. The format of a file follows from its
-suffix, and the file appears whole.
+Colours are from the palette of Okabe and Ito, safe for the colour-blind. Heating is vermilion and cooling blue in all
+figures. The style holds inside `use_style()` only and does not change the caller's matplotlib settings.
 """
 
 from __future__ import annotations
@@ -36,7 +34,7 @@ STYLE: dict[Any, Any] = {
     "axes.titlesize": 9.0,
     "axes.titlelocation": "left",
     "axes.titlepad": 4.0,
-    "axes.titley": 1.0,  # else every axes is measured twice
+    "axes.titley": 1.0,  # otherwise each axes is measured twice
     "axes.edgecolor": QUIET,
     "axes.linewidth": 0.7,
     "axes.spines.top": False,
@@ -69,7 +67,7 @@ FORMATS = ("png", "svg", "pdf")
 
 @contextmanager
 def use_style() -> Iterator[None]:
-    """Figures made (and saved) inside have the style of this package."""
+    """Apply the style of this package to figures made and saved inside."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
@@ -77,7 +75,7 @@ def use_style() -> Iterator[None]:
 
 
 def make_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of a size [inch] that needs no window, made inside `styled()`."""
+    """Return an empty figure of a size [inch] that needs no window; call it inside `use_style()`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -87,7 +85,7 @@ def make_figure(width: float, height: float) -> Figure:
 
 
 def check_format(path: Path) -> str:
-    """Return the format that the suffix names, or `DataError`."""
+    """Return the format of a file suffix."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         allowed = ", ".join(f"`.{name}`" for name in FORMATS)
@@ -96,13 +94,9 @@ def check_format(path: Path) -> str:
 
 
 def write_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as png, svg or pdf; the file is replaced whole or not at all.
-
-    Raises:
-        DataError: the suffix is another one, or the file cannot be written.
-    """
+    """Write a figure as png, svg or pdf."""
     kind = check_format(path)
-    drawn = io.BytesIO()  # a PDF that is not finished breaks down in its own way
+    drawn = io.BytesIO()  # a failed PDF raises its own errors
     with use_style():
         figure.savefig(drawn, format=kind)
     write_file(path, drawn.getbuffer())

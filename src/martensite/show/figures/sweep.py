@@ -1,7 +1,4 @@
-"""The figure of a sweep: measures over one varied number, maps over two, or a matrix of scatter.
-
-In the matrix every pair of varied numbers is coloured by a measure, which stands below over each.
-"""
+"""The figure of a sweep: measures over one varied parameter, maps over two, or a scatter matrix."""
 
 from __future__ import annotations
 
@@ -23,15 +20,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_MEASURES = 6
-"""Measures in a figure."""
+"""Largest number of measures in a figure."""
 PANEL = 3.4, 2.7
 """Width and height of a panel [inch]."""
 MAP = "viridis"
 NARROW = 30.0
-"""Ratio of the ends of a logarithmic axis below which it has numbers between powers of ten."""
+"""Ratio of the ends of a logarithmic axis below which intermediate values are labelled."""
 MOST_AXES = 6
 MOST_POINTS = 4000
-"""Runs that are drawn at most, chosen at random."""
+"""Largest number of drawn runs, chosen at random."""
 CELL = 1.7
 """Size of a panel [inch]."""
 
@@ -39,17 +36,17 @@ CELL = 1.7
 def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: str = "") -> Figure:
     """Draw the results of a sweep.
 
-    One varied number: measures over it. Two: a map of each measure. More: a matrix of scatter of
-    all varied numbers, coloured by the first measure, which is also drawn over each.
+    One varied parameter: measures over it. Two: a map of each measure. More: a scatter matrix of all varied parameters,
+    coloured by the first measure, which is also drawn over each.
 
     Args:
         found: the runs.
-        measures: some of them, by their words; by default the first six.
-        title: headline; by default that of the sweep.
+        measures: names of measures; by default the first six.
+        title: headline; by default the title of the sweep.
 
     Raises:
         UnknownNameError: the measure does not exist.
-        DataError: only traces were kept.
+        DataError: the sweep stored only traces.
     """
     chosen = found.chosen(None if measures is None else list(measures))[:MOST_MEASURES]
     many = len(found.varied) > 2
@@ -113,7 +110,7 @@ def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
 
 
 def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
-    """Return the cells around the levels, and lines of equal values where there are enough of them."""
+    """Return the cells around the levels, with contour lines for enough cells."""
     axes.set_facecolor(FAINT)
     drawn = axes.pcolormesh(*levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True)
     if min(values.shape) > 3 and np.isfinite(values).all() and is_spread(values):
@@ -123,7 +120,7 @@ def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
 
 
 def _mark_failures(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColumn) -> None:
-    """Runs that failed, and those in which what is measured never happened."""
+    """Mark failed runs, and runs whose measured event never happened."""
     never = found.good & np.isinf(one.values)
     looks: tuple[tuple[Any, str, Any], ...] = (
         (found.status >= Status.UNSOLVED, "failed", {"marker": "x", "color": HEATING}),
@@ -145,13 +142,13 @@ def label_column(one: SweepColumn, short: str = "") -> str:
 
 
 def label_varied(found: SweepTable) -> list[str]:
-    """Labels of all varied numbers."""
+    """Return the labels of all varied parameters."""
     names = shorten_names(found.varied)
     return [label_column(one, names[path]) for path, one in found.varied.items()]
 
 
 def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
-    """Give the axes of a panel the scales of their columns, with plain numbers."""
+    """Set the scales of a panel by its columns, with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for one, axis, name in ((x, axes.xaxis, "xscale"), (y, axes.yaxis, "yscale")):
@@ -165,7 +162,7 @@ def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None
 
 
 def write_sweep_title(found: SweepTable) -> str:
-    """Return the title of a sweep, and how many runs it has."""
+    """Return the title of a sweep with its number of runs."""
     failed = f", {found.failed:,} failed" if found.failed else ""
     missing = f", {found.missing:,} not made yet" if found.missing else ""
     return f"{found.title}: {len(found.status):,} runs{failed}{missing}"
@@ -178,15 +175,15 @@ def arrange_panels(count: int) -> tuple[int, int]:
 
 
 def measure_matrix(found: SweepTable) -> tuple[float, float]:
-    """Return the width and height of the figure [inch]."""
+    """Return the size of the figure [inch]."""
     count = min(len(found.varied), MOST_AXES)
     return CELL * count + 1.4, CELL * count + 0.6
 
 
 def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
-    """Draw the lower triangle of all pairs, and the measure over each number in the last row.
+    """Draw the lower triangle of all pairs, and the measure over each parameter in the last row.
 
-    Of more than six varied numbers, those are drawn whose ranks go most with the measure.
+    Of more than six parameters, those with the strongest rank correlation with the measure are drawn.
     """
     columns, names = list(found.varied.values()), label_varied(found)
     usable = found.good & np.isfinite(one.values)

@@ -1,4 +1,4 @@
-"""Figures of what a sweep says: its Pareto front with some of the designs, and sensitivities."""
+"""Figures of a sweep's Pareto front with some of its designs, and of sensitivities."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAMED = 6
-"""Runs of the front whose designs are told."""
+"""Number of designs in the table."""
 MOST_POINTS = 20_000
 PANEL, CELL, TABLE = 3.6, 1.15, 1.9
-"""Width of a panel, width of a column of the table, and height of the table [inch]."""
+"""Width of a panel, width of a table column, and height of the table [inch]."""
 MOST_PAIRS = 6
 COLOURS = {"first": COOLING, "total": HEATING, "delta": MEASURED[2], "rank slope": MEASURED[0]}
-"""Indices that are drawn, and how."""
+"""Colours of the drawn indices."""
 WIDTH, BAR, HEAD = 4.2, 0.19, 1.0
 MOST_BARS = 10
-"""Varied numbers in a panel, the most important."""
+"""Largest number of parameters in a panel."""
 
 
 def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figure:
-    """Draw a front in every pair of its goals.
+    """Draw a front in each pair of its goals.
 
     Args:
         found: the runs.
-        front: of `find_pareto_front`.
-        title: headline; by default that of the sweep.
+        front: from `find_pareto_front`.
+        title: headline; by default the title of the sweep.
     """
     pairs = list(combinations(range(len(front.goals)), 2))[:MOST_PAIRS] or [(0, 0)]
     rows, columns = arrange_panels(len(pairs))
@@ -62,7 +62,7 @@ def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figur
 
 
 def _choose_named(front: ParetoFront) -> list[int]:
-    """Return the runs of the front whose designs are told: far from one another, both ends among them."""
+    """Return distant runs of the front for the table, including both ends."""
     goals = np.stack([one.values[front.runs] for one in front.goals], axis=1)
     goals = (goals - goals.min(axis=0)) / np.maximum(np.ptp(goals, axis=0), 1e-300)
     chosen = [0]
@@ -114,7 +114,7 @@ def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named:
 
 
 def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Figure:
-    """Draw what measures depend on, one panel for each, the most important number on top."""
+    """Draw the sensitivities of measures, one panel each, the most important parameter on top."""
     rows, columns = arrange_panels(len(found))
     kinds = [kind for kind in COLOURS if any(kind in one.indices for one in found)]
     names = min(max(len(one.names) for one in found), MOST_BARS)
@@ -142,8 +142,8 @@ def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
         at = places + (k - 0.5 * (len(kinds) - 1)) * 0.8 / len(kinds)
         values, wide = index.values[order], index.wide[order]
         axes.barh(at, np.nan_to_num(values), 0.8 / len(kinds), color=COLOURS[kind], label=kind)
-        known = np.isfinite(wide) & np.isfinite(values)
-        axes.errorbar(values[known], at[known], xerr=wide[known], ls="", ecolor=INK, elinewidth=0.8, capsize=2)
+        finite = np.isfinite(wide) & np.isfinite(values)
+        axes.errorbar(values[finite], at[finite], xerr=wide[finite], ls="", ecolor=INK, elinewidth=0.8, capsize=2)
     axes.axvline(0.0, color=QUIET, linewidth=0.7)
     axes.set_yticks(places, [names[one.names[k]] for k in order])
     axes.invert_yaxis()
@@ -154,7 +154,6 @@ def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
 
 
 def _find_ends(one: SensitivityIndices) -> tuple[float, float]:
-    """Return the limits of the panel: 0 to 1, more where an interval of something drawn goes further."""
     drawn = [index for kind, index in one.indices.items() if kind in COLOURS]
     halves = [np.nan_to_num(index.wide) for index in drawn]
     values = [np.nan_to_num(index.values) for index in drawn]

@@ -1,4 +1,4 @@
-"""The figure of a tuning: what a loop does before and after."""
+"""The figure of a tuning: a loop before and after."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WANTED: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2
 
 
 def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
-    """Return the reference and output, error and signal of the loop of a drive, before and after."""
+    """Return reference and output, error and signal of a drive's loop, before and after."""
     bench = found.bench
     output = bench.outputs()[find_judged_output(bench, drive)]
     shown = units.choose_readable_unit(output.unit)

@@ -1,1 +1,1 @@
-"""Summaries of each kind of result: one file per kind, one `Summary` for all pages."""
+"""Summaries of results, one file per kind of result."""

@@ -1,4 +1,4 @@
-"""A design in words: its numbers, what it does, and what holds it where it is."""
+"""Summary of a design: parameters, measures, constraints and cautions."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from martensite.design.optimise.optimised_design import OptimisedDesign, Reporte
 NUMBERS = ("free", "scenario", "found", "from", "to", "")
 MEASURES = ("measure", "scenario", "found", "limit", "")
 IMBALANCE = 0.05
-"""Share of the slope of the goal that is not balanced, from which on it is told."""
+"""Unbalanced fraction of the goal's derivative that causes a caution."""
 COARSE = 1e-2
-"""Change by half the steps from which on it is told."""
+"""Relative change by half the steps that causes a caution."""
 
 
 def summarise_design(found: OptimisedDesign, title: str) -> Summary:
-    """Return everything about a design."""
+    """Return the summary of a design."""
     question, counts = found.question, found.counts
     sense = "most" if question.most else "least"
     lead = (
@@ -39,7 +39,7 @@ def summarise_design(found: OptimisedDesign, title: str) -> Summary:
 
 
 def describe_verdict(found: OptimisedDesign) -> str:
-    """Return whether a design keeps all limits, and what it reaches or misses, without a full stop."""
+    """Return whether a design keeps all limits, with its goal or violations, without a full stop."""
     if not found.kept:
         return f"No design that keeps all limits was found: the nearest one misses {', '.join(found.missed)}"
     sense, goal = "most" if found.question.most else "least", found.question.goal

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 MANY = 4
-"""Records up to which a title names them one by one."""
+"""Largest number of records named in a title."""
 
 
 def summarise_fit(
@@ -40,7 +40,7 @@ def summarise_fit(
     title: str = "",
     posterior: Posterior | None = None,
 ) -> Summary:
-    """Return everything about a fit."""
+    """Return the summary of a fit."""
     blocks = [
         _describe_verdict(fit),
         *_describe_parameters(fit),
@@ -76,37 +76,37 @@ def _make_lead(fit: Fit) -> str:
 
 def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
     rows = len(list_compared(fit))
-    found: dict[str, tuple[DrawFit, str]] = {
+    table: dict[str, tuple[DrawFit, str]] = {
         "measured": (
             plot_fit,
             "Measured and modelled over time. Held-out rows are tinted." + _count_panels(rows, PANELS),
         )
     }
     if has_loops(fit):
-        found["loops"] = (plot_fit_loops, f"Measured and modelled loops.{_count_panels(rows, PANELS)}")
-    found["directions"] = (
+        table["loops"] = (plot_fit_loops, f"Measured and modelled loops.{_count_panels(rows, PANELS)}")
+    table["directions"] = (
         plot_singular_values,
         "Left: singular values of the Jacobian per search range, in units of the noise. Right: "
         "parameters of the least certain direction.",
     )
     if len(fit.problem.free) > 1:
-        found["correlations"] = (
+        table["correlations"] = (
             plot_correlation,
             "Correlations of the parameters; hatched where the data do not determine one.",
         )
     if profiles:
-        found["likelihoods"] = (
+        table["likelihoods"] = (
             lambda fit: plot_likelihood(profiles, fit),
             "Cost over one parameter, with all other parameters optimised; shaded: the interval.",
         )
-    found["residuals"] = (
+    table["residuals"] = (
         plot_fit_residuals,
         "Left: modelled minus measured. Right: autocorrelation of the fitted residuals; white residuals "
         f"stay within the grey band.{_count_panels(rows, RESIDUALS)}",
     )
     if len(fit.history) > 1:
-        found["search"] = (plot_search, "Lowest cost over the runs of the search.")
-    return found
+        table["search"] = (plot_search, "Lowest cost over the runs of the search.")
+    return table
 
 
 def _count_panels(count: int, most: int) -> str:
@@ -117,9 +117,9 @@ DrawFit = Callable[[Fit], "Figure"]
 
 
 def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iterator[Block]:
-    known = _list_pictures(fit, profiles)
-    if name in known:
-        draw, caption = known[name]
+    pictures = _list_pictures(fit, profiles)
+    if name in pictures:
+        draw, caption = pictures[name]
         yield Picture(name, lambda: draw(fit), caption)
 
 
@@ -133,15 +133,15 @@ def _list_warnings(fit: Fit) -> Iterator[Block]:
 
 
 def collect_warnings(fit: Fit) -> list[str]:
-    """Return the warnings that a reader needs before using the values."""
+    """Return the warnings for users of the values."""
     weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
-    found = list(dict.fromkeys([*fit.cautions, *list_fit_warnings(fit)]))
+    warnings = list(dict.fromkeys([*fit.cautions, *list_fit_warnings(fit)]))
     if weak:
-        found.append(
+        warnings.append(
             f"The data determine only a combination of {list_names(weak)}. Use these values together, near the "
             "measured conditions."
         )
-    return found
+    return warnings
 
 
 def _describe_parameters(fit: Fit) -> Iterator[Block]:
@@ -179,17 +179,17 @@ def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
     options = join_phrases([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
     yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."
     for output, unit in dict.fromkeys((one.output, one.description.unit) for one in list_compared(fit)):
-        known = output in fit.problem.noise
+        declared = output in fit.problem.noise
         size = format_error(output, fit.problem.scale(output), unit, 4)
-        what = "its declared noise" if known else "its measured range"
+        what = "its declared noise" if declared else "its measured range"
         yield f"Residuals of `{output}` are divided by {what}, {size}."
     yield f"Loss: {fit.loss}."
 
 
 def _describe_knowledge(fit: Fit, profiles: Sequence[Profile], posterior: Posterior | None) -> Iterator[Block]:
     yield Heading("Identifiability")
-    found = [*fit.identifiability.sentences, *fit.uncertainty.sentences]
-    yield BulletList(_typeset_sentences(list(dict.fromkeys(found))))
+    entries = [*fit.identifiability.sentences, *fit.uncertainty.sentences]
+    yield BulletList(_typeset_sentences(list(dict.fromkeys(entries))))
     yield from _show_picture(fit, "directions")
     yield from _show_picture(fit, "correlations")
     if profiles:

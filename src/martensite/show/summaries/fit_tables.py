@@ -1,4 +1,4 @@
-"""The tables of a fit: records, parameters, errors, and all numbers in full."""
+"""The tables of a fit: records, parameters, errors, and all digits."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from martensite.search.free_numbers import FreeNumber
 from martensite.search.model_score import Score
 
 DIGITS = 4
-"""Digits of a number without an error."""
+"""Digits of a value without an error."""
 TAG = "held out"
 
 
 def tabulate_records(fit: Fit) -> DataTable:
-    """Which records, from which data, and how many of their rows."""
+    """Return a table of records with their data and numbers of rows."""
     rows = list_compared(fit)
     return DataTable(
         ("record", "data", "compared", "rows", "fitted", "held out", "missing"),
@@ -36,9 +36,9 @@ def tabulate_records(fit: Fit) -> DataTable:
 
 def _write_record(one: ComparedOutput) -> tuple[str, ...]:
     record = one.experiment.record
-    found = compute_digest(record)
-    name = f"`{found['file']}` " if "file" in found else "columns "
-    data = name + f"`{found.get('sha256') or found['sha256_of_columns']}`"
+    digest = compute_digest(record)
+    name = f"`{digest['file']}` " if "file" in digest else "columns "
+    data = name + f"`{digest.get('sha256') or digest['sha256_of_columns']}`"
     if record.dropped:
         data += f" ({record.dropped} rows dropped on reading)"
     what = f"`{one.output}`" + (f" with `{one.column}`" if one.column != one.output else "")
@@ -89,14 +89,14 @@ def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
 
 
 def choose_parameter_unit(free: FreeNumber, value: float) -> str:
-    """Return the unit in which a parameter is read: an offset is a difference."""
+    """Return the displayed unit of a parameter; an offset is a difference."""
     if is_nuisance(free.path):
         return choose_difference_unit(free.unit)[0]
     return units.choose_familiar_unit(value, free.unit)
 
 
 def mark_parameter(fit: Fit, name: str) -> str:
-    """Return a caution about a parameter in two words; empty without one."""
+    """Return a short caution about a parameter; empty without one."""
     if not all(map(math.isfinite, fit.uncertainty.widened(name))):
         return "not determined"
     if name in fit.at_bound():
@@ -128,11 +128,11 @@ def _write_interval(ends: Interval, unit: str, spelling: str, decimals: int | No
 
 def tabulate_own_numbers(fit: Fit) -> DataTable | None:
     """Return a table of the parameters fitted to held-out records alone; None without such parameters."""
-    known = {free.path: free for free in fit.problem.free}
+    table = {free.path: free for free in fit.problem.free}
     rows = list[tuple[str, ...]]()
     for kept in fit.kept:
         for name, value in kept.numbers.items():
-            free = known.get(name.rpartition("@")[0])
+            free = table.get(name.rpartition("@")[0])
             text = f"{value:.6g}" if free is None else format_quantity(value, free.unit)
             rows.append((f"`{name}`", text, free.doc if free else ""))
     note = "Fitted to the held-out log, with all other parameters fixed."

@@ -1,4 +1,4 @@
-"""Identified models: scores of free runs, what was found, and how far to trust it."""
+"""Identified models: scores in free simulation, parameters, and warnings."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from martensite.signals.sampling.sampled import Sampled
 
 ENOUGH = 3
-"""Searches that should end alike."""
+"""Number of searches that should agree."""
 MOST_NUMBERS = 12
-"""Numbers of a chain that are shown."""
+"""Largest number of listed parameters of a chain."""
 SCORES = ("model", "used for", "record", "output", "fit [%]", "RMS error", "largest error")
 RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "bias")
 
 
 def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summary:
-    """Return everything about models in stages."""
+    """Return the summary of models in stages."""
     blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
     return Summary("", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records))
@@ -81,7 +81,6 @@ def _describe_scores(found: Identified) -> Iterator[Block]:
 
 
 def _describe_starts(found: Identified) -> Iterator[str]:
-    """Yield the initial state of the runs of every record."""
     runs = [s for s in found.scores if s.model in ("model", "series")]
     for said in dict.fromkeys(s.begins for s in runs):
         names = dict.fromkeys(f"`{s.record}`" for s in runs if s.begins == said)
@@ -93,23 +92,23 @@ def _choose_difference_unit(unit: str) -> str:
 
 
 def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]:
-    """Return the sentences on what is to be known before the model is believed."""
-    said = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
+    """Return the warnings for users of a model."""
+    entries = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
     for one in found.estimates:
-        said += one.remarks
+        entries += one.remarks
         if one.options.starts > 1 and one.agreeing < ENOUGH:
             few = f"{one.agreeing} of {len(one.fits)} refined searches"
-            said.append(
+            entries.append(
                 f"`{one.chain.text()}`: only {few} ended within 0.1 percentage points of the best, so the optimum may "
                 "be local. Use more --starts."
             )
     roles = {score.role for score in found.scores}
     if "validation" not in roles and "other" not in roles:
-        said.append(
+        entries.append(
             "Only fitted logs are scored, so the prediction error is unknown: a slow block can imitate hysteresis at "
             "one time scale. Use --validate with a log of another time scale, such as slow ramps with minor loops."
         )
-    return said
+    return entries
 
 
 def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
@@ -138,11 +137,7 @@ def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str,
 def summarise_model(
     validations: Sequence[Validation], uncertainty: ChainUncertainty | None = None, title: str = ""
 ) -> Summary:
-    """Summarise the scores of a model on records; `uncertainty` adds parameters and bands.
-
-    Raises:
-        DataError: there are no validations.
-    """
+    """Return the scores of a model on records; `uncertainty` adds parameters and bands."""
     if not validations:
         raise DataError("A report on a model needs at least one validation.")
     chain = validations[0].chain

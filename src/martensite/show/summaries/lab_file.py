@@ -1,4 +1,4 @@
-"""Files of instruments and how they were understood, on one screen."""
+"""Instrument files with their interpreted columns."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from martensite.base.summary import Block, BulletList, DataTable, Heading, Notic
 from martensite.logs.lab_files import LabFile, ReadColumn
 
 WIDEST = 14
-"""Letters of a heading that are shown."""
+"""Largest number of letters of a heading."""
 
 
 def summarise_lab_files(found: Sequence[LabFile]) -> Summary:
-    """Formats, columns with their ranges, rows left out, and doubts."""
+    """Return formats, columns with their ranges, omitted rows, and doubts."""
     blocks = [block for one in found for block in _describe_file(one, len(found) > 1)]
     title = f"{found[0].record.name}: {_count(found[0])}" if len(found) == 1 else f"{len(found)} files"
     return Summary(title, blocks, {"tables": [_list_data(one) for one in found]})
@@ -74,5 +74,5 @@ def _list_data(one: LabFile) -> dict[str, Any]:
 
 
 def _drop_gaps(column: dict[str, Any]) -> dict[str, Any]:
-    """Return a column without numbers has no range: JSON knows no NaN."""
+    """Return a column with None for NaN, which JSON lacks."""
     return {key: None if isinstance(x, float) and math.isnan(x) else x for key, x in column.items()}

@@ -30,7 +30,6 @@ SYMBOLS = {
     "inertia": "J",
 }
 ZERO = 273.15
-"""0 °C [K]."""
 CYCLE = ("A_s [degC]", "A_f [degC]", "M_s [degC]", "M_f [degC]", "H [%]", "residual [%]")
 """Columns of the table of all cycles."""
 MOST_REMARKS = 8
@@ -52,7 +51,7 @@ FOUND = ("quantity", "value", "95 % interval", "unit", "meaning")
 
 
 def summarise_film(report: FilmReport, forms: Sequence[str], origin: str) -> Summary:
-    """Return everything about fits of a film coefficient."""
+    """Return the summary of fits of a film coefficient."""
     title = f"h(T) from {len(report.points)} points, {origin}"
     return Summary(title, list(_describe_film(report, forms)), {"origin": origin} | report.to_dict())
 
@@ -89,7 +88,7 @@ def _tabulate_ambients(report: FilmReport) -> Block:
 def _form_row(form: str, fit: FilmFit, level: float) -> tuple[str, ...]:
     cells = (write_coefficient(fit, k, level) if k in fit.terms else "0" for k in range(3))
     scores = (fit.r_squared, 5), (fit.adjusted, 3), (fit.aicc, 2)
-    # a score that there are too few points for is left out
+    # scores without enough points are omitted
     texts = (f"{number:.{d}f}" if math.isfinite(number) else "" for number, d in scores)
     return form, *cells, *texts
 
@@ -103,7 +102,7 @@ def write_coefficient(fit: FilmFit, term: int, level: float) -> str:
 
 
 def summarise_motor(found: MotorConstants, states: int) -> Summary:
-    """Return everything about a motor that was found from so many steady states."""
+    """Return the summary of a motor identified from a number of steady states."""
     rows = [
         (f"{symbol}, {name.replace('_', ' ')}", getattr(found, name).write(), UNITS[name])
         for name, symbol in SYMBOLS.items()
@@ -120,7 +119,7 @@ def summarise_motor(found: MotorConstants, states: int) -> Summary:
 
 
 def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
-    """Return everything about one cycle, or about several together."""
+    """Return the summary of one or several cycles."""
     levels = found.levels if isinstance(found, TangentFit) else [found]
     title = f"Tangents of {len(levels)} isobaric cycle{'s' * (len(levels) > 1)}"
     blocks: list[Block] = [DataTable(POINTS, [_point_row(one) for one in levels], right=range(len(POINTS) - 1))]
@@ -178,7 +177,6 @@ def _point_row(points: TangentPoints) -> tuple[str, ...]:
 
 
 def _estimate_rows(fit: TangentFit) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of a table: what was found over all stresses, with 95 % intervals."""
     at_zero = (
         ("A_s", "austenite start at zero stress"),
         ("A_f", "austenite finish"),
@@ -217,13 +215,13 @@ def _write_numbers(
 
 @dataclass(frozen=True)
 class Oscillator:
-    """Stiffness or moving mass of an oscillator, in SI; at most one of them is given."""
+    """Stiffness or moving mass of an oscillator [SI]; at most one is given."""
 
     stiffness: float | None
     mass: float | None
 
     def derive_numbers(self, fit: LogDecrement) -> dict[str, tuple[MeasuredValue, str]]:
-        """Return the mass or stiffness, and damping, by name with their units; empty if nothing is given."""
+        """Return mass or stiffness, and damping, by name with units; empty if nothing is given."""
 
         def rate(period: float, delta: float) -> float:
             return math.hypot(2.0 * math.pi, delta) / period
@@ -236,26 +234,26 @@ class Oscillator:
         c = propagate_errors(damping, fit.period, fit.decrement)
         if self.stiffness is not None:
             k = self.stiffness
-            found = propagate_errors(lambda f: moving_mass(k, f), fit.frequency)
-            return {"moving_mass": (found, "kg"), "damping": (c, "N*s/m")}
+            estimate = propagate_errors(lambda f: moving_mass(k, f), fit.frequency)
+            return {"moving_mass": (estimate, "kg"), "damping": (c, "N*s/m")}
         if self.mass is not None:
             m = self.mass
-            found = propagate_errors(lambda f: m * (2.0 * math.pi * f) ** 2, fit.frequency)
-            return {"stiffness": (found, "N/m"), "damping": (c, "N*s/m")}
+            estimate = propagate_errors(lambda f: m * (2.0 * math.pi * f) ** 2, fit.frequency)
+            return {"stiffness": (estimate, "N/m"), "damping": (c, "N*s/m")}
         return {}
 
 
 def summarise_vibration(peak: SpectralPeak, fit: LogDecrement, oscillator: Oscillator, title: str) -> Summary:
-    """Return everything about a free vibration."""
+    """Return the summary of a free vibration."""
     derived = oscillator.derive_numbers(fit)
-    found = [
+    entries = [
         ("natural frequency", fit.frequency, "Hz"),
         ("damped frequency", fit.damped_frequency, "Hz"),
         ("logarithmic decrement", fit.decrement, ""),
         ("damping ratio", fit.zeta, ""),
         *((name.replace("_", " "), *one) for name, one in derived.items()),
     ]
-    rows = [(name, one.write(), unit) for name, one, unit in found]
+    rows = [(name, one.write(), unit) for name, one, unit in entries]
     blocks = [
         Sentence(
             f"Spectrum: {peak.frequency:.5g} Hz, resolution {peak.resolution:.3g} Hz, "

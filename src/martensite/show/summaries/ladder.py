@@ -26,7 +26,7 @@ STOPPED = {
 
 
 def summarise_ladder(found: Ladder) -> Summary:
-    """Return everything about a climb: for a terminal without the figures, for a page with them."""
+    """Return the summary of a structure search."""
     names = ", ".join(f"`{name}`" for name in found.model.input_names)
     outputs = ", ".join(f"`{name}`" for name in found.model.output_names)
     word = "INCONCLUSIVE" if found.doubts else "predicts" if found.predicts else "DOES NOT PREDICT"
@@ -94,8 +94,10 @@ def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[s
 
 def _describe_verdict(found: Ladder) -> Iterator[Block]:
     good = found.predicts and not found.doubts
-    said = [f"The held-out error is below the error of the mean by {found.gain.text} (95 %)."] if found.predicts else []
-    if items := [*said, *found.doubts, *found.remarks]:
+    sentences = (
+        [f"The held-out error is below the error of the mean by {found.gain.text} (95 %)."] if found.predicts else []
+    )
+    if items := [*sentences, *found.doubts, *found.remarks]:
         yield Notice("Result" if good else "Warning", items, not good)
 
 

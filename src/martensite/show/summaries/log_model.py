@@ -1,4 +1,4 @@
-"""A model of logs on one page: what they are, whether it predicts, its numbers, what to record next."""
+"""Summary of a model of logs: experiment, predictions, parameters, next recordings."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ HELD_OUT = ("record", "output", "rms", "offset_rms", "whole", "fit_percent")
 
 
 def summarise_log_model(model: LogModel, command: str = "") -> Summary:
-    """Return one page about what was made of logs; `command` is what fits the scenario again."""
+    """Return the summary of a model of logs; `command` repeats the fit."""
     fit, rows = model.fit, list_compared(model.fit)
     names = [one.name for one in fit.problem.experiments]
     which = join_phrases(names) if len(names) <= 4 else f"{len(names)} records"
-    seen = model.experiment
-    lead = f"Taken as `{seen.name}`: {seen.kind.meaning}, because {seen.why} (`--experiment`)."
+    experiment = model.experiment
+    lead = f"Taken as `{experiment.name}`: {experiment.kind.meaning}, because {experiment.why} (`--experiment`)."
     figure = (plot_fit_loops, "loops") if has_loops(fit) else (plot_fit, "measured")
     samples = sum(int(row.used.sum()) for row in rows)
     blocks: list[Block] = [
@@ -165,7 +165,7 @@ def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
 
 
 def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
-    """Yield a sentence about the noise of the drives, which the intervals do not include."""
+    """Yield sentences about drive noise, which the intervals do not include."""
     problem = model.fit.problem
     units = {name: one.record.units[name] for one in problem.experiments for name in one.follows.values()}
     found, notes = model.input_noise

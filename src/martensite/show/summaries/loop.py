@@ -1,4 +1,4 @@
-"""The loops of a bench, as a check finds them."""
+"""The loops of a bench and their tests."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ HEADINGS = ("branch", "reading", "signal", "gain margin", "phase margin", "delay
 
 
 def check_scenario_loop(scenario: Scenario, bench: Bench) -> LoopReport:
-    """Return the loops of the bench of a scenario, with paths as in its file."""
+    """Return the tested loops of a scenario's bench, with paths as in its file."""
     from martensite.control.margins.loop_check import check_loop
     from martensite.simulate.drive_waveforms import by_name
 
     played = by_name(scenario.system, scenario.waveform)
-    found = check_loop(bench, scenario.duration, waveforms=played)
-    return replace(found, findings=tuple(_place_finding(one, scenario.places) for one in found.findings))
+    loop = check_loop(bench, scenario.duration, waveforms=played)
+    return replace(loop, findings=tuple(_place_finding(one, scenario.places) for one in loop.findings))
 
 
 def _place_finding(finding: LoopFinding, places: Places) -> LoopFinding:
@@ -41,12 +41,12 @@ def _place_finding(finding: LoopFinding, places: Places) -> LoopFinding:
 
 
 def describe_verdict(loops: LoopReport | None, judged: Judgement | None, unjudged: str) -> Sentence:
-    """Return the verdict on a scenario: the faults of its loops, and the limits that its run exceeds.
+    """Return the verdict on a scenario: faults of its loops, and exceeded limits of its run.
 
     Args:
         loops: tests of the loops; None without a loop.
-        judged: judgement of the run; None if there was no run.
-        unjudged: reason why there was no run, with the remedy.
+        judged: judgement of the run; None without a run.
+        unjudged: reason for no run, with the remedy.
     """
     count = 0 if loops is None else sum(one.fault for one in loops.findings)
     tested = "valid" if loops is None else f"valid, {LOOP_VERDICTS.get(loops.verdict, '')}"
@@ -62,7 +62,7 @@ def describe_verdict(loops: LoopReport | None, judged: Judgement | None, unjudge
 
 
 def describe_loops(report: LoopReport) -> Iterator[Block]:
-    """Return findings, margins, and the tests that were not made with the reasons."""
+    """Return findings, margins, and omitted tests with reasons."""
     yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in report.findings)
     if report.margins:
         yield Sentence(_summarise_margins(report.margins))
@@ -75,7 +75,6 @@ def describe_loops(report: LoopReport) -> Iterator[Block]:
 
 
 def _summarise_margins(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the number of stable operating points and the worst margins."""
     stable = [row for row in rows if row["stable"]]
     if len(stable) < len(rows):
         return f"Unstable at {len(rows) - len(stable)} of {len(rows)} operating points."

@@ -1,4 +1,4 @@
-"""Registered parts with their parameters, and materials with their sources: lists, and one in detail."""
+"""Registered parts with their parameters, and materials with their sources."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NUMBERS = ("name", "value", "kind", "meaning", "source", "note")
 
 
 def describe_part(part: Mapping[str, Any]) -> Iterator[Block]:
-    """Yield a described part with its table of parameters and the works it rests on."""
+    """Yield a described part with its parameters and sources."""
     yield Heading(f"{part['kind']} {part['name']}: {part['summary']}")
     yield Sentence(f"\n{part['description']}")
     rows = [_parameter_row(entry) for entry in part["parameters"]]
@@ -34,7 +34,7 @@ def _parameter_row(entry: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def write_default(entry: Mapping[str, Any]) -> str:
-    """Return the default of a described parameter, in a readable unit if it is known."""
+    """Return the default of a described parameter in a readable unit."""
     default = entry["default"]
     if not isinstance(default, float):
         return "required" if entry["required"] else str(default)
@@ -45,7 +45,7 @@ def write_default(entry: Mapping[str, Any]) -> str:
 
 
 def tabulate_parts(kind: str, rows: Sequence[Mapping[str, Any]]) -> DataTable:
-    """Return the names of parts with one line each; of blocks how they are written in a chain as well."""
+    """Return names and descriptions of parts; for blocks also their notation in a chain."""
     if any("written" in row for row in rows):
         cells = [(row["name"], row["written"], row["summary"]) for row in rows]
         return DataTable((kind, "in a chain", "what it is"), cells)
@@ -53,14 +53,14 @@ def tabulate_parts(kind: str, rows: Sequence[Mapping[str, Any]]) -> DataTable:
 
 
 def summarise_materials(found: Sequence[Material]) -> Summary:
-    """Materials with a line each."""
+    """Return the materials with a line each."""
     table = DataTable(("material", "what it is"), [(one.name, one.title) for one in found])
     rows = [{"name": one.name, "title": one.title, "summary": one.summary} for one in found]
     return Summary("", [table], rows)
 
 
 def summarise_material(material: Material) -> Summary:
-    """Return everything about a material."""
+    """Return the summary of a material."""
     blocks: list[Block] = [Sentence(f"Limits: {material.limits}")]
     if material.law is not None:
         options = [f"{name} = {word}" for name, word in material.law.items() if name != "kind"]

@@ -1,4 +1,4 @@
-"""A run of a scenario, and laws on a path: what came out, and how far it is from others."""
+"""Summaries of a run of a scenario, and of laws on a path."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def summarise_run(
     averaging: Averaging | None = None,
     measures: Sequence[str] = (),
 ) -> Summary:
-    """Return everything about a run, with some measures and bounds on their errors."""
+    """Return the summary of a run, with some measures and error bounds."""
     own = result.summary()
     measured = [measure_run(result, words) for words in measures]
     controllers = {} if scenario.bench is None else describe_controllers(scenario.bench)
@@ -82,7 +82,7 @@ def summarise_run(
 
 
 def describe_run(title: str, result: Result) -> Sentence:
-    """Return the verdict on a run: all limits kept, the exceeded limits, or where it stopped."""
+    """Return the verdict on a run: all limits kept, exceeded limits, or the stop."""
     judged = judge_run(result)
     stopped = next((words for words in result.warnings if words.startswith("The run stopped")), "")
     if judged.kept and result.status.failed:
@@ -102,7 +102,7 @@ def write_key_numbers(result: Result) -> str:
 
 
 class MeasuredNumber(NamedTuple):
-    """A measure of a run in SI, with a bound on its error; None where that is not estimated."""
+    """A measure of a run [SI] with an error bound, or None."""
 
     words: str
     value: float
@@ -127,23 +127,22 @@ def measure_run(result: Result, words: str) -> MeasuredNumber:
 
 
 def tabulate_measures(measured: Sequence[MeasuredNumber]) -> DataTable:
-    """Return a table of measures with bounds on their errors."""
+    """Return a table of measures with error bounds."""
     rows = [(one.words, show_quantity(one.value, one.unit, 6), one.write_bound()) for one in measured]
     return DataTable(("measure", "value", "error"), rows, right=(1, 2))
 
 
 def _collect_guard(scenario: Scenario) -> Summary:
-    """Summarise the guard of a loop and the highest temperature that it allows; empty without a loop."""
     if scenario.bench is None:
         return Summary("", [], {})
     from martensite.scenario.guard_report import collect_guard, describe_guard
 
-    found = collect_guard(scenario) or {}
-    return Summary("", list(describe_guard(found)), {"guard": found})
+    guard = collect_guard(scenario) or {}
+    return Summary("", list(describe_guard(guard)), {"guard": guard})
 
 
 def tabulate_key_results(result: Result) -> DataTable:
-    """Return the few numbers by which runs are compared: strokes, peaks, energies, time beyond limits."""
+    """Return key results: strokes, peaks, energies, time beyond limits."""
     beyond = sum(alarm.duration for alarm in result.alarms)
     rows = [*_list_strokes(result), *list_peaks(result), *_list_energies(result)]
     return DataTable(("result", "value"), [*rows, ("time beyond limits", f"{beyond:.4g} s")], right=(1,))
@@ -163,7 +162,7 @@ def list_peaks(result: Result, limits: bool = False) -> Iterator[tuple[str, str]
 
     Args:
         result: single run.
-        limits: True to add the limits of temperature and stress.
+        limits: whether to add the limits of temperature and stress.
     """
     actuators = result.system.actuators()
     for name, words, choose in PEAKS if actuators else ():
@@ -172,8 +171,8 @@ def list_peaks(result: Result, limits: bool = False) -> Iterator[tuple[str, str]
         column = choose(ends, key=ends.__getitem__)
         value = ends[column] if abs(ends[column]) > NOTHING else 0.0
         limit = getattr(columns[column].element.limits, f"{words.partition(' ')[2]}_limit", math.inf)
-        known = limits and math.isfinite(limit)
-        shown = f" (limit {show_quantity(limit, result.unit(column))})" if known else ""
+        limited = limits and math.isfinite(limit)
+        shown = f" (limit {show_quantity(limit, result.unit(column))})" if limited else ""
         yield words, show_quantity(value, result.unit(column)) + shown
 
 
@@ -185,13 +184,13 @@ def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
         return
     fine = add_step_rows(result)
     ways = find_ways(fine)
-    found = integrate_energies(fine, ways or [])
-    yield "electrical energy in", f"{found.electrical[-1]:.4g} J"
-    yield "heat lost to the ambient", f"{found.lost[-1]:.4g} J"
+    energies = integrate_energies(fine, ways or [])
+    yield "electrical energy in", f"{energies.electrical[-1]:.4g} J"
+    yield "heat lost to the ambient", f"{energies.lost[-1]:.4g} J"
     if ways is not None:
-        yield "work during contraction", f"{1e3 * found.work[-1]:.4g} mJ"
-        yield "work returned during extension", f"{1e3 * found.returned[-1]:.4g} mJ"
-        yield "efficiency (work over electrical)", f"{100.0 * found.efficiency[-1]:.4g} %"
+        yield "work during contraction", f"{1e3 * energies.work[-1]:.4g} mJ"
+        yield "work returned during extension", f"{1e3 * energies.returned[-1]:.4g} mJ"
+        yield "efficiency (work over electrical)", f"{100.0 * energies.efficiency[-1]:.4g} %"
 
 
 def _describe_agreements(result: Result, agreements: Sequence[Agreement]) -> Iterator[Block]:
@@ -237,7 +236,7 @@ def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
 
 
 def summarise_laws(path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]) -> Summary:
-    """Return everything about laws on the path of a name: what each did on the paths that it was given."""
+    """Return the summary of laws on a named path."""
     pairs = list(zip(dressed, results, strict=True))
     blocks = [block for one, own in pairs for block in _describe_law(path, one, own)]
     return Summary("", blocks, {"path": path, "laws": [_collect_law(*pair) for pair in pairs]})
@@ -312,7 +311,7 @@ def _write_spot(stage: PathStage, i: int) -> str:
 
 
 def summarise_law_logs(comparisons: Sequence[LawComparison]) -> Summary:
-    """Summarise the deviations of laws from logs."""
+    """Return the deviations of laws from logs."""
     data: list[dict[str, Any]] = []
     for one in comparisons:
         law, source = one.configured.law.registered_name, one.configured.material

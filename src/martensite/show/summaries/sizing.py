@@ -1,4 +1,4 @@
-"""Candidate wires for a request: a table, one wire in detail; and the model compared with the maker's table."""
+"""Candidate wires for a request, one in detail; and the model compared with the maker's table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from martensite.design.sizing.request import WireRequest
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
 
 NEAREST = 5
-"""Rejected wires that are shown if no wire meets the request."""
+"""Number of rejected wires shown if no wire meets the request."""
+NO_CHANGE = "More strands, a lower rate or a higher voltage do not help. Reduce force or stroke."
 COLUMNS = (
     "",
     "wire\nmm",
@@ -31,7 +32,7 @@ COLUMNS = (
     "cool\ns",
     "",
 )
-"""So narrow that the table of wires stands side by side in 80 columns."""
+"""Headings narrow enough for 80 columns."""
 _SHAPE = ("\n°C", "coils", "D\nmm", "turns", "length\nmm")
 COIL_COLUMNS = (*COLUMNS[:2], *_SHAPE, *COLUMNS[5:7], *COLUMNS[9:])
 """Columns of coils: mean diameter, and the length under load, hot and cold."""
@@ -51,12 +52,12 @@ DOUBT = "No parameter is fitted to a size. ! marks recalled values, whose origin
 
 
 def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False) -> Summary:
-    """Return everything about wires for a request.
+    """Return the summary of wires for a request.
 
     Args:
         sizing: candidates, best first.
-        chosen: place of the candidate to describe; None for no description.
-        every: True to list rejected candidates as well.
+        chosen: index of the candidate to describe, or None.
+        every: whether to list rejected candidates.
     """
     request = sizing.request
     one = [] if chosen is None else _describe_one(request, chosen + 1, sizing.candidates[chosen])
@@ -69,41 +70,42 @@ def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False)
     return Summary("", [*_describe_candidates(sizing, chosen, every), *one], data)
 
 
-def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Iterator[Block]:
+def _select_candidates(sizing: Sizing, chosen: int | None, every: bool) -> list[tuple[int, Candidate]]:
     numbered = list(enumerate(sizing.candidates))
-    good = [(i, found) for i, found in numbered if found.feasible]
-    shown = numbered if every else good or numbered[:NEAREST]
+    shown = numbered if every else [(i, one) for i, one in numbered if one.feasible] or numbered[:NEAREST]
     if chosen is not None and chosen not in [i for i, _ in shown]:
         shown.append(numbered[chosen])
+    return shown
+
+
+def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Iterator[Block]:
+    good = any(one.feasible for one in sizing.candidates)
+    shown = _select_candidates(sizing, chosen, every)
     columns = choose_columns(sizing.request)[:-1]
     rows = [_mark_row(list_cells(i + 1, found)[:-1], found) for i, found in shown]
     if not good:
         yield Sentence("No wire meets the request. The nearest candidates:", "bad")
     yield DataTable(columns, rows, right=(0, *range(4, len(columns))))
-    for i, found in shown:
-        if not found.feasible:
-            yield Sentence(f"Wire {i + 1} rejected: {found.reasons[0]}.")
+    yield from (Sentence(f"Wire {i + 1} rejected: {one.reasons[0]}.") for i, one in shown if not one.feasible)
     if not good:
-        yield from (Sentence(f"Change that fits: {change}.") for change in sizing.changes)
-        if not sizing.changes:
-            yield Sentence("More strands, a lower rate or a higher voltage do not help. Reduce force or stroke.")
+        changes = [f"Change that fits: {change}." for change in sizing.changes]
+        yield from map(Sentence, changes or [NO_CHANGE])
     if sizing.request.limits == "ignore":
         yield Sentence("The limits of the material are ignored (--no-limits).", "caution")
     if good:
         slow = ", half of the heat loss" if sizing.request.element == "coil" else ""
         yield Sentence(f"* also works at +10 K ambient{slow} and +20 % load.")
-    left = len(numbered) - len(shown)
+    left = len(sizing.candidates) - len(shown)
     if left:
         yield Sentence(f"{left} candidates rejected: --all lists them with the reasons.")
 
 
 def _mark_row(cells: Sequence[str], found: Candidate) -> tuple[str, ...]:
-    """Mark a robust candidate by an asterisk."""
     return (cells[0] + ("*" if found.feasible and not found.frail else " "), *cells[1:])
 
 
 def write_count(sizing: Sizing) -> str:
-    """Return how many candidates meet the request, and the request."""
+    """Return the number of candidates that meet the request, and the request."""
     request = sizing.request
     good = sum(found.feasible for found in sizing.candidates)
     asked = (
@@ -127,7 +129,7 @@ def choose_columns(request: WireRequest) -> tuple[str, ...]:
 
 
 def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
-    """Return the cells of a candidate below the columns of `choose_columns`; the number is the place in the list."""
+    """Return the cells of a candidate under `choose_columns`; the number is its place in the list."""
     static, drive, cycle = found.statics, found.drive, found.cycle
     stress = f"{static.hot_stress / 1e6:.0f}"
     if static.cold_stress < static.hot_stress:
@@ -152,12 +154,12 @@ def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
 
 
 def strip_unit(size: str) -> str:
-    """Return the name of a size without the unit that the heading has."""
+    """Return the name of a size without its unit."""
     return size.removesuffix(" mm")
 
 
 def write_seconds(time: float | None) -> str:
-    """Return a time [s], or that it never comes."""
+    """Return a time [s], or `never`."""
     return "never" if time is None else f"{time:.3g}"
 
 
@@ -181,7 +183,7 @@ def write_headline(found: Candidate) -> str:
 
 
 def describe_coil(coil: Mapping[str, float]) -> str:
-    """Turns, diameters and lengths of a coil."""
+    """Return turns, diameters and lengths of a coil."""
     mm = {name: f"{1e3 * value:.4g}" for name, value in coil.items()}
     return (
         f"{coil['turns']:.4g} turns of {mm['mean_diameter']} mm mean diameter ({mm['outer_diameter']} mm outer), "
@@ -191,7 +193,7 @@ def describe_coil(coil: Mapping[str, float]) -> str:
 
 
 def list_sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
-    """Yield return element, margins, pulse, temperatures, life, and the values of the maker's table."""
+    """Yield return element, margins, pulse, temperatures, life, and the maker's values."""
     yield _tell_return(request, found)
     yield _tell_margins(request, found)
     if found.cycle is not None:
@@ -258,7 +260,7 @@ def _write_cell(cell: MaterialNumber) -> str:
 
 
 def list_doubts(found: Candidate) -> list[str]:
-    """Return sentences that name the assumed or recalled values of a candidate."""
+    """Return sentences on assumed or recalled values of a candidate."""
     name = f"flexinol-{found.alloy}"
     numbers = load_material(name).values.items()
     doubtful = [key for key, number in numbers if number.kind in DOUBTFUL]
@@ -269,7 +271,7 @@ def list_doubts(found: Candidate) -> list[str]:
 
 
 def summarise_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> Summary:
-    """Return the model beside the maker's table, under a stress [Pa] in still air [K]."""
+    """Return the model and the maker's table under a stress [Pa] in still air [K]."""
     blocks = [
         Sentence(write_conditions(stress, ambient)),
         DataTable(CHECKED, [list_check_cells(row) for row in rows], right=range(2, len(CHECKED))),
@@ -280,7 +282,7 @@ def summarise_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> 
 
 
 def write_conditions(stress: float, ambient: float) -> str:
-    """Under which conditions [Pa, K] the model is set beside the table."""
+    """Return the conditions [Pa, K] of the comparison."""
     return (
         f"Model compared with the maker's table: load {stress / 1e6:.4g} MPa, still air at "
         f"{ambient - 273.15:.4g} °C, vertical wire, cooling until 0.5 % of the stroke is left."
@@ -288,7 +290,7 @@ def write_conditions(stress: float, ambient: float) -> str:
 
 
 def collect_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> dict[str, Any]:
-    """Return everything in SI."""
+    """Return all results in SI."""
     extra = ("current_ratio", "cooling_ratio")
     return {
         "stress": stress,
@@ -321,7 +323,7 @@ def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
 
 
 def list_check_cells(row: CheckRow) -> tuple[str, ...]:
-    """Return the cells of a row below `COLUMNS`."""
+    """Return the cells of a row under `CHECKED`."""
     ratio = row.cooling_ratio
     return (
         strip_unit(row.size),

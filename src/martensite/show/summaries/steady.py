@@ -1,4 +1,4 @@
-"""Steady states, cycles and response curves in words and numbers; units are chosen here, at the edge."""
+"""Steady states, cycles and response curves, in readable units."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from martensite.simulate.steady.readable import choose_output, convert_speed
 from martensite.simulate.steady.rotations import ResponseCurve, ResponseSweep
 
 SPEEDS = ("rpm", "rad/s", "Hz")
-"""Units in which the speed of a rotor may be said."""
+"""Units of the rotor speed."""
 SHOWN = 12
-"""Points of a curve that are shown."""
+"""Largest number of listed points."""
 PROFILE = "["
-"""Mark in the name of an output of one cell of many, which is left out."""
+"""Mark in the name of an output of a single cell, which is omitted."""
 
 
 def write_speed(speed: float, unit: str) -> str:
-    """Return the speed of a rotor [rad/s] in a unit."""
+    """Return the rotor speed [rad/s] in a unit."""
     return f"{convert_speed(speed, unit):.4g} {unit}"
 
 
 def summarise_rest(found: SteadyState, title: str) -> Summary:
-    """Return everything about an equilibrium."""
+    """Return the summary of a steady state."""
     shown = _choose_outputs(found)
     repeated = {name for name in shown if name.endswith("hottest") and found.outputs[name] == _read_twin(found, name)}
     rows = [_write_row(name, one, found.outputs[name]) for name, one in shown.items() if name not in repeated]
@@ -75,12 +75,11 @@ def _describe_verdict(title: str, words: str, judged: Judgement, stable: bool) -
 
 
 def _choose_outputs(found: SteadyState | PeriodicOrbit) -> dict[str, Output]:
-    """Return the outputs of all elements but not of single cells."""
     return {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
 
 
 def _read_twin(found: SteadyState, name: str) -> float | None:
-    """Return the temperature of the element whose highest temperature has a name."""
+    """Return the temperature that belongs to an output `hottest`."""
     return found.outputs.get(f"{name.removesuffix('hottest')}temperature")
 
 
@@ -103,7 +102,7 @@ def _tell_neutral(found: Stability) -> list[Block]:
 
 
 def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
-    """Return everything about a limit cycle."""
+    """Return the summary of a limit cycle."""
     shown = _choose_outputs(found)
     rows = [
         _write_row(name, one, *(float(f(found.outputs[name])) for f in (np.min, np.max))) for name, one in shown.items()
@@ -136,7 +135,7 @@ def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
 def summarise_response(
     found: ResponseCurve, title: str, speed: str, boundaries: list[FoldCurve], sweeps: Sequence[ResponseSweep] = ()
 ) -> Summary:
-    """Return everything about a response curve, and the boundaries of its folds."""
+    """Return the summary of a response curve, and the boundaries of its folds."""
     name = choose_output(found)
     unit = found.varied.unit
     places = _choose_points(found)
@@ -166,7 +165,6 @@ def summarise_response(
 
 
 def _choose_points(found: ResponseCurve) -> list[int]:
-    """Folds, and some points between."""
     spread = np.round(np.linspace(0, len(found.parameter) - 1, SHOWN)).astype(int)
     return sorted({*spread.tolist(), *np.flatnonzero(found.fold).tolist()})
 

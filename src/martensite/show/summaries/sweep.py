@@ -1,4 +1,4 @@
-"""A sweep: ranges of its measures, its effort, what failed; its front, and its sensitivities."""
+"""Summaries of a sweep: ranges of measures, effort, failures; Pareto front; sensitivities."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from martensite.design.sweep.store import Store
 from martensite.design.sweep.table import SweepTable
 
 NAMED = 5
-"""Failed runs that are named."""
+"""Number of failed runs that are named."""
 SPREAD = ("lowest", "median", "highest")
 SHOWN = 20
-"""Runs of a front that are shown."""
+"""Largest number of listed runs of a front."""
 HOW = {
     "saltelli": "from blocks of the design `saltelli`",
     "grid": "from the whole grid, its levels equally likely",
@@ -32,7 +32,7 @@ HOW = {
 
 
 def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summary:
-    """Return everything about a sweep."""
+    """Return the summary of a sweep."""
     system = plan.course.system
     rows = [
         (words, *(write_quantity(v, one.unit_in(system)) for v in compute_spread(store, words)))
@@ -98,7 +98,7 @@ def _collect_numbers(plan: SweepPlan, store: Store, progress: Progress) -> dict[
 
 
 def summarise_front(store: Path, table: SweepTable, front: ParetoFront) -> Summary:
-    """Return everything about a front."""
+    """Return the summary of a front."""
     columns, count = front.columns(table), len(front.runs)
     places = np.unique(np.round(np.linspace(0, count - 1, min(SHOWN, count))).astype(int))
     rows = [(str(run), *(c.words(float(c.values[run])) for c in columns.values())) for run in front.runs[places]]
@@ -145,7 +145,7 @@ def _collect_front(store: Path, table: SweepTable, front: ParetoFront) -> dict[s
 
 
 def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[SensitivityIndices]) -> Summary:
-    """Return everything about what the measures of a sweep depend on."""
+    """Return the sensitivities of the measures of a sweep."""
     data = {
         "store": str(store),
         "sample": table.sample,

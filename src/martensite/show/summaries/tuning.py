@@ -1,4 +1,4 @@
-"""A tuning, with its tests and other plants: before and after."""
+"""Summary of a tuning: tests, parameters and measures before and after."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 HEADINGS = ("quantity", "before", "after", "unit")
 NAMES = {"itae": "ITAE", "iae": "IAE", "ise": "ISE", "hottest": "peak temperature"}
-"""Names of measures on the screen, where they are not those of the JSON."""
+"""Names of measures on screens, if different from JSON."""
 SHARES = ("overshoot",)
 
 
@@ -34,11 +34,11 @@ class TuningOutcome:
     drive: str
     tests: LoopTests | None
     origin: str
-    """Origin of the values, in words."""
+    """Description of the origin of the values."""
 
 
 def summarise_tuning(found: TuningOutcome) -> Summary:
-    """Return everything about a tuning."""
+    """Return the summary of a tuning."""
     tuned = found.found
     lead = f"{found.origin}; {tuned.evaluations:,} runs ({tuned.gradients:,} with derivatives)"
     blocks = [
@@ -79,7 +79,6 @@ def _table_rows(found: TuningOutcome) -> list[tuple[str, ...]]:
 
 
 def _write_row(name: str, values: tuple[float, float], found: TuningOutcome) -> tuple[str, ...]:
-    """Return a measure before and after, in one unit."""
     bench = found.found.bench
     unit = bench.outputs()[find_judged_output(bench, found.drive)].unit
     shown, factor = choose_difference_unit(unit) if "{}" in UNITS[name] else ("", 1.0)
@@ -127,7 +126,6 @@ def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
 
 
 def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
-    """Return the path, number and unit of what was tuned."""
     bench, places = found.found.bench, found.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
     return [(path, value, places.unit(leaves[path])) for path, value in found.found.after.items()]

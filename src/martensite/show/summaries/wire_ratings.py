@@ -1,4 +1,4 @@
-"""Ratings of a given wire or coil: verdict, drive, cycle, and the electronics that it needs."""
+"""Ratings of a given wire or coil: verdict, drive, cycle, and electronics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ DRIVES = ("", "current\nA", "voltage\nV", "series\nresistor\nΩ", "power in\nres
 
 
 def summarise_ratings(found: WireRatings) -> Summary:
-    """Return everything about a piece of wire: pull, drive, times, the parts that it needs."""
+    """Return the summary of a wire."""
     return Summary("", [*_tell_verdict(found), *_describe_wire(found), *_describe_parts(found)], found.to_dict())
 
 
