@@ -1,7 +1,6 @@
-"""Command line: one file per command in `commands`, and nothing heavy before it is needed.
+"""Command line: one file per command in `commands`.
 
-Every command takes `--json`, never prompts, and exits with 0, with 1 if something was started and
-failed, with 2 on bad input, or with 130 where it is interrupted. An error is one sentence on standard error.
+Exit codes: 0 success, 1 a computation failed, 2 bad input, 130 interrupted. Errors are one sentence on standard error.
 """
 
 from __future__ import annotations
@@ -13,6 +12,6 @@ __all__ = ["app", "main"]
 
 
 def main() -> None:
-    """Entry point of the `martensite` command."""
+    """Run the `martensite` command."""
     with handle_signals():
         app(prog_name="martensite")

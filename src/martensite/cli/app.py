@@ -1,4 +1,4 @@
-"""The application: global options, and errors as one sentence with an exit code."""
+"""The application: global options, errors as one sentence, exit codes."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from martensite.cli.folder_group import FolderGroup, make_group
 
 
 class PlainErrors(TyperGroup):
-    """Commands that answer errors made on purpose with a sentence, not a traceback."""
+    """Command group that reports a `MartensiteError` as one sentence."""
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
-        """Accept `--debug` before or after the name of the command."""
+        """Accept `--debug` before or after the command name."""
         ctx.obj = {"debug": "--debug" in args}
         return super().parse_args(ctx, [arg for arg in args if arg != "--debug"])
 
     def invoke(self, ctx: typer.Context) -> Any:
-        """Run a command; exit with 1 or 2 on an error, with 130 where it is interrupted."""
+        """Run a command; exit with 1 or 2 on an error, with 130 on an interrupt."""
         try:
             with rescue_answer(lambda: "Interrupted; no file was written."):
                 return super().invoke(ctx)
@@ -33,7 +33,7 @@ class PlainErrors(TyperGroup):
 
 
 class Commands(PlainErrors, FolderGroup):
-    """The commands of `martensite`, listed by groups."""
+    """Commands of `martensite`, listed by topic."""
 
     order = ("Simulate", "From logs", "Design", "Take along", "Look up")
 

@@ -1,4 +1,4 @@
-"""Common options of commands on boards: the board, its log, its word, and the bar of a run."""
+"""Options of commands for boards."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ ProjectFolder = Annotated[
     Path, typer.Argument(metavar="PROJECT", help="Folder written by `martensite export firmware`.")
 ]
 SHOWN = 4
-"""Numbers beside a progress bar."""
+"""Number of values beside a progress bar."""
 
 
 @dataclass(frozen=True)
 class BoardSource:
-    """A board: its project, and where it is."""
+    """Firmware project and serial port."""
 
     project: ProjectFolder
     port: Annotated[str, Option(help="Serial port, e.g. /dev/ttyACM0 or COM3, or the word emulator.")] = "emulator"
@@ -39,7 +39,7 @@ class BoardSource:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """Log file and figure of a run."""
+    """Log file and figure of a board session."""
 
     out: Annotated[Path | None, Option(help="Log file to write: .csv, .parquet or .mcap.")] = None
     figure: FigureFile = None
@@ -47,7 +47,7 @@ class LogOptions:
     json: Json = False
 
     def check_file(self) -> LogOptions:
-        """Return these options; raise `DataError` if log or figure may not be written."""
+        """Return these options; raise `DataError` if a file may not be written."""
         Outputs(self.out, self.figure).check(self.force, data=ENDINGS)
         return self
 
@@ -63,7 +63,7 @@ Armed = Annotated[
 
 
 def require_empty(folder: Path, force: bool) -> Path:
-    """A folder that is empty, or not there; `InputError` for another one, unless it may be written into."""
+    """Return a folder; raise `InputError` if it is not empty, unless `force`."""
     if folder.exists() and any(folder.iterdir()) and not force:
         raise InputError(f"`{folder}` is not empty; use --force to write into it, or name another folder.")
     return folder
@@ -71,7 +71,7 @@ def require_empty(folder: Path, force: bool) -> Path:
 
 @contextmanager
 def open_session(source: BoardSource) -> Iterator[Session]:
-    """The board of a project, let go in the end."""
+    """Yield an open session with a board."""
     from martensite.boards.session import Session
 
     with Session.open(source.project, source.port) as found:
@@ -80,7 +80,7 @@ def open_session(source: BoardSource) -> Iterator[Session]:
 
 @contextmanager
 def show_log(label: str) -> Iterator[Callable[[BoardLog, float], None] | None]:
-    """A bar with the newest numbers of a log."""
+    """Yield a function that moves a progress bar with the newest values of a log."""
     with open_bar(label, 1.0) as move:
         yield move and (lambda log, share: move(description=_describe_latest(label, log), completed=share))
 
@@ -91,7 +91,7 @@ def _describe_latest(label: str, log: BoardLog) -> str:
 
 
 def answer_log(session: Session, found: BoardLog, options: LogOptions, before: list[Block] | None = None) -> None:
-    """Write log and figure, and say what came."""
+    """Write log and figure, and print a summary."""
     from martensite.show.figures.style import write_figure
     from martensite.show.terminal import print_summary
 

@@ -1,4 +1,4 @@
-"""`fit LOG...` without a scenario: the experiment is recognised, scenarios are proposed, and the best is kept."""
+"""`fit LOG...` without a scenario: propose scenarios and keep the best."""
 
 from __future__ import annotations
 
@@ -45,17 +45,17 @@ class ModelOptions:
     ] = None
 
     def refuse_beside_scenario(self) -> None:
-        """Raise `InputError` where a scenario is given, which says all that."""
+        """Raise `InputError` if a scenario is given."""
         for name, given in (("--experiment", self.experiment), ("--save-scenario", self.save_scenario)):
             if given is not None:
                 raise InputError(f"Option `{name}` has no effect with --scenario.")
 
     def find_scenario_file(self, report: Path | None) -> Path | None:
-        """Return the path of the scenario: as given, or next to the report."""
+        """Return the scenario file: as given, or next to the report."""
         return self.save_scenario or (None if report is None else report.with_suffix(".toml"))
 
     def check(self, given: object, report: Path | None, force: bool) -> None:
-        """Refuse options that would do nothing, and files that cannot be written."""
+        """Raise an error for options without effect and files that cannot be written."""
         idle = next((name for name in NEEDLESS if getattr(given, name, None) is not None), None)
         if idle is not None:
             raise InputError(f"Option `--{idle.replace('_', '-')}` needs --scenario and --free, or has no effect.")
@@ -99,7 +99,7 @@ def fit_log_model(
     material: Path | None = None,
     json: bool = False,
 ) -> LogModel:
-    """Make a model of logs and print its page; `search` are further arguments of `model_logs`."""
+    """Fit proposed models to logs and print the result; `search` has further arguments of `model_logs`."""
     from martensite.fit.log_models import model_logs
     from martensite.scenario.overrides import read_settings
     from martensite.show.pages import write_page
@@ -128,7 +128,7 @@ def fit_log_model(
 
 
 def write_records(model: LogModel, scenario: Path) -> list[Path]:
-    """Write the records that the scenario follows beside it, where it needs columns that the logs do not hold."""
+    """Write the records that the scenario follows, if it needs columns that the logs lack."""
     from martensite.base.files import write_file
     from martensite.logs.record_text import format_record
 
@@ -140,7 +140,7 @@ def write_records(model: LogModel, scenario: Path) -> list[Path]:
 
 
 def write_command(model: LogModel, logs: Sequence[str | Path], scenario: Path, interval: float | None) -> str:
-    """The command that fits a kept scenario to the same logs."""
+    """Return the command that fits a saved scenario to the same logs."""
     proposal = model.chosen.proposal
     words = ["martensite", "fit", *map(str, logs), "--scenario", str(scenario), "--free", ",".join(proposal.free)]
     words += [word for one in proposal.each for word in ("--each", one)]

@@ -1,8 +1,8 @@
-"""Groups whose commands are the files of a folder: a new file is a new command, with no list to edit.
+"""Groups whose commands are the files of a folder.
 
-A file declares a command by `@app.command("name", ...)`, or a group by `app.add_typer(..., name="name")`.
-Only the files that declare the requested command are imported; a help text imports all of them. Packages
-from elsewhere add commands through the entry-point group `martensite.<folder>`.
+A file declares a command by `@app.command("name", ...)`, or a group by `app.add_typer(..., name="name")`. Only the file
+of the requested command is imported; a help text imports all. Other packages add commands through the entry-point group
+`martensite.<folder>`.
 """
 
 from __future__ import annotations
@@ -18,29 +18,25 @@ from martensite.cli.plain_values import spare_conversion
 
 
 class FolderGroup(TyperGroup):
-    """Commands that the files of a folder declare."""
+    """Commands declared by the files of a folder."""
 
     folder: ClassVar[ModuleFolder]
     declared: ClassVar[typer.Typer]
     """Collects the commands of imported files."""
     order: ClassVar[tuple[str, ...]] = ()
-    """Titles of the help text, first to last; others follow."""
+    """Titles of the help text in order; others follow."""
     built = 0
-    """Number of declarations behind `commands`."""
+    """Number of declarations in `commands`."""
     complete = False
-    """True once all files are imported."""
+    """True if all files are imported."""
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:
-        """Return a command by its name, or None; import the file that declares it."""
+        """Return a command by name, or None."""
         self.load_command(cmd_name)
         return super().get_command(ctx, cmd_name)
 
     def load_command(self, name: str) -> bool:
-        """Return whether there is a command of this name; import the file that declares it.
-
-        Raises:
-            InputError: the file that declares it cannot be imported.
-        """
+        """Import the file of a command; return False if there is none."""
         words = f'command("{name}"', f'name="{name}"'
         if name not in self.commands:
             self._import(*words)
@@ -51,13 +47,13 @@ class FolderGroup(TyperGroup):
         return name in self.commands
 
     def list_commands(self, ctx: typer.Context) -> list[str]:
-        """Return the names of all commands, by title and name."""
+        """Return all command names, by title and name."""
         self._import_all()
         titles = (*self.order, *sorted({self._find_title(name) for name in self.commands} - {*self.order}))
         return sorted(self.commands, key=lambda name: (titles.index(self._find_title(name)), name))
 
     def format_commands(self, ctx: typer.Context, formatter: Any) -> None:
-        """Write the commands of the help text, each title with its commands, and the files that failed."""
+        """Write the commands by title, and the files that cannot be imported."""
         groups: dict[str, list[str]] = {}
         for name in self.list_commands(ctx):
             command = self.commands[name]
@@ -104,25 +100,22 @@ def _spare(list_parameters: Callable[[Any], list[Any]]) -> Callable[[Any], list[
 def make_group(
     package: str, cls: type[FolderGroup] = FolderGroup, *, help: str | None = None, short_help: str | None = None
 ) -> typer.Typer:
-    """Make a group that takes its commands from the files of a package.
+    """Return a group whose commands are the files of a package.
 
     Args:
         package: dotted name of the folder.
         cls: class of the group.
-        help: text of `--help`; by default that of the callback.
+        help: help text; by default that of the callback.
         short_help: line in the list of commands; by default the start of `help`.
-
-    Returns:
-        The group, in which the files of the package declare their commands.
     """
-    found = type(cls.__name__, (cls,), {"folder": ModuleFolder(package)})
-    group = found.declared = typer.Typer(
-        cls=found,
+    group_class = type(cls.__name__, (cls,), {"folder": ModuleFolder(package)})
+    group = group_class.declared = typer.Typer(
+        cls=group_class,
         help=help,
         short_help=short_help,
         no_args_is_help=True,
         pretty_exceptions_enable=False,
-        rich_markup_mode=None,  # importing rich for a help text takes longer than everything else
+        rich_markup_mode=None,  # importing rich would dominate the time of a help text
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     return group

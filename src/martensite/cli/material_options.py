@@ -1,4 +1,4 @@
-"""Options of exporters that write an element, or its material, alone for a host."""
+"""Options of exporters of an element or its material."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Port = Annotated[Text, Option("--port", help="Place of the element in the scenar
 
 @dataclass(frozen=True)
 class MaterialOptions:
-    """Which material is written, and where."""
+    """Material and target files."""
 
     out: Annotated[Path, Option(metavar="FOLDER", help="Output folder.")] = Path()
     name: Annotated[Text, Option(help="Name of the material and prefix of file names [default: SCENARIO].")] = None
@@ -37,11 +37,7 @@ class MaterialOptions:
     json: Json = False
 
     def compile(self, source: ScenarioSource) -> tuple[PortKernel, str]:
-        """The material of a scenario, and its name.
-
-        Raises:
-            InputError: it would begin compressed though it goes slack.
-        """
+        """Return the material of a scenario and its name."""
         from martensite.export.c_names import choose_identifier
         from martensite.export.ports.kernel import compile_port
         from martensite.export.ports.material import build_material_port
@@ -55,13 +51,13 @@ class MaterialOptions:
         return compile_port(build_material_port(system, port=self.port, preload=stress, compressed=side)), called
 
     def write(self, kernel: PortKernel, called: str, texts: Mapping[str, str], lines: list[str]) -> None:
-        """Write its texts, and say so."""
+        """Write the files of a material and print a summary."""
         files = write_texts(self.out, called, texts, self.force)
         report_written(kernel, called, lines, files, self.json)
 
 
 def write_core_alone(system: AbstractSystem, part: str, port: str | None, name: str, precision: str) -> CCore:
-    """The core of an element, or of its material, for a host."""
+    """Return the core of an element or its material."""
     from martensite.export.ports.element import build_element_port
     from martensite.export.ports.kernel import compile_port
     from martensite.export.ports.material import build_material_port
@@ -71,7 +67,7 @@ def write_core_alone(system: AbstractSystem, part: str, port: str | None, name: 
 
 
 def write_texts(folder: Path, name: str, texts: Mapping[str, str], force: bool) -> list[Path]:
-    """Write texts by the endings of their files, all of them or none."""
+    """Write texts by file ending, all or none."""
     from martensite.base.files import make_folder, replace_together, write_file
 
     missing = not folder.exists()
@@ -86,10 +82,10 @@ def write_texts(folder: Path, name: str, texts: Mapping[str, str], force: bool) 
 
 
 def report_written(kernel: PortKernel, name: str, lines: list[str], files: list[Path], json: bool) -> None:
-    """Print what was written: the element, remarks, cautions and files."""
+    """Print element, remarks, cautions and files."""
     from martensite.show.terminal import print_summary
 
     port = kernel.system
-    told = [port.description(), *lines, *port.list_cautions()]
+    entries = [port.description(), *lines, *port.list_cautions()]
     data = {"name": name, "described": port.description(), "states": kernel.size}
-    print_summary(Summary("", [Sentence(line) for line in told], data), json, files)
+    print_summary(Summary("", [Sentence(line) for line in entries], data), json, files)

@@ -1,4 +1,4 @@
-"""Options that several commands share, and what they do."""
+"""Options of several commands."""
 
 from __future__ import annotations
 
@@ -51,11 +51,7 @@ def read_quantity(name: str, text: str, unit: str) -> float: ...
 @overload
 def read_quantity(name: str, text: str | None, unit: str) -> float | None: ...
 def read_quantity(name: str, text: str | None, unit: str) -> float | None:
-    """Return the value of the option `name`, in the SI `unit`; None if not given.
-
-    Raises:
-        UnitError: the text is not a quantity of this dimension.
-    """
+    """Return an option in the SI `unit`; None if not given."""
     from martensite.base import units
 
     if text is None:
@@ -71,33 +67,28 @@ def read_positive(name: str, text: str, unit: str) -> float: ...
 @overload
 def read_positive(name: str, text: str | None, unit: str) -> float | None: ...
 def read_positive(name: str, text: str | None, unit: str) -> float | None:
-    """Return the value of an option that must be above 0, in the SI `unit`; None if not given.
-
-    Raises:
-        InputError: the value is not above 0.
-        UnitError: the text is not a quantity of this dimension.
-    """
-    found = read_quantity(name, text, unit)
-    if found is not None and not found > 0.0:
-        raise InputError(f"Option `--{name}` must be above 0 {unit}, but is {found:g} {unit}.")
-    return found
+    """Return an option above 0 in the SI `unit`; None if not given."""
+    quantity = read_quantity(name, text, unit)
+    if quantity is not None and not quantity > 0.0:
+        raise InputError(f"Option `--{name}` must be above 0 {unit}, but is {quantity:g} {unit}.")
+    return quantity
 
 
 def refuse_idle(option: str, idle: bool, reason: str) -> None:
-    """Raise `InputError` for an option without effect: it is a mistake of the caller."""
+    """Raise `InputError` for an option without effect."""
     if idle:
         raise InputError(f"Option `{option}` has no effect, since {reason}.")
 
 
 def import_modules(names: list[str] | None) -> None:
-    """Import what `--import` names."""
+    """Import the modules of `--import`."""
     from martensite.base import registry
 
     registry.import_modules(names or [])
 
 
 def load_scenario(path: str | Path, settings: list[str] | None, modules: list[str] | None = None) -> Scenario:
-    """The scenario of a file with what `--set` changes and `--import` adds."""
+    """Return the scenario of a file after `--import` and `--set`."""
     import_modules(modules)
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.scenario import load
@@ -106,7 +97,7 @@ def load_scenario(path: str | Path, settings: list[str] | None, modules: list[st
 
 
 def load_without_log(path: str | Path, settings: list[str] | None, modules: list[str] | None = None) -> Scenario:
-    """The scenario of a file, if need be with a stand-in for the log that it follows."""
+    """Return the scenario of a file, with a stand-in for a followed log."""
     import_modules(modules)
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.recorded_waveforms import UNKNOWN_LOG
@@ -117,22 +108,19 @@ def load_without_log(path: str | Path, settings: list[str] | None, modules: list
 
 @dataclass(frozen=True)
 class ScenarioSource:
-    """A scenario file, with what `--set` changes and `--import` adds."""
+    """Scenario file with `--set` and `--import`."""
 
     file: ScenarioFile
     settings: Settings = None
     modules: Imports = None
 
     def load(self) -> Scenario:
-        """The scenario, of a run that starts at home and at rest."""
+        """Return the scenario, for a run that starts at home and at rest."""
         return load_scenario(self.file, self.settings, self.modules).require_home("This command")
 
 
 def spread_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Let a command whose arguments have dataclasses as types take their fields as options.
-
-    The options of a command are declared once, as the fields of the value that it works with.
-    """
+    """Turn dataclass arguments of a command into its options, one per field."""
     own = inspect.signature(command, eval_str=True).parameters.values()
     groups: dict[str, Any] = {one.name: one.annotation for one in own if is_dataclass(one.annotation)}
     parameters: list[inspect.Parameter] = []

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def show_spinner(label: str) -> Iterator[None]:
-    """A moving sign."""
+    """Show a spinner."""
     if not sys.stderr.isatty():
         yield
         return
@@ -26,7 +26,7 @@ def show_spinner(label: str) -> Iterator[None]:
 
 @contextmanager
 def open_bar(label: str, total: float | None, counted: bool = False) -> Iterator[Callable[..., None] | None]:
-    """Yield the function that moves a bar with a text and times, and optionally counts; None without a terminal."""
+    """Yield the function that moves a bar with text, times and optional counts; None without a terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -42,21 +42,21 @@ def open_bar(label: str, total: float | None, counted: bool = False) -> Iterator
 
 @contextmanager
 def show_progress(label: str) -> Iterator[Callable[[int, int], None] | None]:
-    """A bar, moved by calling what it gives with the number done and the total."""
+    """Yield a function that moves a bar by number done and total."""
     with open_bar(label, None) as move:
         yield move and (lambda done, total: move(completed=done, total=total))
 
 
 @contextmanager
 def show_share(label: str) -> Iterator[Callable[[str, float], None] | None]:
-    """A bar, moved by calling what it gives with a sentence and the share that is done."""
+    """Yield a function that moves a bar by sentence and share."""
     with open_bar(label, 1.0) as move:
         yield move and (lambda text, share: move(description=text, completed=share))
 
 
 @contextmanager
 def show_run(label: str, quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
-    """A bar for a run, moved by calling what it gives with what is done, and its share."""
+    """Yield a function that moves the bar of a run by text and share."""
     if quiet:
         yield None
         return
@@ -66,9 +66,9 @@ def show_run(label: str, quiet: bool) -> Iterator[Callable[[str, float], None] |
 
 @contextmanager
 def show_search(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
-    """A bar for a search, with the words that `describe` finds for what it tells.
+    """Yield a function that moves the bar of a search, with the words of `describe`.
 
-    The time left is shown once a search can say how much of it is done.
+    The remaining time appears once the search reports its share.
     """
     with open_bar("fitting", None) as move:
         yield move and (

@@ -1,4 +1,4 @@
-"""A finished tuning of a scenario: whether it is worse than before, what to print, and what may be saved."""
+"""Result of a tuning: comparison with the present loop, printed text and saved files."""
 
 from __future__ import annotations
 
@@ -21,44 +21,44 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class TuningVerdict:
-    """Errors before and after, and what `check` finds in the tuned loop."""
+    """Errors before and after, and the loop test of the tuned loop."""
 
     judgement: TuningJudgement
     report: LoopReport
     was_sound: bool
-    """True if the loop before had no fault; only looked at if the tuned loop has one."""
+    """True if the present loop had no fault; tested only if the tuned loop has one."""
 
     @property
     def lost(self) -> bool:
-        """True if the tuned loop is not sound and the loop before was."""
+        """True if only the tuned loop is unsound."""
         return self.was_sound and self.report.verdict == "not sound"
 
     @property
     def worse(self) -> bool:
-        """True if the error is larger than before, or the loop has become unsound."""
+        """True if the error is larger or the loop has become unsound."""
         return self.judgement.worse or self.lost
 
     @property
     def sentence(self) -> str:
-        """The verdict in one sentence without a full stop."""
+        """The verdict without a full stop."""
         if self.lost:
             return f"WORSE: the tuned loop fails tests that the present loop passes ({self.judgement.describe()})"
         return f"{self.judgement.word}: {self.judgement.describe()}"
 
     def list_blocks(self) -> Iterator[Block]:
-        """Yield what `check` finds, and its verdict."""
+        """Yield loop findings and verdict."""
         yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in self.report.findings)
         untested = f" ({', '.join(self.report.untested)})" if self.report.verdict == "not all tested" else ""
         tone = "bad" if self.report.verdict == "not sound" else ""
         yield Sentence(f"Tests of the tuned loop: {self.report.verdict}{untested}.", tone)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all of it for programs."""
+        """Return the result as plain data."""
         return {**self.judgement.to_dict(), "worse": self.worse, "check": self.report.to_dict()}
 
 
 def judge_scenario(scenario: Scenario, bench: Bench, judgement: TuningJudgement) -> TuningVerdict:
-    """Test the tuned bench of a scenario as `check` does, and the present one if the tuned one has a fault."""
+    """Test the tuned loop as `check` does, and the present loop if the tuned one has a fault."""
     report = check_scenario_loop(scenario, bench)
     faulty = report.verdict == "not sound" and scenario.bench is not None
     before = check_scenario_loop(scenario, scenario.bench) if faulty and scenario.bench is not None else report
@@ -72,14 +72,14 @@ class TuningAnswer:
     verdict: TuningVerdict
     summary: Summary
     text: Callable[[], str]
-    """Makes the scenario with the new numbers."""
+    """Returns the scenario with the new gains."""
     draw: Callable[[], Figure]
 
     def give(self, outputs: Outputs, options: JudgedOptions) -> bool:
-        """Print and write it, the verdict first. Return True if a worse scenario was not saved."""
+        """Print the result, verdict first; return True if a worse scenario was not saved."""
         from martensite.cli.outputs import Verdict
 
         verdict = Verdict(self.verdict.worse, self.verdict.sentence)
         blocks = [*self.summary.blocks, *self.verdict.list_blocks()]
-        said = replace(self.summary, blocks=blocks, data={**self.summary.data, "verdict": self.verdict.to_dict()})
-        return outputs.answer_verdict(verdict, said, options, self.text, self.draw)
+        summary = replace(self.summary, blocks=blocks, data={**self.summary.data, "verdict": self.verdict.to_dict()})
+        return outputs.answer_verdict(verdict, summary, options, self.text, self.draw)

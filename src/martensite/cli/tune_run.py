@@ -1,4 +1,4 @@
-"""The run of a tuning: test or search, and judge on other plants, within spreads given as text."""
+"""Run of a tuning, with training and test plants."""
 
 from __future__ import annotations
 
@@ -26,18 +26,13 @@ if TYPE_CHECKING:
 
 
 TRIED = 3
-"""Starts by rules that a search is given: the best."""
+"""Number of best rules that start a search."""
 PID = ("Kp", "Ki", "Kd")
 PLANTS = 64
 
 
 def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> TuningAnswer:
-    """Tune by rules, a relay or descents, as the options ask for; `best` takes the best so far.
-
-    Raises:
-        InputError: the scenario has no loop, or an option does not fit it.
-        SolveError: the loop cannot be run.
-    """
+    """Tune by rules, a relay or descents; `best` receives the best gains so far."""
     from martensite.control.tuning.loop_runs import find_loop
 
     bench = _find_bench(scenario)
@@ -145,7 +140,7 @@ def _search_gains(
     both: tuple[Plants | None, Plants | None],
     best: BestSoFar,
 ) -> tuple[TunedBench, LoopTests | None, str]:
-    """Search on the first plants, and judge on the others."""
+    """Search on the training plants and score on the test plants."""
     from martensite.control.controllers.pid import Pid
     from martensite.control.tuning.bench_tuning import tune_bench
     from martensite.control.tuning.gain_search import TuningSearch
@@ -162,7 +157,7 @@ def _search_gains(
         best.keep(lambda: scenario.write_changed(gains, "best gains so far"))
 
     with rescue_answer(best.save), show_share("tuning") as tell:
-        found = tune_bench(
+        tuned = tune_bench(
             runs.bench,
             length,
             free,
@@ -179,7 +174,7 @@ def _search_gains(
         )
     count = plants.count if plants else 1
     where = f"on {count} plants" if plants else "on the plant of the scenario"
-    return found, tests, f"least cost ({goal.error}) {where}"
+    return tuned, tests, f"least cost ({goal.error}) {where}"
 
 
 def _name_free(options: TuneOptions, runs: LoopRuns, pid: bool) -> list[str]:
@@ -193,7 +188,7 @@ def _name_free(options: TuneOptions, runs: LoopRuns, pid: bool) -> list[str]:
 def _find_starts(
     options: TuneOptions, runs: LoopRuns, scenario: Scenario, pid: bool
 ) -> tuple[LoopTests | None, list[Mapping[str, float]]]:
-    """The best gains by rules on the nominal plant; none where the tests cannot be made."""
+    """Return the best gains by rules on the nominal plant; empty if the tests fail."""
     if not pid:
         return None, []
     from martensite.control.rules.rule_starts import choose_best_rules
@@ -210,11 +205,7 @@ def _find_starts(
 def draw_both_plants(
     texts: Sequence[str], count: int | None, seed: int, scenario: Scenario, bench: Bench
 ) -> tuple[Plants | None, Plants | None]:
-    """Return plants to tune on, and others to judge on; None without a spread.
-
-    Raises:
-        InputError: a text is not a spread of a parameter of the plant.
-    """
+    """Return training and test plants; None without a spread."""
     if not texts:
         return None, None
     from martensite.control.tuning.plant_spread import draw_plants

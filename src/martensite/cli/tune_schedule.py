@@ -1,4 +1,4 @@
-"""`tune --method schedule`: a schedule of gains for a scenario, compared with the present loop."""
+"""`tune --method schedule`: gain schedules."""
 
 from __future__ import annotations
 
@@ -34,11 +34,7 @@ SENSITIVITY, POINTS = 1.4, 4
 
 
 def run_schedule(scenario: Scenario, options: TuneOptions) -> TuningAnswer:
-    """Design a schedule of gains, and compare its loop with the present one.
-
-    Raises:
-        InputError: the scenario has no loop that has a linear system.
-    """
+    """Design a gain schedule and compare it with the present loop."""
     if scenario.bench is None:
         raise InputError("The scenario has no [controller] that could be tuned.")
     bench, waves = scenario.bench, by_name(scenario.system, scenario.waveform)
@@ -47,15 +43,15 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> TuningAnswer:
     _, judged = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     with show_spinner("linear systems on both branches"):
         wanted = SENSITIVITY if options.sensitivity is None else options.sensitivity
-        found = design_gain_schedule(
+        schedule = design_gain_schedule(
             bench, duration, drive=options.loop, sensitivity=wanted, count=POINTS, waveforms=waves
         )
-        members = {**bench.controllers.members(), found.drive: found.controller}
+        members = {**bench.controllers.members(), schedule.drive: schedule.controller}
         after = bench.with_parts(controllers=Controllers(**members))
         others = {name: float(one.value(0.0)) for name, one in waves.items()}
-        loops = linearise_case(LoopCase(after, found.drive, found.controller, duration, others), POINTS)
+        loops = linearise_case(LoopCase(after, schedule.drive, schedule.controller, duration, others), POINTS)
         before, tuned = (
-            JudgedLoop(LoopRuns(one, duration, drive=found.drive, seed=scenario.seed, waveforms=waves), {})
+            JudgedLoop(LoopRuns(one, duration, drive=schedule.drive, seed=scenario.seed, waveforms=waves), {})
             for one in (bench, after)
         )
         verdict = judge_scenario(scenario, after, judge_loops(before, tuned, judged))
@@ -67,13 +63,13 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> TuningAnswer:
 
     lead = f"# gains scheduled for a largest sensitivity of {wanted:g}\n\n"
     return TuningAnswer(
-        verdict, _summarise_schedule(scenario, found, loops), lambda: lead + found.to_toml(scenario.text), draw
+        verdict, _summarise_schedule(scenario, schedule, loops), lambda: lead + schedule.to_toml(scenario.text), draw
     )
 
 
 def _summarise_schedule(scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop]) -> Summary:
     margins = [compute_margins(one.loop) for one in loops]
-    pairs = list(zip(found.points, margins, strict=False))  # the last loop is that of the dead band
+    pairs = list(zip(found.points, margins, strict=False))  # the last loop is the dead band
     cells = [
         (
             one.branch,

@@ -1,1 +1,1 @@
-"""Commands of `martensite`, found by their files: one file per command, one folder per group."""
+"""Commands of `martensite`: one file per command, one folder per group."""

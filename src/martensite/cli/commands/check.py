@@ -1,4 +1,4 @@
-"""`check` and `params`: what a scenario holds, before anything is run."""
+"""`check` and `params`."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 TRIED = 5.0
-"""CPU time [s] for which the run of a scenario is tried."""
+"""CPU time [s] of the test run."""
 ROUNDING = 1e-9
-"""Part of a step."""
+"""Relative to one step."""
 
 
 @app.command("check", rich_help_panel="Simulate")
@@ -54,7 +54,7 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
 
     outputs = answer.check_files()
     loaded = load_without_log(source.file, source.settings, source.modules)
-    if "at" not in loaded.initial:  # to find what is to be found takes a run
+    if "at" not in loaded.initial:  # `at` needs a run
         loaded.find_start(loaded.tolerance)
     report, (tried, unjudged) = _collect_report(loaded), _try_run(loaded)
     judged = None if tried is None else judge_run(tried)
@@ -64,8 +64,8 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
 
         report["guard"] = collect_guard(loaded)
     loops = None if loaded.bench is None or report["follows"] else check_scenario_loop(loaded, loaded.bench)
-    found = describe_verdict(loops, judged, unjudged)
-    verdict = replace(found, text=f"{loaded.title}: {found.text}")
+    outcome = describe_verdict(loops, judged, unjudged)
+    verdict = replace(outcome, text=f"{loaded.title}: {outcome.text}")
     blocks = [
         verdict,
         *(() if tried is None or judged is None else _describe_run(tried, judged, loops, loaded.bench)),
@@ -79,7 +79,6 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
 
 
 def _try_run(scenario: Scenario) -> tuple[Result | None, str]:
-    """Return the run of a scenario, or None with the reason why there is none and the remedy."""
     if scenario.follows:
         return None, "the scenario follows a log. Use `martensite run --log FILE` or `martensite fit`"
     try:
@@ -89,13 +88,13 @@ def _try_run(scenario: Scenario) -> tuple[Result | None, str]:
 
 
 def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None, bench: Bench | None) -> Iterator[Block]:
-    """Return the warnings of a run that neither its verdict nor the tests of its loops give, and its extremes."""
+    """Yield extremes and warnings of a run that are not already in its verdict or loop tests."""
     from martensite.show.summaries.run import write_key_numbers
 
     yield Sentence(write_key_numbers(tried))
-    told = {judged.outside, *(alarm.sentence for alarm in judged.alarms)}
-    told |= set() if loops is None else {f"Warning: {one.sentence} {one.remedy}" for one in loops.findings}
-    yield from (Sentence(words, "caution") for words in tried.warnings if words not in told)
+    members = {judged.outside, *(alarm.sentence for alarm in judged.alarms)}
+    members |= set() if loops is None else {f"Warning: {one.sentence} {one.remedy}" for one in loops.findings}
+    yield from (Sentence(words, "caution") for words in tried.warnings if words not in members)
     yield from map(Sentence, judged.list_remedies())
     end = float(tried.times[-1])
     cut = f"{tried.steps} steps" if bench is None else f"{round(end / bench.period)} periods of {bench.period:.6g} s"
@@ -103,7 +102,6 @@ def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None, be
 
 
 def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
-    """Return the function that draws the margins of a loop, if they are requested."""
     if outputs.figure is None:
         return None
     if scenario.bench is None:
@@ -178,19 +176,19 @@ def params(
         print_summary(Summary("", [table], rows), json)
         return
     import_modules(modules)
-    found = describe_named(name)
-    blocks = [block for part in found for block in describe_part(part)]
-    print_summary(Summary("", blocks, found), json)
+    named = describe_named(name)
+    blocks = [block for part in named for block in describe_part(part)]
+    print_summary(Summary("", blocks, named), json)
 
 
 def _list_values(scenario: Scenario) -> list[dict[str, Any]]:
     places, known = scenario.places, scenario.origins
-    found = [
+    entries = [
         _collect_value(scenario, path, leaf, places.unit(leaf))
         for leaf in scenario.leaves()
         if (path := places.path(leaf.path)) in known or not places.is_copy(leaf.path)
     ]
-    return [*found, *_list_levels(scenario)]
+    return [*entries, *_list_levels(scenario)]
 
 
 def _list_levels(scenario: Scenario) -> Iterator[dict[str, Any]]:

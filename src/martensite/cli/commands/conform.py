@@ -1,4 +1,4 @@
-"""`conform`: try whether parts and commands of your own keep their contracts."""
+"""`conform`: test parts and commands against their contracts."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ def conform(
 
     commands = dict(list_commands())
     own = {name: one for name, one in commands.items() if _is_meant(one, name, target)}
-    found = check_target(target, commands, required=not own)
-    found += [check_command(one, name, find_kind(name)) for name, one in own.items()]
-    blocks = [block for one in found for block in _describe_findings(one)]
-    print_summary(Summary("", blocks, [_collect_findings(one) for one in found]), json)
-    if not all(one.holds for one in found):
+    reports = check_target(target, commands, required=not own)
+    reports += [check_command(one, name, find_kind(name)) for name, one in own.items()]
+    blocks = [block for one in reports for block in _describe_findings(one)]
+    print_summary(Summary("", blocks, [_collect_findings(one) for one in reports]), json)
+    if not all(one.holds for one in reports):
         raise typer.Exit(1)
 
 
 def list_commands(group: Any = None, words: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the words that call each command, such as `export c`, and the command."""
+    """Yield the name of each command, e.g. `export c`, with the command."""
     group = typer.main.get_command(app) if group is None else group
     for name in group.list_commands(None):
         one = group.get_command(None, name)
@@ -56,12 +56,12 @@ def list_commands(group: Any = None, words: str = "") -> Iterator[tuple[str, Any
 
 
 def find_kind(name: str) -> str:
-    """Return the kind of a command: `exporter` or `command`."""
+    """Return `exporter` or `command`."""
     return "exporter" if name.startswith("export ") else "command"
 
 
 def _is_meant(command: Any, name: str, target: str) -> bool:
-    """Return whether the target is the name of a command, the last word of it, or the file that declares it."""
+    """Test whether the target is a command name, its last word, or its file."""
     if target.endswith(".py"):
         return command.callback.__module__ == Path(target).stem
     return target in (name, name.rpartition(" ")[2])

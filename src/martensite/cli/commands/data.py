@@ -1,4 +1,4 @@
-"""`data`: published measurements, and files of instruments with what they are taken for."""
+"""`data`: published measurements, and the columns of log files."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ def list_all(json: Json = False) -> None:
     from martensite.logs.datasets import dataset_names, describe_dataset
     from martensite.show.terminal import print_summary
 
-    found = [describe_dataset(name) for name in dataset_names()]
-    here = {one.name: _count_here(one.name) for one in found}
-    rows = [(d.name, d.title, d.licence, str(len(d.files)), here[d.name]) for d in found]
+    entries = [describe_dataset(name) for name in dataset_names()]
+    here = {one.name: _count_here(one.name) for one in entries}
+    rows = [(d.name, d.title, d.licence, str(len(d.files)), here[d.name]) for d in entries]
     table = DataTable(("data set", "what it is", "licence", "files", "on this machine"), rows)
-    data = [asdict(one) | {"here": here[one.name]} for one in found]
+    data = [asdict(one) | {"here": here[one.name]} for one in entries]
     print_summary(Summary("", [table], data), json)
 
 
@@ -49,7 +49,7 @@ def _count_here(name: str) -> str:
     from martensite.base.errors import DataError
     from martensite.logs.datasets import describe_dataset, locate_file
 
-    found = 0
+    count = 0
     dataset = describe_dataset(name)
     files = dataset.files
     if dataset.packaged is not None:
@@ -59,8 +59,8 @@ def _count_here(name: str) -> str:
             locate_file(f"{name}/{file}")
         except DataError:
             continue
-        found += 1
-    return "yes" if found == len(files) else "no" if not found else f"{found} of {len(files)}"
+        count += 1
+    return "yes" if count == len(files) else "no" if not count else f"{count} of {len(files)}"
 
 
 @data.command("show")
@@ -103,17 +103,17 @@ def show_data(
     if out is not None:
         check_folder(out)
         check_absent(out, force)
-    found = _read_files(names, named or ())
+    tables = _read_files(names, named or ())
     if merge:
         offsets = [read_quantity("offset", text, "s") or 0.0 for text in offset or ()]
-        found = [merge_by_clock(found, offsets or None)]
-    if out is not None and len(found) > 1:
-        raise InputError(f"`{out}` takes one table, but there are {len(found)} files; join them by --merge.")
-    Outputs(out, None).answer(summarise_lab_files(found), json, found[0].to_csv)
+        tables = [merge_by_clock(tables, offsets or None)]
+    if out is not None and len(tables) > 1:
+        raise InputError(f"`{out}` takes one table, but there are {len(tables)} files; join them by --merge.")
+    Outputs(out, None).answer(summarise_lab_files(tables), json, tables[0].to_csv)
 
 
 def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:
-    """All tables of files, with rows that cannot be read left out."""
+    """Return all tables of files, without unreadable rows."""
     from martensite.logs.container_files import list_sheets
     from martensite.logs.lab_files import read_lab_file, split_side_by_side
     from martensite.logs.reader import parse_named
@@ -123,7 +123,6 @@ def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:
 
 
 def _show_set(name: str, json: bool) -> None:
-    """A published data set: what it holds, what it is not, where it comes from, its files."""
     from martensite.logs.datasets import describe_dataset
     from martensite.show.terminal import print_summary
 

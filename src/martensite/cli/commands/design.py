@@ -1,4 +1,4 @@
-"""`design`: numbers of a scenario for which a goal is best and limits are kept; the scenario with them."""
+"""`design`: optimise numbers of a scenario."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DesignOptions:
-    """Free parameters, goal, constraints, and search options."""
+    """Free parameters, goal, constraints and search options."""
 
     free: Annotated[
         Texts,
@@ -65,7 +65,7 @@ class DesignOptions:
     seed: Annotated[int, Option(help="Seed of the first sample.")] = 0
 
     def check(self) -> None:
-        """Raise `InputError` for a number out of range, or an option without effect."""
+        """Raise `InputError` for a number out of range or an option without effect."""
         refuse_idle("--life", self.no_limits and self.life is not None, "--no-limits ignores all limits")
         if self.sample < 1 or self.sample & (self.sample - 1):
             raise ParameterError(f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}.")
@@ -78,13 +78,9 @@ class DesignOptions:
         """Return the best design.
 
         Args:
-            scenario: where the search begins.
-            best: takes the best so far.
-            saved: whether the scenario will be written with the numbers found.
-
-        Raises:
-            InputError: the scenario is not an open loop, or an option does not fit it.
-            SolveError: no design can be run.
+            scenario: start of the search.
+            best: receives the best design so far.
+            saved: True if the scenario will be written.
         """
         from martensite.design.optimise.optimise import optimise_design
         from martensite.design.optimise.search import DesignSearch
@@ -146,40 +142,40 @@ def design(
     outputs = answer.check_files(out, ".toml")
     options.check()
     loaded = source.load()
-    found = options.search(loaded, name_interrupted(out, source.file), saved=out is not None)
+    best_design = options.search(loaded, name_interrupted(out, source.file), saved=out is not None)
     from martensite.show.figures.design import plot_design
     from martensite.show.summaries.design import describe_verdict, summarise_design
 
     refused = outputs.answer_verdict(
-        Verdict(not found.kept, describe_verdict(found)),
-        summarise_design(found, loaded.title),
+        Verdict(not best_design.kept, describe_verdict(best_design)),
+        summarise_design(best_design, loaded.title),
         answer,
-        lambda: write_design(found, loaded),
-        lambda: plot_design(found, loaded.title),
+        lambda: write_design(best_design, loaded),
+        lambda: plot_design(best_design, loaded.title),
     )
     if refused:
         raise Exit(1)
 
 
 def name_targets(scenario: Scenario) -> dict[str, str]:
-    """Path in the system of every number that may be free -> its path in the scenario."""
+    """Map the system path of each possible free number to its scenario path."""
     from martensite.design.optimise.targets import name_level
     from martensite.scenario.assemble import waveform_path
     from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
     system, places = scenario.system, scenario.places
-    found = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}
+    table = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}
     steering = WaveformLevels(system, scenario.waveform, scenario.duration)
     for level in steering.available():
         before = waveform_path(system, level.drive, places.drive)
         if level.name == PEAK:
             before = before.removesuffix("waveform.")
-        found[name_level(level.drive, level.name)] = before + level.name
-    return found
+        table[name_level(level.drive, level.name)] = before + level.name
+    return table
 
 
 def require_written(scenario: Scenario, free: Sequence[str]) -> None:
-    """Raise `InputError` if a peak is free whose waveform the scenario does not hold itself."""
+    """Raise `InputError` if a peak is free whose waveform is not in the scenario file."""
     from martensite.simulate.waveform_levels import PEAK
 
     for text in free:
@@ -193,7 +189,7 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
 
 
 def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
-    """The scenario with the numbers found, as TOML."""
+    """Return the optimised scenario as TOML."""
     sense = "most" if found.question.most else "least"
     goal = f"# designed for the {sense} {found.question.goal.words}"
     limits = [f"# subject to {one.words}" for one in found.question.subject]
@@ -204,7 +200,7 @@ def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
 
 
 def _write_numbers(question: DesignQuestion, numbers: Sequence[float], scenario: Scenario) -> str:
-    """The scenario with other free numbers [SI], whole ones rounded."""
+    """Return the scenario as TOML with other free numbers [SI]; whole numbers are rounded."""
     from martensite.base.toml_text import as_toml
     from martensite.scenario.overrides import change_document
 
@@ -247,7 +243,6 @@ def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str
 
 
 def _find_waveform(scenario: Scenario, before: str) -> dict[str, Any]:
-    """The table of a waveform in the scenario; empty if there is none."""
     node: Any = tomllib.loads(scenario.text)
     for key in f"{before}waveform".split("."):
         node = node.get(key, {}) if isinstance(node, dict) else {}

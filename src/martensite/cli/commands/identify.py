@@ -1,4 +1,4 @@
-"""`identify LOG...`: a dynamic model of blocks from measured logs, and what it is worth."""
+"""`identify LOG...`: identify a dynamic model from logs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 REPORTS = (".html", ".md")
 ANCHOR = 0.1
-"""Weight of rest where a record begins there, in shares of all rows."""
+"""Weight of rest for a record that begins at rest, relative to all rows."""
 
 
 @dataclass(frozen=True)
@@ -101,11 +101,7 @@ class IdentifyOptions:
     named: NamedColumns = None
 
     def plan_stages(self) -> list[ModelStage]:
-        """The stages.
-
-        Raises:
-            InputError: something is missing, or contradicts something else.
-        """
+        """Return the stages."""
         from martensite.identify.chains.stages import ModelStage
 
         texts = list(self.stage or ())
@@ -117,15 +113,11 @@ class IdentifyOptions:
 
     @property
     def climbs(self) -> bool:
-        """Return whether no structure is given, so that one is found."""
+        """Test whether the structure is to be searched."""
         return not self.stage
 
     def complete_columns(self, log: str) -> IdentifyOptions:
-        """With the columns that the first log leaves no choice of.
-
-        Raises:
-            InputError: it leaves a choice.
-        """
+        """Return these options with input and output columns chosen from the first log."""
         from martensite.scenario.identify_logs import choose_columns
 
         given = self.list_inputs()
@@ -136,11 +128,11 @@ class IdentifyOptions:
         return replace(self, inputs=inputs, output=output)
 
     def list_inputs(self) -> list[str]:
-        """The inputs that are given."""
+        """Return the given inputs."""
         return [name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()]
 
     def read_records(self, fitted: Sequence[str], outputs: Sequence[str]) -> tuple[list[Sampled], ...]:
-        """Records to fit, to validate with, and others, all of one sample time."""
+        """Return the records for fit, validation and test, with one sample time."""
         from martensite.scenario.identify_logs import read_logs
 
         interval = read_positive("interval", self.interval, "s")
@@ -154,23 +146,23 @@ class IdentifyOptions:
         return tuple(groups)
 
     def read_named(self) -> dict[str, str]:
-        """Return the meanings of columns of files without headings."""
+        """Return the meanings of columns without headings."""
         from martensite.logs.reader import parse_named
 
         return dict(parse_named(self.named or ()))
 
     def read_units(self) -> dict[str, str]:
-        """Units of columns by name."""
-        found: dict[str, str] = {}
+        """Return units by column."""
+        table: dict[str, str] = {}
         for text in self.unit or ():
             name, equals, spelling = text.partition("=")
             if not equals or not spelling.strip():
                 raise InputError(f'`{text}` is no unit; write `COLUMN=UNIT`, e.g. "duty=%".')
-            found[name.strip()] = spelling.strip()
-        return found
+            table[name.strip()] = spelling.strip()
+        return table
 
     def choose_search(self, interval: float) -> Options:
-        """Return the search options of stages at a sample time."""
+        """Return the search options for a sample time [s]."""
         from martensite.identify.chains.estimate import Options
         from martensite.identify.chains.goals import AUTO
         from martensite.identify.chains.residuals import STARTS
@@ -247,12 +239,12 @@ def identify(
             if bar is not None:
                 bar(text, share)
 
-        found = identify_stages(fitted, stages, validation, other, search, tell)
+        identified = identify_stages(fitted, stages, validation, other, search, tell)
     records = [*fitted, *validation, *other]
-    written = _write_files(found, outputs, records)
+    written = _write_files(identified, outputs, records)
     if report is not None:
-        written += _write_stages_report(found, records, report)
-    print_summary(summarise_identified(found, records), answer.json, written)
+        written += _write_stages_report(identified, records, report)
+    print_summary(summarise_identified(identified, records), answer.json, written)
     if ended:
         typer.echo("interrupted: this is the best so far", err=True)
         raise typer.Exit(InterruptError.exit_code)
@@ -261,7 +253,7 @@ def identify(
 def _climb(
     logs: list[str], options: IdentifyOptions, answer: AnswerOptions, outputs: Outputs, report: Path | None
 ) -> None:
-    """Find a structure by itself, write and print what there is to say; the exit code says whether it is worth it."""
+    """Search for a structure; write files, print the summary and exit with a code."""
     from martensite.identify.ladder.climb import TIME_BOX
     from martensite.scenario.identify_logs import identify_log
     from martensite.scenario.model_files import write_model
@@ -272,7 +264,7 @@ def _climb(
     interval = read_positive("interval", options.interval, "s")
     best: list[LadderTrial] = []
     with rescue_answer(lambda: _save_best(best, outputs.data)), show_share("identifying") as bar:
-        found = identify_log(
+        ladder = identify_log(
             logs,
             options.list_inputs(),
             options.output,
@@ -286,39 +278,38 @@ def _climb(
             watch=bar,
             keep=best.append,
         )
-    summary, written = summarise_ladder(found), outputs.paths()
+    summary, written = summarise_ladder(ladder), outputs.paths()
     if outputs.data is not None:
-        write_model(found.model, outputs.data, {"ladder": summary.data["rungs"], "verdict": found.verdict})
-    if outputs.figure is not None and found.checks:
+        write_model(ladder.model, outputs.data, {"ladder": summary.data["rungs"], "verdict": ladder.verdict})
+    if outputs.figure is not None and ladder.checks:
         from martensite.show.figures.model import plot_model
         from martensite.show.figures.style import write_figure
 
-        write_figure(plot_model(found.checks[0]), outputs.figure)
+        write_figure(plot_model(ladder.checks[0]), outputs.figure)
     if report is not None:
         written += write_page(summary, report)
     print_summary(summary, answer.json, written)
-    if found.stopped == "interrupted":
+    if ladder.stopped == "interrupted":
         raise typer.Exit(InterruptError.exit_code)
-    if found.doubts or not found.predicts:
+    if ladder.doubts or not ladder.predicts:
         raise typer.Exit(1)
 
 
 def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
-    """Write the best model of a climb that ends in a long run, and say so; nothing where there is none."""
+    """Write the best model of an interrupted search; return a sentence, or "" if there is none."""
     from martensite.scenario.model_files import write_model
 
     one = best[-1] if best else None
     if one is None or one.chain is None:
         return ""
-    said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on held-out data"
+    sentence = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on held-out data"
     if path is None:
-        return f"{said}; use --out to keep it."
+        return f"{sentence}; use --out to keep it."
     write_model(one.chain, path)
-    return f"{said}, saved in `{path}`."
+    return f"{sentence}, saved in `{path}`."
 
 
 def _write_stages_report(found: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:
-    """Write how the model of given stages does on its records."""
     from martensite.identify.chains.validation import validate_chain
     from martensite.show.pages import write_model_report
     from martensite.signals.sampling.resampling import select_signals
@@ -329,7 +320,6 @@ def _write_stages_report(found: Identified, records: Sequence[Sampled], report: 
 
 
 def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
-    """Write model and figure; the files that were written."""
     written = outputs.paths()
     with replace_together():
         if outputs.data is not None:

@@ -1,4 +1,4 @@
-"""`law`: one or several laws on a path of stress, strain and temperature, without a scenario."""
+"""`law`: constitutive laws along a path or a log."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from martensite.simulate.path_layout import Choices, PathRates
 
 RATES = {"temperature": "K/s", "stress": "Pa/s", "strain": "1/s"}
-"""Field of `PathRates` -> its SI unit."""
+"""SI units of the fields of `PathRates`."""
 
 
 @app.command("law", rich_help_panel="Simulate")
@@ -128,10 +128,10 @@ def _follow_logs(names: list[str], logs: list[str], chosen: Choices, outputs: Ou
             raise ParameterError(f"Option `{option}` takes one value with --log, but has {len(values)}.")
     (stress,), (temperature,) = chosen.stresses or (None,), chosen.temperatures or (None,)
     how |= {"stress": stress, "temperature": temperature, "fractions": chosen.fractions}
-    found = [one for log in logs for one in compare_laws_with_log(names, log, **how)]
+    entries = [one for log in logs for one in compare_laws_with_log(names, log, **how)]
     if outputs.data is not None:
-        write_points([one.result for one in found], outputs.data)
-    outputs.answer(summarise_law_logs(found), json, draw=lambda: plot_law_log(found))
+        write_points([one.result for one in entries], outputs.data)
+    outputs.answer(summarise_law_logs(entries), json, draw=lambda: plot_law_log(entries))
 
 
 def _read_choices(
@@ -159,13 +159,13 @@ def _read_quantities(option: str, text: str | None, unit: str) -> tuple[float, .
     if text is None:
         return ()
     try:
-        found = tuple(units.parse_quantity(part, unit) for part in text.split(","))
+        values = tuple(units.parse_quantity(part, unit) for part in text.split(","))
     except UnitError as error:
         raise UnitError(f"Option `{option}`: {error}") from None
-    if any(value < 0.0 or (value == 0.0 and unit != "Pa") for value in found):
+    if any(value < 0.0 or (value == 0.0 and unit != "Pa") for value in values):
         least = "values of at least 0" if unit == "Pa" else "values above 0"
         raise ParameterError(f"Option `{option}` takes {least}, but is `{text}`.")
-    return found
+    return values
 
 
 def _read_rates(text: str | None) -> PathRates:

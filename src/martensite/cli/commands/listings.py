@@ -1,4 +1,4 @@
-"""`list`, `materials`, `cite` and `describe`: the registered parts, and the description of one of them."""
+"""`list`, `materials`, `cite` and `describe`."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 def complete_kind(incomplete: str) -> list[str]:
-    """Kinds of parts that begin as what is typed in a shell."""
+    """Return the kinds that begin with a text."""
     from martensite.scenario import catalogue
 
     return [kind for kind in catalogue.list_registries(blocks=True) if kind.startswith(incomplete)]
 
 
 def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Parts of the kind before it that begin as what is typed in a shell."""
+    """Return the parts of the chosen kind that begin with a text."""
     from martensite.scenario import catalogue
 
     registry = catalogue.list_registries(blocks=True).get(ctx.params.get("kind") or "")
@@ -74,9 +74,9 @@ def _list_kinds(json: bool) -> None:
     from martensite.scenario import catalogue
     from martensite.show.terminal import print_summary
 
-    found = {kind: r.names() for kind, r in catalogue.list_registries(blocks=True).items()}
-    table = DataTable(("kind of part", "names"), [(k, ", ".join(v)) for k, v in found.items()])
-    print_summary(Summary("", [table], found), json)
+    kinds = {kind: r.names() for kind, r in catalogue.list_registries(blocks=True).items()}
+    table = DataTable(("kind of part", "names"), [(k, ", ".join(v)) for k, v in kinds.items()])
+    print_summary(Summary("", [table], kinds), json)
 
 
 def _write_block(block: type[AbstractBlock]) -> str:

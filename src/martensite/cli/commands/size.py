@@ -1,4 +1,4 @@
-"""`size`: which wire for a force, a stroke and a rate; and the model beside the maker's table."""
+"""`size`: find wires for a force, a stroke and a rate."""
 
 from __future__ import annotations
 

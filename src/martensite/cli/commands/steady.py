@@ -1,4 +1,4 @@
-"""`steady`: where a scenario ends under drives that stay as they are."""
+"""`steady`: steady states under constant drives."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CurveOptions:
-    """A curve of steady rotations, and what is found besides."""
+    """Options of a curve of steady rotations."""
 
     over: Annotated[
         Text,
@@ -52,7 +52,7 @@ class CurveOptions:
     speed: Annotated[str, Option(help="Unit of the rotor speed: rpm, rad/s or Hz.")] = "rpm"
 
     def check(self) -> CurveOptions:
-        """Raise `InputError` for what has no effect, or is missing."""
+        """Raise `InputError` for an option that is missing or has no effect."""
         from martensite.show.summaries.steady import SPEEDS
 
         require_known("unit of speed", self.speed, SPEEDS)
@@ -111,9 +111,9 @@ def _answer_rest(
     refuse_idle("--figure", answer.figure is not None, "a rest is a table; ask for --over or --cycle")
     before = None if high is None else _read_drives(scenario, [high])
     with show_spinner(f"bringing {scenario.title} to rest"):
-        found = find_steady_state(scenario, _read_drives(scenario, drive), start=start, high=before)
-    outputs.answer(summarise_rest(found, scenario.title), answer.json)
-    _end_with(found.judgement)
+        steady_state = find_steady_state(scenario, _read_drives(scenario, drive), start=start, high=before)
+    outputs.answer(summarise_rest(steady_state, scenario.title), answer.json)
+    _end_with(steady_state.judgement)
 
 
 def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
@@ -123,13 +123,12 @@ def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
     from martensite.simulate.steady.cycles import find_cycle
 
     with show_spinner(f"shooting for the cycle of {scenario.title}"):
-        found = find_cycle(scenario) if scenario.bench is None else find_switched_cycle(scenario)
-    outputs.answer(summarise_cycle(found, scenario.title), json, draw=lambda: plot_cycle(found, scenario.title))
-    _end_with(found.judgement)
+        cycle = find_cycle(scenario) if scenario.bench is None else find_switched_cycle(scenario)
+    outputs.answer(summarise_cycle(cycle, scenario.title), json, draw=lambda: plot_cycle(cycle, scenario.title))
+    _end_with(cycle.judgement)
 
 
 def _end_with(found: Judgement) -> None:
-    """End with 1 if a limit is exceeded."""
     if not found.kept:
         raise Exit(1)
 
@@ -148,23 +147,22 @@ def _answer_response(
     second = None if curve.against is None else _read_range(one, curve.against)
     refuse_idle("--runs", curve.runs > 0 and one.vary(name, low, high).path is not None, f"`{name}` is no drive")
     with show_share("following the curve") as tell:
-        found = trace_response(scenario, name, low, high, drive=levels, steps=curve.steps or STEPS, tell=tell)
-    if second is not None and not len(found.folds):
+        response = trace_response(scenario, name, low, high, drive=levels, steps=curve.steps or STEPS, tell=tell)
+    if second is not None and not len(response.folds):
         raise InputError("The curve has no fold, so there is nothing to follow in a second number.")
     with show_spinner("following the folds"):
-        boundaries = [] if second is None else [trace_folds(found, k, *second) for k in range(len(found.folds))]
+        boundaries = [] if second is None else [trace_folds(response, k, *second) for k in range(len(response.folds))]
     with show_spinner("running up and down"):
         sweeps = _make_runs(scenario, name, (low, high), curve, levels)
-    summary = summarise_response(found, scenario.title, curve.speed, boundaries, sweeps)
+    summary = summarise_response(response, scenario.title, curve.speed, boundaries, sweeps)
     outputs.answer(
-        summary, json, draw=lambda: plot_response(found, sweeps, boundaries, speed=curve.speed, title=scenario.title)
+        summary, json, draw=lambda: plot_response(response, sweeps, boundaries, speed=curve.speed, title=scenario.title)
     )
 
 
 def _make_runs(
     scenario: Scenario, name: str, ends: tuple[float, float], curve: CurveOptions, levels: dict[str, float]
 ) -> list[ResponseSweep]:
-    """A run up and down again; levels are spread evenly on a logarithmic scale where both ends are above 0."""
     import numpy as np
 
     from martensite.simulate.steady.rotations import sweep_response
@@ -179,21 +177,19 @@ def _make_runs(
 
 
 def _read_drives(scenario: Scenario, given: list[str] | None) -> dict[str, float]:
-    """Levels of drives by name, in SI."""
-    known = {one.name: one.unit for one in scenario.system.drives()}
-    found = dict[str, float]()
+    table = {one.name: one.unit for one in scenario.system.drives()}
+    levels = dict[str, float]()
     for words in given or []:
         name, equals, level = words.rpartition("=")
-        if not known:
+        if not table:
             raise InputError(f"Scenario `{scenario.title}` has no drive.")
-        name = name.strip() if equals else next(iter(known))
-        require_known("drive", name, list(known))
-        found[name] = units.parse_quantity(level.strip(), known[name])
-    return found
+        name = name.strip() if equals else next(iter(table))
+        require_known("drive", name, list(table))
+        levels[name] = units.parse_quantity(level.strip(), table[name])
+    return levels
 
 
 def _read_range(one: Subject, words: str) -> tuple[str, float, float]:
-    """Name and bounds [SI] of `PATH=LOW..HIGH`."""
     from martensite.search.free_numbers import SearchRange
     from martensite.search.free_text import parse_free
 

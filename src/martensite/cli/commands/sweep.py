@@ -1,4 +1,4 @@
-"""`sweep`: many variants of a scenario, into a store; `sensitivity` and `pareto`: what it says; `steady`."""
+"""`sweep`, `sensitivity` and `pareto`."""
 
 from __future__ import annotations
 
@@ -120,9 +120,9 @@ def sweep(
         return
     with show_spinner(f"preparing {loaded.title}"):
         begun = begin_sweep(loaded, wanted, path, how)
-    told = array and array.go_on(begun)
-    if told:
-        print_summary(told, json)
+    array_job = array and array.go_on(begun)
+    if array_job:
+        print_summary(array_job, json)
         return
     with show_sweep(loaded.title) as tell:
         progress = begun.run(tell)
@@ -136,7 +136,6 @@ def sweep(
 def _ask_slurm(
     words: str | None, path: Path, how: SweepExecution, dry_run: bool, figure: Path | None
 ) -> SlurmArray | None:
-    """The array that is asked for, if any."""
     from martensite.design.sweep.slurm_array import SlurmArray
     from martensite.design.sweep.slurm_options import parse_slurm_options
 
@@ -163,7 +162,7 @@ def _read_trace(words: str) -> tuple[str, int]:
 
 @contextmanager
 def show_sweep(label: str) -> Iterator[Callable[[Progress], None] | None]:
-    """A bar for a sweep, with its rate and what failed."""
+    """Yield a function that moves a bar with rate and failures of a sweep."""
     begun = time.monotonic()
     with open_bar(label, None, counted=True) as move:
         yield move and (
@@ -198,9 +197,9 @@ def sensitivity(
 
     outputs = answer.check_files()
     table = read_sweep(store)
-    found = find_sensitivity(table, output)
-    summary = summarise_sensitivity(store, table, found)
-    outputs.answer(summary, answer.json, draw=lambda: plot_sensitivity(found, table.title))
+    indices = find_sensitivity(table, output)
+    summary = summarise_sensitivity(store, table, indices)
+    outputs.answer(summary, answer.json, draw=lambda: plot_sensitivity(indices, table.title))
 
 
 @app.command("pareto", rich_help_panel="Design")

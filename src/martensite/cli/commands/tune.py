@@ -1,4 +1,4 @@
-"""`tune`: gains of the controller of a scenario, by rules, by a relay, or downhill on the bench; and `benchmark`."""
+"""`tune` and `benchmark`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ METHODS = ("rules", "relay", "gradient", "schedule")
 
 @dataclass(frozen=True)
 class TuneOptions:
-    """Options of the tuning of a controller."""
+    """Options of a tuning."""
 
     method: Annotated[
         str,
@@ -77,9 +77,9 @@ class TuneOptions:
         name = next((name for name, value in idle.items() if value is not None), None)
         if name is not None:
             raise InputError(f"Option `--{name}` has no effect with --method {self.method}.")
-        known = self._list_rules()
-        if self.rule is not None and self.rule not in known:
-            raise UnknownNameError(f"rule for --method {self.method}", self.rule, known)
+        methods = self._list_rules()
+        if self.rule is not None and self.rule not in methods:
+            raise UnknownNameError(f"rule for --method {self.method}", self.rule, methods)
         if self.plants is not None and not self.spread:
             raise InputError("Option `--plants` has no effect without --spread.")
 
@@ -110,10 +110,10 @@ def tune(
     if options.method == "schedule":
         from martensite.cli.tune_schedule import run_schedule
 
-        found = run_schedule(loaded, options)
+        tuned = run_schedule(loaded, options)
     else:
         from martensite.cli.tune_run import run_tuning
 
-        found = run_tuning(loaded, options, name_interrupted(out, source.file))
-    if found.give(outputs, answer):
+        tuned = run_tuning(loaded, options, name_interrupted(out, source.file))
+    if tuned.give(outputs, answer):
         raise typer.Exit(1)

@@ -1,6 +1,6 @@
-"""`app`: the web bench in the browser.
+"""`app`: the web bench.
 
-The state of the bench is in its address: the text of a scenario, deflated, behind the `#`, which stays in the browser.
+The address holds the state of the bench: the compressed text of a scenario after the `#`, which stays in the browser.
 """
 
 from __future__ import annotations
@@ -72,24 +72,19 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
 
 
 def pack_text(text: str) -> str:
-    """A text as letters that may stand in an address."""
+    """Return a text encoded for an address."""
     made = zlib.compressobj(9, zlib.DEFLATED, -15)
     data = made.compress(text.encode()) + made.flush()
     return base64.urlsafe_b64encode(data).decode().rstrip("=")
 
 
 def build_address(address: str, text: str) -> str:
-    """The address of a bench that begins with a scenario."""
+    """Return the address of a bench that opens a scenario."""
     return f"{address}#/bench?scenario={pack_text(text)}"
 
 
 def _write_page(folder: Path, scenario: Path | None, json: bool) -> None:
-    """Write the bench with the scenarios of the package, or with the scenario of a file alone.
-
-    Raises:
-        InputError: the page cannot run that scenario, or a compiler for WebAssembly is missing.
-        DataError: the folder holds something else, or the scenario names files.
-    """
+    """Write the static bench with the packaged scenarios or one given scenario."""
     from martensite.app.documents import check_files
     from martensite.app.static_site.site_writer import can_offer, check_folder, list_offered, measure_folder, write_site
     from martensite.scenario.scenario import load

@@ -1,4 +1,4 @@
-"""`export`: a scenario in the form of another program; one file per form."""
+"""`export`: one file per target."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`export c`: a scenario as C99 with an example that plays its drive."""
+"""`export c`: a scenario as C99, with an example."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.errors import InputError, ParameterError, require_known
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.commands.export import export
 from martensite.cli.material_options import Port, write_core_alone
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 PARTS = ("whole", "plant", "loop")
 ALONE = ("element", "material")
 EXAMPLE_STEPS = 400
-"""Least steps that the example plays."""
+"""Smallest number of steps of the example."""
 
 
 @export.command("c")
@@ -54,8 +54,7 @@ def c(
     from martensite.export.c_names import choose_identifier
     from martensite.show.terminal import print_summary
 
-    if part not in (known := (*PARTS, *ALONE)):
-        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, known)}")
+    require_known("part", part, (*PARTS, *ALONE))
     if port is not None and part not in ALONE:
         raise InputError(f"Option `--port` goes with `--part element` or `--part material`, not with `{part}`.")
     name = choose_identifier(name, source.file.stem)
@@ -71,7 +70,6 @@ def c(
 
 
 def _make_core(loaded: Scenario, name: str, part: str, precision: str, port: str | None) -> tuple[CCore, str, str]:
-    """The core of a part of a scenario, the text of its example if it has one, and how far it was tried."""
     if part in ALONE:
         return write_core_alone(loaded.system, part, port, name, precision), "", ""
     from martensite.export.c_core import build_c_core, build_c_loop

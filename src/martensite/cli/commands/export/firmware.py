@@ -1,4 +1,4 @@
-"""`export firmware`: a complete firmware around the loop of a scenario."""
+"""`export firmware`: firmware for the loop of a scenario."""
 
 from __future__ import annotations
 
@@ -59,9 +59,9 @@ def firmware(
         read_positive("most-current", most_current, "A"),
     )
     folder = require_empty(out or Path(f"{source.file.stem}_{board}"), force)
-    found = build_firmware(source.load(), board, name=folder.resolve().name, limits=limits)
-    files = found.write(folder)
-    print_summary(_summarise_firmware(found), json, files)
+    written = build_firmware(source.load(), board, name=folder.resolve().name, limits=limits)
+    files = written.write(folder)
+    print_summary(_summarise_firmware(written), json, files)
 
 
 def _summarise_firmware(found: Firmware) -> Summary:

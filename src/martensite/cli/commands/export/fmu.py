@@ -1,4 +1,4 @@
-"""`export fmu`: a scenario as a functional mock-up unit for co-simulation or model exchange."""
+"""`export fmu`: a scenario as a functional mock-up unit."""
 
 from __future__ import annotations
 
@@ -107,11 +107,11 @@ def _summarise_fmu(made: Fmu) -> Summary:
     counted = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
     inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in made.named("input"))
     pace = "period" if made.discrete else "inner step of at most"
-    known = ", ".join(made.platforms) or "no platform: compile its sources before use"
+    platforms = ", ".join(made.platforms) or "no platform: compile its sources before use"
     lines = (
         f"{', '.join(counted)}; {pace} {write_quantity(made.step, 's')}",
         f"inputs: {inputs}",
         *[f"for model exchange too, with {len(made.states)} continuous states"] * bool(made.states),
-        f"wrote {made.path} (FMI {made.fmi}; {known})",
+        f"wrote {made.path} (FMI {made.fmi}; {platforms})",
     )
     return Summary("", [Sentence(line) for line in lines], _collect_signals(made))

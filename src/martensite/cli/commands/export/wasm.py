@@ -1,4 +1,4 @@
-"""`export wasm`: a scenario as WebAssembly with a script and a guide."""
+"""`export wasm`: a scenario as WebAssembly."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.errors import require_known
 from martensite.base.summary import Sentence, Summary
 from martensite.cli.commands.export import export
 from martensite.cli.options import Force, Json, ScenarioSource, Text, spread_options
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PARTS = ("whole", "plant")
 EXAMPLE_STEPS = 400
-"""Least steps of the example in the guide."""
+"""Smallest number of steps of the example in the guide."""
 
 
 @export.command("wasm")
@@ -50,8 +50,7 @@ def wasm(
     from martensite.export.wasm.module import find_wasm_compiler
     from martensite.show.terminal import print_summary
 
-    if part not in PARTS:
-        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
+    require_known("part", part, PARTS)
     name = choose_identifier(name, source.file.stem)
     out = out or Path(f"{source.file.stem}_wasm")
     names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")

@@ -1,4 +1,4 @@
-"""`fit`: numbers of a model from measurements, with what the measurements leave open."""
+"""`fit`: estimate parameters from measurements."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ LOGS = "logs"
 
 
 class Fits(FolderGroup):
-    """Commands, and `logs` where the first word is none of them."""
+    """Commands of `fit`; the default is `logs`."""
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
-        """Name `logs` where it is meant."""
+        """Insert the default command if needed."""
         return super().parse_args(ctx, self.worded(args))
 
     def worded(self, args: list[str]) -> list[str]:
-        """The words of a call with its command first."""
+        """Return the arguments with the command first."""
         if not args or args[0] in ("-h", "--help") or self._names(args[0]):
             return args
         return [LOGS, *args]

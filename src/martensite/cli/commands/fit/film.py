@@ -1,4 +1,4 @@
-"""`fit h`: the film coefficient of a wire from steady states, and the heat-loss model written."""
+"""`fit h`: fit the film coefficient of a wire to steady states."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ UNITS = {"diameter": "m", "length": "m", "ambient": "K", "resistance": "ohm"}
 
 @dataclass(frozen=True)
 class HeatedWire:
-    """Wire of the command line; None for a missing value."""
+    """Wire data of the command line; None for a missing value."""
 
     diameter: Annotated[Text, Option(help='Wire diameter, e.g. "0.381 mm".')] = None
     length: Annotated[Text, Option(help='Wire length, e.g. "273 mm".')] = None
@@ -38,21 +38,21 @@ class HeatedWire:
     resistance: Annotated[Text, Option(help='Resistance across the measured voltage, e.g. "2.7 ohm".')] = None
 
     def read(self, name: str) -> float | None:
-        """A number in SI."""
+        """Return a value in SI."""
         return read_quantity(name, getattr(self, name), UNITS[name])
 
     def refuse(self, names: Sequence[str], why: str) -> None:
-        """Raise `InputError` if an option is given that has no effect."""
+        """Raise `InputError` if an option without effect is given."""
         for name in names:
             if getattr(self, name) is not None:
                 raise InputError(f"Option `--{name}` has no effect, since {why}.")
 
     def need(self, name: str, why: str) -> float:
-        """A number in SI; raise `InputError` if it is missing."""
-        found = self.read(name)
-        if found is None:
+        """Return a value in SI; raise `InputError` if it is missing."""
+        value = self.read(name)
+        if value is None:
             raise InputError(f"Option `--{name}` is needed, since {why}.")
-        return found
+        return value
 
 
 @fit.command("h")
@@ -110,12 +110,7 @@ def _choose_forms(report: FilmReport, form: str) -> list[str]:
 
 
 def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
-    """The points of a table, and where their film coefficients come from.
-
-    Raises:
-        DataError: the table has no temperatures, or nothing that h follows from.
-        InputError: an option is missing, or has no effect.
-    """
+    """Return the points of a table and the origin of their film coefficients."""
     from martensite.characterise.film_coefficient import FilmPoints, points_from_power
     from martensite.logs.reader import read_complete
 
@@ -137,12 +132,12 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
 
 
 def _to_celsius(kelvin: float) -> float:
-    """A temperature [°C] without the rounding error of its way through kelvin."""
+    """Return a temperature [°C] without the rounding error of the conversion to kelvin and back."""
     return round(kelvin - ZERO, 9)
 
 
 def _read_powers(record: Record, wire: HeatedWire) -> tuple[list[float], str]:
-    """Heating powers [W], and what they were computed from."""
+    """Return heating powers [W] and the columns behind them."""
     from martensite.characterise.film_coefficient import powers_from_voltage
 
     has = record.columns
@@ -167,11 +162,7 @@ def _read_powers(record: Record, wire: HeatedWire) -> tuple[list[float], str]:
 
 
 def write_cooling(report: FilmReport, form: str, table: str) -> str:
-    """The surroundings of a scenario with one fitted form, as TOML with its provenance.
-
-    Raises:
-        ParameterError: a coefficient is outside what the heat-loss model allows.
-    """
+    """Return the surroundings with one fitted form, as TOML with its source."""
     from martensite.show.summaries.laboratory import FILM_UNITS, write_coefficient
 
     fit = report.fits[form]
@@ -194,7 +185,6 @@ def write_cooling(report: FilmReport, form: str, table: str) -> str:
 
 
 def _make_cooling(fit: FilmFit) -> AbstractCooling:
-    """The heat-loss model with the fitted numbers; refuses what it does not allow."""
     from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
 
     if fit.terms == (0,):

@@ -1,4 +1,4 @@
-"""`fit motor`, `fit tangents`, `fit vibration`: numbers of laboratory tests."""
+"""`fit motor`, `fit tangents` and `fit vibration`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ALL_CYCLES = "all"
 """Value of `--cycle` for a table of every cycle."""
 SPEED = "rad/s"
 SPEEDS = (SPEED, "rpm")
-"""Units of a speed; those of a frequency would leave open what turns once."""
+"""Units of a speed; a frequency unit would be ambiguous."""
 
 
 @fit.command("motor")
@@ -56,23 +56,18 @@ def motor(
     from martensite.characterise.motor_constants import estimate_motor_constants
     from martensite.show.summaries.laboratory import summarise_motor
 
-    found = estimate_motor_constants(
+    motor_constants = estimate_motor_constants(
         states,
         winding,
         current_rise=read_rise(current_rise, "current"),
         inductance=coil,
         run_up=read_rise(run_up, "speed"),
     )
-    Outputs(None, None).answer(summarise_motor(found, len(states.speeds)), json)
+    Outputs(None, None).answer(summarise_motor(motor_constants, len(states.speeds)), json)
 
 
 def read_winding(locked: Path | None, resistance: str | None) -> Winding:
-    """Resistance from the test with a held rotor, or as given.
-
-    Raises:
-        InputError: neither or both of the two are there, or the resistance is not above 0.
-        DataError: the table does not hold what is needed.
-    """
+    """Return the winding from a locked-rotor test or a given resistance."""
     from martensite.characterise.estimate import MeasuredValue
     from martensite.characterise.motor_constants import Winding, winding_resistance
     from martensite.logs.reader import read_complete
@@ -86,11 +81,7 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
 
 
 def read_steady(path: Path) -> SteadyRunning:
-    """Steady states of a table with voltage, current and speed.
-
-    Raises:
-        DataError: the table does not hold what is needed.
-    """
+    """Return the steady states of a table with voltage, current and speed."""
     from martensite.characterise.motor_constants import steady_running
     from martensite.logs.reader import read_complete
 
@@ -99,11 +90,7 @@ def read_steady(path: Path) -> SteadyRunning:
 
 
 def read_rise(path: Path | None, column: str) -> Rise | None:
-    """The exponential rise of a current or a speed; None without a record.
-
-    Raises:
-        DataError: the record does not hold what is needed.
-    """
+    """Return the exponential rise of a current or speed; None without a record."""
     from martensite.characterise.time_constant import fit_rise
     from martensite.logs.reader import read_complete
 
@@ -167,10 +154,10 @@ def tangents(
         outputs.answer(summarise_cycles(found), answer.json, draw=drawn)
         return
     levels = read_cycles(logs, stress, cycle)
-    found = fit_tangents(levels) if len(levels) > 1 else levels[0]
+    result = fit_tangents(levels) if len(levels) > 1 else levels[0]
     title = f"Tangents of {levels[0].name if len(levels) == 1 else f'{len(levels)} cycles'}"
-    summary = summarise_tangents(found)
-    outputs.answer(summary, answer.json, draw=lambda: plot_tangents(found, title))
+    summary = summarise_tangents(result)
+    outputs.answer(summary, answer.json, draw=lambda: plot_tangents(result, title))
 
 
 def read_all_cycles(logs: Sequence[str], stresses: Sequence[str] | None) -> list[TangentPoints | str]:
@@ -190,13 +177,7 @@ def read_all_cycles(logs: Sequence[str], stresses: Sequence[str] | None) -> list
 
 
 def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: str | None) -> list[TangentPoints]:
-    """The tangents of each log, in the order given.
-
-    Raises:
-        InputError: stresses and logs are not equally many, or the cycle is not in a log.
-        DataError: a log is missing, malformed, or holds no isobaric cycle.
-        UnitError: a stress is none.
-    """
+    """Return the tangents of each log."""
     from martensite.characterise.isobaric_cycles import cut_cycle
     from martensite.characterise.tangent_points import find_tangent_points
     from martensite.logs.reader import read_log_table
@@ -247,20 +228,15 @@ def vibration(
     from martensite.show.summaries.laboratory import Oscillator, summarise_vibration
 
     peak = natural_frequency(times, values)
-    found = log_decrement(times, values, cycles=cycles, frequency=peak.frequency)
-    title = f"Free vibration of {label}, {len(times)} rows, {found.cycles:g} cycles used"
-    Outputs(None, None).answer(summarise_vibration(peak, found, Oscillator(k, m), title), json)
+    decrement = log_decrement(times, values, cycles=cycles, frequency=peak.frequency)
+    title = f"Free vibration of {label}, {len(times)} rows, {decrement.cycles:g} cycles used"
+    Outputs(None, None).answer(summarise_vibration(peak, decrement, Oscillator(k, m), title), json)
 
 
 def read_vibration(
     path: Path, column: str | None, start: str | None, end: str | None
 ) -> tuple[list[float], list[float], str]:
-    """Return times [s] and values of a record between two times, and a name for the values.
-
-    Raises:
-        DataError: the column is unknown or ambiguous, the times are missing, or the interval is empty.
-        UnitError: `start` or `end` is not a time.
-    """
+    """Return times [s] and values of a record between two times, and the name of the values."""
     from martensite.logs.reader import read_complete
 
     record = read_complete(path)

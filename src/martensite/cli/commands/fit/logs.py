@@ -1,4 +1,4 @@
-"""`fit LOG...`: parameters of a scenario from measured logs, and how far to trust them."""
+"""`fit LOG...`: fit parameters of a scenario to logs."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Scenario, free parameters and options of a fit."""
+    """Scenario, free parameters and fit options."""
 
     scenario: Annotated[
         list[Path] | None, Option(help="Scenario file for all logs, or repeated, one for each log.")
@@ -109,11 +109,7 @@ class FitOptions:
     named: NamedColumns = None
 
     def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
-        """The task; options go over what a fit file says.
-
-        Raises:
-            InputError: something is missing, or contradicts a fit file.
-        """
+        """Return the task; options override the fit file."""
         from martensite.fit.fit_file import is_fit_file, read_fit_file
         from martensite.fit.free_parameters import split_list
         from martensite.scenario.overrides import read_settings
@@ -134,16 +130,16 @@ class FitOptions:
         )
 
     def take_carried(self, logs: Sequence[str]) -> FitOptions:
-        """Take the scenario and the free numbers from logs of a board, if none are given."""
+        """Return these options with the scenario and free numbers recorded in logs of a board, if none are given."""
         from martensite.boards.rig_scenarios import read_rigs
 
         if self.scenario:
             return self
-        found = read_rigs(logs, self.free)
-        return self if found is None else replace(self, scenario=found[0], free=found[1])
+        rigs = read_rigs(logs, self.free)
+        return self if rigs is None else replace(self, scenario=rigs[0], free=rigs[1])
 
     def is_alone(self, logs: Sequence[str]) -> bool:
-        """Return whether neither a scenario nor a fit file tells what is fitted."""
+        """Test whether neither a scenario nor a fit file is given."""
         from martensite.fit.fit_file import is_fit_file
 
         return not self.scenario and not any(map(is_fit_file, logs))
@@ -213,7 +209,7 @@ class FitExtras:
             raise InputError(f"Option `{name}` needs --scenario and --free; without, it has no effect.")
 
     def check(self, arranged: ArrangedFit) -> None:
-        """Refuse before the search what would fail after it."""
+        """Raise an error before the search if an extra result cannot be computed."""
         names = arranged.problem.names
         unknown = next((name for name in self.profile or () if name not in names), None)
         if unknown is not None:
@@ -224,7 +220,7 @@ class FitExtras:
             raise InputError("Option `--posterior` needs emcee: `pip install 'martensite[posterior]'`.")
 
     def check_files(self, force: bool) -> None:
-        """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
+        """Raise `DataError` if a file may not be written."""
         check_ending(self.report, REPORTS)
         check_ending(self.out, MATERIAL)
         for path in filter(None, (self.report, self.out, self.resume)):
@@ -233,7 +229,7 @@ class FitExtras:
             check_absent(path, force)
 
     def _find_figures(self) -> Path | None:
-        """Folder of the figures of a report that does not hold them."""
+        """Return the figure folder of a report that does not contain its figures."""
         from martensite.show.pages import HTML, find_figure_folder
 
         if self.report is None or self.report.suffix.lower() in HTML:
@@ -241,7 +237,7 @@ class FitExtras:
         return find_figure_folder(self.report)
 
     def write(self, fit: Fit, summary: Summary) -> list[Path]:
-        """Write the requested files, and return their paths."""
+        """Write the requested files; return their paths."""
         written: list[Path] = []
         if self.out is not None:
             from martensite.fit.material_files import write_material
@@ -305,15 +301,15 @@ def fit_logs(
 def run_fit(
     task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any] | None = None, seconds: float | None = None
 ) -> bool:
-    """Run a task and print its result; False if it was interrupted.
+    """Run a fit and print its results; return False if it was interrupted.
 
-    `latest` is told the problem and the best so far; `seconds` limit the processor time.
+    `latest` receives the problem and the best numbers so far; `seconds` limits the CPU time.
     """
     check = TimeBox(seconds).limit(1.0) if seconds else None
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
         for module in ("scipy.optimize", "scipy.stats", "scipy.stats.qmc"):
-            import_module(module)  # not while it searches: an interruption would leave it half imported
+            import_module(module)  # an interrupt during the search would leave it half imported
         arranged = task.arrange()
         extras.check(arranged)
     with show_search(lambda note: _describe_note(note, task.noise)) as tell:
@@ -377,10 +373,10 @@ def _describe_note(note: SearchNote, noise: Mapping[str, Any]) -> str:
 
 
 def _read_pairs(texts: Sequence[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
+    table: dict[str, str] = {}
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals:
             raise InputError(f'`{text}` is no noise; write `OUTPUT=AMOUNT`, e.g. "strain=0.02 %".')
-        found[name.strip()] = value.strip()
-    return found
+        table[name.strip()] = value.strip()
+    return table

@@ -1,4 +1,4 @@
-"""`hardware`: boards that run a loop, and their logs."""
+"""`hardware`: boards and their logs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`hardware calibrate`: gains and offsets from known values."""
+"""`hardware calibrate`: gains and offsets of sensors."""
 
 from __future__ import annotations
 

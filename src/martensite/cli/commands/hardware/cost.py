@@ -1,4 +1,4 @@
-"""`hardware cost`: what a step takes on emulated processors."""
+"""`hardware cost`: cost of a step on emulated processors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`hardware replay`, `characterise`: what the logs of a board tell of its wire."""
+"""`hardware replay` and `hardware characterise`."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def replay(
     from martensite.boards.session import read_project, read_project_scenario
 
     outputs = Outputs(None, figure).check(force)
-    found = replay_log(read_project_scenario(read_project(project)), logged)
-    rows = [[one.name, f"{one.rms:.4g} {one.unit}", f"{100.0 * one.fit:.1f} %"] for one in found.readings]
+    replayed = replay_log(read_project_scenario(read_project(project)), logged)
+    rows = [[one.name, f"{one.rms:.4g} {one.unit}", f"{100.0 * one.fit:.1f} %"] for one in replayed.readings]
     table = DataTable(("reading", "rms of measured - model", "fit"), rows, right=(1, 2))
-    data = {one.name: {"rms": one.rms, "fit": one.fit} for one in found.readings}
-    outputs.answer(Summary("", [Sentence(f"{len(found.times)} samples"), table], data), json, None, found.plot)
+    data = {one.name: {"rms": one.rms, "fit": one.fit} for one in replayed.readings}
+    outputs.answer(Summary("", [Sentence(f"{len(replayed.times)} samples"), table], data), json, None, replayed.plot)
 
 
 @hardware.command("characterise")
@@ -86,6 +86,6 @@ def characterise(
             with show_log(course.name) as watch:
                 session.play(course.levels, word=arm, watch=watch).write(path, session.link.reader.counts)
     with show_spinner("fitting"):
-        found = work.fit_courses(firmware["scenario"], out, logs, unknown)
-        files = work.write_fit(found, out)
-    print_summary(Summary("", [*plan, *work.describe_fit(found)], dict(found.numbers)), json, [*logs, *files])
+        courses = work.fit_courses(firmware["scenario"], out, logs, unknown)
+        files = work.write_fit(courses, out)
+    print_summary(Summary("", [*plan, *work.describe_fit(courses)], dict(courses.numbers)), json, [*logs, *files])

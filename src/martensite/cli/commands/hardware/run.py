@@ -1,4 +1,4 @@
-"""`hardware ports`, `log`, `run`, `hil`: what a board does now."""
+"""`hardware ports`, `log`, `run` and `hil`."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def ports(json: Json = False) -> None:
 
     from martensite.show.terminal import print_summary
 
-    found = [[one.device, one.description or ""] for one in comports()]
-    block: Block = DataTable(("port", "what it is"), found) if found else Sentence("No serial port is there.")
-    print_summary(Summary("", [block], {"ports": [one[0] for one in found]}), json)
+    entries = [[one.device, one.description or ""] for one in comports()]
+    block: Block = DataTable(("port", "what it is"), entries) if entries else Sentence("No serial port is there.")
+    print_summary(Summary("", [block], {"ports": [one[0] for one in entries]}), json)
 
 
 @hardware.command("log")
@@ -43,8 +43,8 @@ def log(
     options.check_file()
     seconds = read_positive("duration", duration, "s")
     with open_session(source) as session, show_log("logging") as watch:
-        found = session.listen(seconds, watch)
-        answer_log(session, found, options)
+        board_log = session.listen(seconds, watch)
+        answer_log(session, board_log, options)
 
 
 @hardware.command("run")
@@ -74,15 +74,15 @@ def run(
         seconds = whole if duration is None else read_positive("duration", duration, "s")
         if arm is None:
             with show_log("listening") as watch:
-                found = session.listen(0.5, watch)
-            answer_log(session, found, options, _describe_dry_run(session, seconds, levels))
+                board_log = session.listen(0.5, watch)
+            answer_log(session, board_log, options, _describe_dry_run(session, seconds, levels))
             return
         with show_log("running") as watch:
             if levels:
-                found = session.play(levels, word=arm, watch=watch)
+                board_log = session.play(levels, word=arm, watch=watch)
             else:
-                found = session.follow(session.list_references(), seconds, word=arm, watch=watch)
-        answer_log(session, found, options)
+                board_log = session.follow(session.list_references(), seconds, word=arm, watch=watch)
+        answer_log(session, board_log, options)
 
 
 @hardware.command("hil")
@@ -111,16 +111,16 @@ def hil(
     seconds = read_positive("duration", duration, "s")
     with open_session(source) as session, open_bar("plant here, loop there", 1.0) as move:
         watch: Callable[[float], None] | None = move and (lambda share: move(completed=share))
-        found = run_hil(session.scenario, session.link, session.firmware, word=arm, duration=seconds, watch=watch)
-        rows = compare_runs(session.scenario, found)
-    outputs.write(found.to_text)
+        outcome = run_hil(session.scenario, session.link, session.firmware, word=arm, duration=seconds, watch=watch)
+        rows = compare_runs(session.scenario, outcome)
+    outputs.write(outcome.to_text)
     table = DataTable(
         ("output", "largest difference", "of range"),
         [[n, f"{d:.3g} {u}", f"{s:.2g}"] for n, u, d, s in rows],
         right=(1, 2),
     )
-    words = f"{len(found.times)} samples, {found.lost} frames lost; the run here with float64 differs by:"
-    data = {"samples": len(found.times), "lost": found.lost, "differences": {n: d for n, _, d, _ in rows}}
+    words = f"{len(outcome.times)} samples, {outcome.lost} frames lost; the run here with float64 differs by:"
+    data = {"samples": len(outcome.times), "lost": outcome.lost, "differences": {n: d for n, _, d, _ in rows}}
     print_summary(Summary("", [Sentence(words), table], data), json, outputs.paths())
 
 
