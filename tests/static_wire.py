@@ -16,8 +16,9 @@ from typing import Any
 
 from martensite.app.documents import list_standalone
 from martensite.app.messages import write_message
+from martensite.app.static_site.control_map import InputMap
 from martensite.app.static_site.flat_inputs import list_waveforms
-from martensite.app.static_site.input_map import InputMap, measure_map
+from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.run_module import RunSource, write_source
 from martensite.app.static_site.scenario_table import describe_static
 from martensite.app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest, write_studies

@@ -148,7 +148,7 @@ def test_the_report_is_that_of_the_fit(desk: Desk) -> None:
     assert repr(numbers(found)["A_s"]) in text
     with pytest.raises(InputError, match="contains no fit"):
         written({"key": made["key"], "what": "report"}, desk)
-    with pytest.raises(InputError, match="must be one of material, report"):
+    with pytest.raises(InputError, match="No file named"):
         written({"key": found["fit"], "what": "all"}, desk)
 
 

@@ -151,7 +151,7 @@ def test_steps_change_what_they_say_and_nothing_else(desk: Desk) -> None:
     assert "1 outliers beyond 6 scatters count as missing (row 31)" in found["steps"][0]
     assert [one["before"] != [] for one in found["columns"]] == [True, True]
     assert [one["before"] for one in describe_records(request, desk)["columns"]] == [[], []]
-    with pytest.raises(InputError, match="no step `blur`"):
+    with pytest.raises(InputError, match="No step named `blur`"):
         read_record({**request, "steps": [{"kind": "blur"}]}, desk)
     with pytest.raises(InputError, match="odd number of rows"):
         read_record({**request, "steps": [{"kind": "median", "column": "force", "width": 4}]}, desk)

@@ -66,9 +66,9 @@ def test_a_file_is_taken_away_by_its_key(widget: BenchWidget, sent: list[Any]) -
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        ({"call": "fit", "request": {}}, "no call `fit`"),
+        ({"call": "fit", "request": {}}, "No call named `fit`"),
         ({"call": "run", "request": {"text": "duration = "}}, "TOML"),
-        ({"asset": "../site.py"}, "no asset"),
+        ({"asset": "../site.py"}, "No asset named"),
         ({"file": "../.."}, "no such file"),
         ({}, "needs `call`"),
     ],

@@ -15,8 +15,9 @@ from node_js import WEB, node
 from static_wire import MODULES, PULSE, ROW, TABLE, TEXT, measure_wire, write_wire
 
 from martensite.app.documents import build_packaged, list_standalone
+from martensite.app.static_site.control_map import InputMap, write_quantity
 from martensite.app.static_site.flat_inputs import list_inputs
-from martensite.app.static_site.input_map import InputMap, measure_map, write_quantity
+from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.number_rows import list_rows, read_row
 from martensite.app.static_site.rounding import describe_rounding, measure_rounding
 from martensite.app.static_site.site_writer import FIRST, RUNS, make_site_folder, name_module

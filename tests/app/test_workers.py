@@ -101,7 +101,7 @@ def test_errors_that_nobody_thought_of(tmp_path: Path) -> None:
     refusal = refusal_then_answer(tmp_path, "bug", {"zero": 0})
     assert str(refusal).startswith("Unexpected error: ZeroDivisionError")
     assert "No space left" in str(refusal_then_answer(tmp_path, "full", {}))
-    assert "no call `nothing`" in str(refusal_then_answer(tmp_path, "nothing", {})).lower()
+    assert "no call named `nothing`" in str(refusal_then_answer(tmp_path, "nothing", {})).lower()
 
 
 def test_what_a_call_prints_is_no_message(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
-"""Web bench: a local page over the same parts as the command line.
+"""Web bench: a local page for the same parts as the command line.
 
-The server (Starlette) hands out the page and passes calls on; it computes nothing and imports nothing heavy. Separate
-processes (`worker`) compute the answers to calls (`routes`) in JSON. Quick calls run in a small pool (`worker_pool`).
-Each long call runs in a separate process that reports progress and can be stopped (`jobs`).
+The server (Starlette) serves the page and passes calls (`routes`) on to processes (`worker`): quick calls to a small
+pool (`worker_pool`), each long call to a separate process with progress notes (`jobs`).
 """

@@ -1,8 +1,7 @@
-"""The scenario that a request means, a text with changes by dotted path; and those of the package.
+"""The scenario of a request, a text with changes by dotted path; and packaged scenarios.
 
-Whoever writes an address of the bench writes the scenario in it. So a scenario on the bench reads
-no files but those that lie beside the packaged scenarios, and what would take without end is
-refused before it is begun.
+Links can contain scenarios from unknown authors. So a scenario on the bench reads only files next to the packaged
+scenarios, and excessive runs are refused.
 """
 
 from __future__ import annotations
@@ -32,12 +31,7 @@ MOST_STEPS = 2_000_000
 
 
 def read_request_scenario(request: Request, desk: Desk) -> Scenario:
-    """Build the scenario of a request, `text` with `changes`.
-
-    Raises:
-        InputError: the text is none, or a change is wrong, or it names files elsewhere, or it has
-            too many samples or steps to be shown.
-    """
+    """Build the scenario of a request, `text` with `changes`."""
     text, changes = require_entry(request, "text", str), require_entry(request, "changes", dict, {})
     if len(text) > LONGEST_TEXT:
         raise ParameterError(f"The scenario has {len(text):,} letters; at most {LONGEST_TEXT:,} do.")
@@ -57,17 +51,13 @@ def read_request_scenario(request: Request, desk: Desk) -> Scenario:
 
 
 def count_steps(scenario: Scenario) -> float:
-    """Return the steps that a run has at least."""
+    """Return the minimum number of steps of a run."""
     step = scenario.system.sample_time() or scenario.step or longest_step(scenario.system)
     return scenario.duration / step
 
 
 def check_files(text: str, changes: Request) -> None:
-    """Refuse files that do not lie beside the packaged scenarios.
-
-    Raises:
-        DataError: a scenario, or a change to it, names one, or is not TOML.
-    """
+    """Refuse files outside the folder of packaged scenarios."""
     for name in (*_list_files(toml_document(text), ""), *_list_files(changes, "")):
         odd = any(letter in name for letter in "\0\\:")
         if odd or not (FOLDER / name).resolve().is_relative_to(FOLDER.resolve()):
@@ -92,35 +82,35 @@ def _list_files(node: Any, path: str) -> Iterator[str]:
 
 
 def list_standalone() -> dict[str, str]:
-    """Return the name and text of every scenario that stands by itself, first the one that is new on the bench."""
+    """Return name and text of each independent scenario, the new one of the bench first."""
     data = "flexinol-isobaric/"  # measured by others, not packaged
     others = {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
     return {"dead_weight": NEW.read_text("utf-8"), **others}
 
 
 def list_following() -> dict[str, str]:
-    """Return the name and text of every scenario that follows a log."""
+    """Return name and text of each scenario that follows a log."""
     return {name: text for name, text in _list_texts() if _is_following(text)}
 
 
 def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
-    """Return the scenarios as the page lists them, with their titles."""
-    found = [
+    """Return the scenarios with their titles for the page."""
+    entries = [
         {"name": name, "title": str(tomllib.loads(text).get("title", name)), "text": text}
         for name, text in texts.items()
     ]
-    return {"scenarios": found}
+    return {"scenarios": entries}
 
 
 def build_packaged(text: str, changes: Request | None = None, log: Record | None = None) -> Scenario:
-    """Return the scenario in a text; files that it names lie beside the packaged ones."""
+    """Return the scenario of a text, with files next to the packaged ones."""
     from martensite.scenario.scenario import read_scenario
 
     return read_scenario(text, FOLDER / "scenario.toml", changes, log=log)
 
 
 def _list_texts() -> Iterator[tuple[str, str]]:
-    """Yield the name and text of all, without what is a fit of one."""
+    """Yield name and text of all scenarios except fits."""
     for path in sorted(FOLDER.glob("*.toml")):
         text = path.read_text("utf-8")
         if "scenario" not in tomllib.loads(text):

@@ -1,9 +1,8 @@
-"""Tokens of earlier starts on a port, with which an open tab continues after a restart of the server.
+"""Tokens of earlier starts on a port, so that an open tab continues after a restart of the server.
 
-Every start makes a new token. Only its digest is stored, in the user's cache folder and readable by the user alone. The
-digest is sufficient to recognise a cookie of an earlier start, but does not open the bench. Such a cookie is exchanged
-for the new one; it is valid for a limited time and for the same port only. The last port is stored as well, because
-pages store their work by address.
+Each start makes a new token. Its digest is stored in the user's cache folder; it recognises a cookie of an earlier
+start on the same port, which is exchanged for the new one. The last port is also stored, because pages store their
+work by address.
 """
 
 from __future__ import annotations
@@ -20,16 +19,16 @@ from typing import Any, cast
 from martensite.base.caches import cache_folder, is_private_file, keep_private, make_private_folder
 
 FIRST_OPEN_PORT = 1024
-"""Ports below this one are for the administrator, who must name them each time."""
+"""Ports below this one need administrator rights, and are named explicitly."""
 LONGEST_KEPT = 30 * 86400.0
-"""Seconds after its start for which a token is known again."""
+"""Seconds after its start for which a token is recognised."""
 MOST_KEPT = 8
-"""Starts on a port that are remembered."""
+"""Stored starts per port."""
 _PORT_KEPT = "port"
 
 
 def digest_token(token: str) -> str:
-    """Return the digest of a token, from which the random token cannot be recovered."""
+    """Return the digest of a token, from which the token cannot be recovered."""
     return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
 
 
@@ -45,23 +44,23 @@ class TokenRecord:
         return cls(cache_folder() / "app")
 
     def list_earlier(self, port: int) -> frozenset[str]:
-        """Return the digests of the tokens of earlier starts on a port that are not too old."""
+        """Return the digests of recent tokens of earlier starts on a port."""
         return frozenset(digest for digest, _ in self._read_starts(port))
 
     def find_port(self) -> int:
-        """Return the port that was used last; 0 if there is none, or only the administrator may use it."""
+        """Return the last port; 0 without a usable one."""
         port = self._read(_PORT_KEPT)
         return port if isinstance(port, int) and FIRST_OPEN_PORT <= port <= 65535 else 0
 
     def add_start(self, port: int, token: str) -> None:
-        """Remember a start."""
+        """Store a start."""
         starts = [*self._read_starts(port), (digest_token(token), time.time())]
         self._write(str(port), starts[-MOST_KEPT:])
         self._write(_PORT_KEPT, port)
 
     def _read_starts(self, port: int) -> list[tuple[str, float]]:
-        found = self._read(str(port))
-        rows = cast("list[Any]", found) if isinstance(found, list) else []
+        text = self._read(str(port))
+        rows = cast("list[Any]", text) if isinstance(text, list) else []
         oldest = time.time() - LONGEST_KEPT
         with suppress(TypeError, ValueError):
             return [(str(digest), float(began)) for digest, began in rows if float(began) > oldest]

@@ -1,8 +1,7 @@
-"""Running for the page: on plain floats at once, and in C as soon as it is compiled.
+"""Runs for the page: on plain floats at first, and in C once compiled.
 
-Compiling takes seconds, once for every structure and machine: a changed number runs what is there.
-A structure that this machine has compiled before runs in C from the first, and so does one whose
-first run would take much longer on floats than a compiler does.
+Compilation takes seconds, once per structure and machine. Structures compiled earlier on this machine, and long first
+runs, use C at once.
 """
 
 from __future__ import annotations
@@ -24,16 +23,16 @@ from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
 LONG_RUN = 10.0
-"""Seconds on floats, as a short piece lets expect, from which a run waits for the compiler."""
+"""Estimated seconds on floats from which a run waits for the compiler."""
 TRIAL_PIECES = 40
-"""Into how many pieces a run is cut to try one."""
+"""Number of pieces of a run, one of which is tried."""
 
 _ready: set[Hashable] = set()
 _begun: set[Hashable] = set()
 
 
 def run_fast(scenario: Scenario) -> tuple[Result, str]:
-    """Return the run, and the runtime that made it."""
+    """Return the run, and its runtime."""
     key = describe_structure(scenario.whole)
     if find_compiler() is None or (key in _begun and key not in _ready):
         return scenario.run(runtime="floats"), "floats"
@@ -46,7 +45,6 @@ def run_fast(scenario: Scenario) -> tuple[Result, str]:
 
 
 def _run_in_c(scenario: Scenario, key: Hashable) -> Result:
-    """Return the run in C; compiled first if need be."""
     result = scenario.run(runtime="c")
     if key not in _ready:
         _ready.add(key)
@@ -57,7 +55,7 @@ def _run_in_c(scenario: Scenario, key: Hashable) -> Result:
 
 
 def _compile_structure(scenario: Scenario, key: Hashable) -> None:
-    """Compile by running; a structure that does not run in C stays on floats."""
+    """Compile by a run; a structure that fails in C stays on floats."""
     with suppress(MartensiteError, ArithmeticError, MemoryError, OSError):
         _run_in_c(scenario, key)
 
@@ -66,12 +64,12 @@ def _is_long(scenario: Scenario) -> bool:
     samples = max(2, scenario.samples // TRIAL_PIECES)
     piece = replace(scenario, duration=scenario.duration / TRIAL_PIECES, samples=samples)
     begun = time.perf_counter()
-    with suppress(MartensiteError):  # the whole run says it better
+    with suppress(MartensiteError):  # the run shows it better
         piece.run(runtime="floats")
     return TRIAL_PIECES * (time.perf_counter() - begun) > LONG_RUN
 
 
 def _locate_mark(key: Hashable) -> Path:
-    """Return a file that says that this machine has compiled a structure."""
+    """Return the marker file of a structure compiled on this machine."""
     words = f"{version('martensite')} {key!r}"
     return cache_folder() / "c" / f"{hashlib.sha256(words.encode()).hexdigest()[:24]}.known"

@@ -1,7 +1,6 @@
 """Long work: each job in a separate process, with progress notes, until it is stopped.
 
-A job belongs to the tab of the browser that began it and outlives a reload of the page: a returning page receives the
-notes so far, and continues to listen.
+A job belongs to a browser tab and survives a reload: the returning page receives past notes, then new ones.
 """
 
 from __future__ import annotations
@@ -21,9 +20,9 @@ from martensite.app.worker_pool import STOP_LIMIT, Worker
 
 AT_ONCE = 4
 MOST_KEPT = 20
-"""Finished jobs that are remembered."""
+"""Stored finished jobs."""
 LONGEST_TRAIL = 400
-"""Notes of a job that are remembered; every other one is forgotten when there are more."""
+"""Stored notes of a job; above this number each second one is dropped."""
 
 
 @dataclass(eq=False)
@@ -40,7 +39,7 @@ class PageJob:
     began: float = field(default_factory=time.time)
     ended: float | None = None
     trail: list[JsonTable] = field(default_factory=list[JsonTable])
-    """Notes so far, thinned out."""
+    """Past notes, thinned."""
     last: JsonTable | None = None
     outcome: Any = None
     """The answer, or the sentence of a refusal."""
@@ -59,11 +58,11 @@ class PageJob:
         }
 
     def whole(self) -> JsonTable:
-        """Return the job with all that is known of it."""
+        """Return the job with request, notes and outcome."""
         return {**self.summary(), "request": self.request, "trail": self.trail, "outcome": self.outcome}
 
     def add_note(self, note: JsonTable) -> None:
-        """Keep a note and pass it on."""
+        """Store a note and pass it on."""
         self.last = note
         self.trail.append(note)
         if len(self.trail) > LONGEST_TRAIL:
@@ -77,7 +76,7 @@ class PageJob:
 
     def _send(self, message: JsonTable) -> None:
         for queue in self.listeners:
-            if queue.full():  # who listens too slowly is told anew
+            if queue.full():  # slow listeners get all notes again
                 while not queue.empty():
                     queue.get_nowait()
                 message = {"job": self.whole()}
@@ -85,7 +84,7 @@ class PageJob:
 
     @asynccontextmanager
     async def listening(self) -> AsyncIterator[asyncio.Queue[JsonTable]]:
-        """Return a queue that begins with all that is known and goes on with notes and the end."""
+        """Return a queue of the present state, new notes and the end."""
         queue: asyncio.Queue[JsonTable] = asyncio.Queue(64)
         queue.put_nowait({"job": self.whole()})
         self.listeners.add(queue)
@@ -103,11 +102,7 @@ class PageJobs:
     known: dict[str, PageJob] = field(default_factory=dict[str, PageJob])
 
     def begin(self, tab: str, call: str, request: JsonTable) -> PageJob:
-        """Begin a job.
-
-        Raises:
-            Refusal: too many are running.
-        """
+        """Begin a job."""
         running = [job for job in self.known.values() if job.state == "running"]
         if len(running) >= AT_ONCE:
             raise Refusal(f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429)
@@ -122,18 +117,14 @@ class PageJobs:
         return [job for job in reversed(self.known.values()) if job.tab == tab]
 
     def find(self, tab: str, name: str) -> PageJob:
-        """Return a job of a tab.
-
-        Raises:
-            Refusal: there is none of that name.
-        """
+        """Return a job of a tab."""
         job = self.known.get(name)
         if job is None or job.tab != tab:
             raise Refusal("There is no such job here; it may be long over.", 404)
         return job
 
     async def cancel(self, job: PageJob, grace: float = STOP_LIMIT) -> None:
-        """Stop a job: by asking, then, `grace` seconds later, by force."""
+        """Stop a job by a request, then by force after `grace` seconds."""
         if job.state != "running" or job.task is None:
             return
         await job.worker.stop()
@@ -144,7 +135,7 @@ class PageJobs:
         await job.worker.kill()
 
     async def close(self) -> None:
-        """End all jobs, at once."""
+        """End all jobs at once."""
         tasks = [job.task for job in self.known.values() if job.task is not None]
         for task in tasks:
             task.cancel()

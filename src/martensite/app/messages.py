@@ -7,29 +7,29 @@ import math
 import os
 import sys
 from array import array
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.base.errors import InputError, MartensiteError
+from martensite.base.errors import InputError, MartensiteError, require_known
 from martensite.scenario.exact_text import convert_to_plain
 from martensite.scenario.examples import EXAMPLES
 
 PACKAGE = Path(__file__).parents[1]
 Request = Mapping[str, Any]
-"""Request of a call from outside: read entry by entry with `require_entry`."""
+"""Request from outside; read its entries with `require_entry`."""
 JsonTable = dict[str, Any]
-"""A table that goes out as JSON, or a table of a document."""
+"""A JSON table, or a table of a document."""
 FOLDERS = sorted({str(path) for one in (EXAMPLES, PACKAGE) for path in (one, one.resolve())}, key=len, reverse=True)
-"""Folders of the installation, which are not the page's business."""
+"""Folders of the installation, removed from messages."""
 MOST_BYTES = 8 * 2**20
-"""The longest message that is read."""
+"""Largest message that is read."""
 DEEPEST_NESTING = 64
-"""Tables in tables; a scenario has a handful."""
+"""Largest depth of tables in tables."""
 
 
 class Refusal(Exception):
-    """An answer that is a sentence: what was wrong, and how the page shall take it."""
+    """An error for the page: a sentence, a status and a kind."""
 
     def __init__(self, sentence: str, status: int = 400, kind: str = "input") -> None:
         super().__init__(sentence)
@@ -40,15 +40,15 @@ class Refusal(Exception):
 
 
 class BadMessageError(InputError):
-    """A message is not what the call takes."""
+    """A message does not fit its call."""
 
 
 class Written(bytes):
-    """JSON as a worker wrote it, to be passed on as it is."""
+    """JSON of a worker, passed on unchanged."""
 
 
 def write_message(message: Any) -> bytes:
-    """Return a message as one line of JSON; numbers that JSON does not have become null."""
+    """Return a message as one line of JSON; NaN and infinity become null."""
     try:
         text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError):
@@ -57,24 +57,23 @@ def write_message(message: Any) -> bytes:
 
 
 class Packed(bytes):
-    """An answer with columns, as a worker packed it (`pack_columns`)."""
+    """An answer with columns, packed by a worker (`pack_columns`)."""
 
 
 COLUMNS_TYPE = "application/x-martensite-columns"
-"""Media type of `Packed`; who accepts it gets it, all others JSON."""
+"""Media type of `Packed`, for clients that accept it."""
 NUMBERS = "$numbers"
 SHORTEST_COLUMN = 16
-"""Numbers from which a list is packed."""
+"""Smallest length of a packed list."""
 _NUMERIC = {float, int, type(None)}
 
 
 def pack_columns(message: Any) -> Packed:
     """Return a message with its long lists of numbers as binary.
 
-    Four bytes, little endian: length of what follows in JSON, where such a list is
-    `{"$numbers": [first, count]}`. After it stand all numbers as 64-bit floats, little endian, in planes:
-    first byte of every number, then the second of every number …, for so they compress to half. What JSON
-    has no number for, and would be null, is not a number here either.
+    Four bytes, little endian, give the length of the following JSON, where such a list is `{"$numbers": [first,
+    count]}`. Then all numbers follow as little-endian 64-bit floats in planes: the first byte of each number, then the
+    second bytes, and so on, which compresses to half. Null becomes NaN.
     """
     numbers = array("d")
 
@@ -98,29 +97,25 @@ def pack_columns(message: Any) -> Packed:
 
 
 def read_message(data: bytes) -> JsonTable:
-    """Read a message from outside: a table of at most `MOST_BYTES` bytes.
-
-    Raises:
-        BadMessageError: the message is not JSON in UTF-8, is too deep, or is not a table.
-    """
+    """Read a message from outside: a table of at most `MOST_BYTES` bytes."""
     if len(data) > MOST_BYTES:
         raise BadMessageError(f"The message has {len(data):,} bytes; at most {MOST_BYTES:,} do.")
     try:
-        found = json.loads(
+        message = json.loads(
             data.decode("utf-8"), parse_constant=_replace_infinite, parse_float=_replace_infinite, parse_int=_is_whole
         )
-        _check_depth(found)
+        _check_depth(message)
         if b"\\u" in data:  # halves of characters, which no file can hold
-            json.dumps(found, ensure_ascii=False).encode()
+            json.dumps(message, ensure_ascii=False).encode()
     except UnicodeError:
         raise BadMessageError("The message is not text in UTF-8.") from None
     except RecursionError:
         raise BadMessageError("The message is nested too deeply.") from None
     except ValueError as error:
         raise BadMessageError(f"The message is not JSON: {error}.") from None
-    if not isinstance(found, dict):
+    if not isinstance(message, dict):
         raise BadMessageError("The message must be a table (an object of JSON).")
-    return cast("JsonTable", found)
+    return cast("JsonTable", message)
 
 
 def _replace_infinite(text: str) -> float:
@@ -137,7 +132,7 @@ def _is_whole(text: str) -> int:
 
 
 def _check_depth(found: Any) -> None:
-    """Raise `RecursionError` if there are tables in tables in tables …."""
+    """Raise `RecursionError` if tables are nested too deeply."""
     level: list[Any] = [[found]]
     for _ in range(DEEPEST_NESTING + 1):
         items = (item for box in level for item in (box.values() if isinstance(box, dict) else box))
@@ -148,11 +143,7 @@ def _check_depth(found: Any) -> None:
 
 
 def require_entry(request: Request, name: str, sort: type, default: Any = ...) -> Any:
-    """Return an entry of a message, checked.
-
-    Raises:
-        BadMessageError: it is missing without a default, or of another sort.
-    """
+    """Return a checked entry of a message."""
     if name not in request:
         if default is ...:
             raise BadMessageError(f"The message needs `{name}`; none given.")
@@ -163,6 +154,30 @@ def require_entry(request: Request, name: str, sort: type, default: Any = ...) -
     if not isinstance(value, sort) or (sort is int and isinstance(value, bool)):
         raise BadMessageError(f"`{name}` must be {_WORDS[sort]}, but is {_shorten_value(value)}.")
     return value
+
+
+def read_optional(request: Request, name: str, sort: type) -> Any:
+    """Return a checked entry of a message; None if it is missing or null."""
+    return None if request.get(name) is None else require_entry(request, name, sort)
+
+
+def require_choice(request: Request, name: str, kind: str, valid: Collection[str]) -> str:
+    """Return an entry of a message that is one of the valid names; `kind` is for the error."""
+    value: str = require_entry(request, name, str)
+    require_known(kind, value, valid)
+    return value
+
+
+def list_tables(request: Request, name: str) -> list[JsonTable]:
+    """Return the tables in a list of a message; empty if it is missing."""
+    return [require_table(entry, name) for entry in require_entry(request, name, list, [])]
+
+
+def require_table(entry: Any, name: str) -> JsonTable:
+    """Return an item of a list of a message, which must be a table."""
+    if not isinstance(entry, dict):
+        raise BadMessageError(f"`{name}` must hold tables, but holds {str(entry)[:40]!r}.")
+    return cast("JsonTable", entry)
 
 
 _WORDS: dict[type, str] = {
@@ -182,10 +197,10 @@ def _shorten_value(value: Any) -> str:
 
 def describe_refusal(error: BaseException) -> JsonTable:
     """Describe an error as a sentence, without folders of the installation, and its kind."""
-    said = _describe_error(error)
+    refusal = _describe_error(error)
     for folder in FOLDERS:
-        said["refused"] = said["refused"].replace(f"{folder}{os.sep}", "")
-    return said
+        refusal["refused"] = refusal["refused"].replace(f"{folder}{os.sep}", "")
+    return refusal
 
 
 def _describe_error(error: BaseException) -> JsonTable:

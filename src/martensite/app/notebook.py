@@ -1,9 +1,9 @@
-"""The web bench in a notebook: a widget (anywidget) whose page asks the kernel instead of a server.
+"""The web bench in a notebook: a widget (anywidget) whose page uses the kernel instead of a server.
 
     from the page: {"id", "call": name, "request": {…}}, {"id", "file": key} or {"id", "asset": name}
     to the page:   {"id"} with the answer as bytes, or {"id", "refused": sentence, "kind"}
 
-A call is answered by the function that answers it on the server; the kernel has no other address.
+The functions of the server answer the calls.
 """
 
 from __future__ import annotations
@@ -16,27 +16,26 @@ import anywidget
 import traitlets
 
 from martensite.app.documents import check_files
-from martensite.app.messages import BadMessageError, Request, describe_refusal, require_entry, write_message
+from martensite.app.messages import Request, describe_refusal, require_choice, require_entry, write_message
 from martensite.app.routes import find_call
 from martensite.app.site import STATIC, WIDGET
-from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError
 from martensite.scenario.scenario import Scenario, read_scenario
 
 CALLS = ("run", "form", "scenarios", "differences", "export")
 """Calls of the bench; other pages are excluded."""
 ASSETS = tuple(sorted(path.name for path in STATIC.iterdir()))
-"""Files of the page: its modules, and what is read when it is wanted."""
+"""Files of the page."""
 
 
 class BenchWidget(anywidget.AnyWidget):
     """The bench of a scenario: `scenario.show_bench()`.
 
-    Every change on the page is in `scenario`, and `text` may be set to another document.
+    `scenario` has all changes of the page; `text` can be set to another document.
 
     Raises:
-        InputError: the scenario goes on from another run, which no document holds.
+        InputError: the scenario continues another run, which no document stores.
         DataError: the scenario reads files, such as a log.
     """
 
@@ -64,20 +63,15 @@ class BenchWidget(anywidget.AnyWidget):
     def _hear(self, _: Any, content: Request, buffers: Any) -> None:
         try:
             answer = self.answer(content)
-        except Exception as error:  # a sentence on the page, and the kernel goes on
+        except Exception as error:  # the page shows it; the kernel continues
             self.send({"id": content.get("id"), **describe_refusal(error)})
         else:
             self.send({"id": content.get("id")}, buffers=[answer])
 
     def answer(self, asked: Request) -> bytes:
-        """Return the answer to the page.
-
-        Raises:
-            BadMessageError: the request is unknown.
-            MartensiteError: the call fails.
-        """
+        """Return the answer to the page."""
         if "file" in asked:
-            return UploadFolder(self._desk.folder).path(require_entry(asked, "file", str)).read_bytes()
+            return self._desk.files.path(require_entry(asked, "file", str)).read_bytes()
         if "asset" in asked:
             return (STATIC / _require_name(asked, "asset", ASSETS)).read_bytes()
         call = _require_name(asked, "call", CALLS)
@@ -85,7 +79,4 @@ class BenchWidget(anywidget.AnyWidget):
 
 
 def _require_name(asked: Request, entry: str, known: tuple[str, ...]) -> str:
-    name = require_entry(asked, entry, str)
-    if name not in known:
-        raise BadMessageError(f"The bench in a notebook has no {entry} `{name}`. {suggest_name(name, known)}")
-    return name
+    return require_choice(asked, entry, entry, known)

@@ -1,14 +1,9 @@
-"""Who may speak to the server, and how long it waits for a request.
+"""Access to the server: only this machine's browser, from the server's own page, with its token.
 
-It speaks with this machine's browser, from the server's own page, with its token.
-
-Loopback is reachable by every page that the browser shows. So a request is refused unless it is
-meant for this server (header Host: no rebinding of names), comes from its own page or from no page
-(Origin, Sec-Fetch-Site), and holds the token of this run: in a cookie, which the address with
-`?token=` sets, or as `Authorization: Bearer`. A cookie of an earlier start on this port is exchanged
-for that of this one (`earlier_tokens`), so that a tab goes on when the server comes back. Who
-connects and does not ask within `REQUEST_WAIT` is sent away: whoever can connect could otherwise hold
-sockets for ever, without any token.
+A request must have the server's address (header Host: no DNS rebinding), come from its own page or from no page
+(Origin, Sec-Fetch-Site), and have the token of this run: in a cookie, which the address with `?token=` sets, or as
+`Authorization: Bearer`. A cookie of an earlier start on this port is exchanged (`earlier_tokens`). A connection without
+a request within `REQUEST_WAIT` is closed; otherwise clients without a token could exhaust sockets.
 """
 
 from __future__ import annotations
@@ -43,30 +38,30 @@ HEADERS: Mapping[str, str] = {
     "Cache-Control": "no-cache",
 }
 REQUEST_WAIT = 10.0
-"""From a connection, or the first byte of a further request, to the end of its headers [s]."""
+"""Time from a connection, or the first byte of a further request, to the end of its headers [s]."""
 NAMES = ("127.0.0.1", "localhost")
 TOKEN_ONCE = ("host", "origin", "authorization", "cookie", "sec-fetch-site", "sec-fetch-mode")
-"""Headers of which there is one at most, lest this reads one and others another."""
+"""Headers that can occur only once, against different readings."""
 STRANGER = "This page needs the token of the running bench: open the address that `martensite app` printed."
 
 
 class TimedProtocol(H11Protocol):
-    """HTTP that closes connections on which no whole head of a request comes in time."""
+    """HTTP protocol that closes connections without complete headers in time."""
 
     _waiting: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for the first request."""
+        """Start the timeout of the first request."""
         super().connection_made(transport)
         self._await_request()
 
     def data_received(self, data: bytes) -> None:
-        """Stop waiting after a full request; other bytes do not prolong the wait."""
+        """Stop the timeout after a full request; other bytes do not prolong it."""
         super().data_received(data)
         self._await_request()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Nothing is waited for any more."""
+        """Stop the timeout."""
         super().connection_lost(exc)
         self._stop_waiting()
 
@@ -86,7 +81,7 @@ class TimedProtocol(H11Protocol):
 
 @dataclass(frozen=True)
 class RequestGuard:
-    """ASGI middleware that refuses strangers."""
+    """ASGI middleware that refuses unauthorised requests."""
 
     app: ASGIApp
     token: str
@@ -115,7 +110,7 @@ class RequestGuard:
         await (entered or self.app)(scope, receive, _with_headers(send, host, renewed))
 
     def _answer_place(self, scope: Scope) -> str:
-        """Return the name it is asked by; what is meant for, or comes from, elsewhere is refused."""
+        """Return the host of a request; refuse other hosts and origins."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if host not in [f"{name}:{self.port}" for name in NAMES]:
@@ -133,7 +128,7 @@ class RequestGuard:
         return host
 
     def _renew_cookie(self, scope: Scope) -> str | None:
-        """Refuse who does not hold the token; the new cookie of who holds that of an earlier start."""
+        """Return the new cookie for a token of an earlier start, else None; refuse other tokens."""
         headers = Headers(scope=scope)
         scheme, _, given = headers.get("authorization", "").partition(" ")
         bearer = scheme.lower() == "bearer"
@@ -150,7 +145,7 @@ class RequestGuard:
         return hmac.compare_digest(held.encode("utf-8", "replace"), self.token.encode())
 
     def _let_in(self, scope: Scope) -> Response | None:
-        """Return the answer to an address with the token in it: the page, with a cookie."""
+        """Return the redirect of an address with the token, which sets the cookie."""
         if scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
             return None
         tokens = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
@@ -162,21 +157,19 @@ class RequestGuard:
 
     def _set_cookie(self, response: Response) -> None:
         # lax: the first page may be opened from elsewhere, such as a terminal in a browser;
-        # what else comes from elsewhere is refused by its Sec-Fetch-Site and Origin
+        # Sec-Fetch-Site and Origin refuse other foreign requests
         response.set_cookie(self.cookie, self.token, httponly=True, samesite="lax")
 
 
 def _read_cookie(headers: Headers, name: str) -> str:
     try:
-        found = SimpleCookie(headers.get("cookie", "")).get(name)
+        cookie = SimpleCookie(headers.get("cookie", "")).get(name)
     except CookieError:
         return ""
-    return "" if found is None else found.value
+    return "" if cookie is None else cookie.value
 
 
 def _with_headers(send: Send, host: str, cookie: str | None = None) -> Send:
-    """Adds to answers what keeps the page to this server, and a cookie."""
-
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)
@@ -200,7 +193,7 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) 
 
 
 def json_response(content: Any, status: int = 200) -> Response:
-    """Return an answer in JSON, or in columns if a worker packed them."""
+    """Return a JSON answer, or packed columns."""
     if isinstance(content, Packed):
         return Response(content, status, media_type=COLUMNS_TYPE)
     body = content if isinstance(content, Written) else write_message(content)
@@ -208,7 +201,7 @@ def json_response(content: Any, status: int = 200) -> Response:
 
 
 def refusal_response(refusal: Refusal, quiet: bool = False) -> Response:
-    """Return a refusal: its sentence, and how the page shall take it; its status in a header if quiet."""
+    """Return a refusal with sentence and kind; if quiet, its status is in a header."""
     content = {"error": str(refusal), "kind": refusal.kind}
     if not quiet:
         return json_response(content, refusal.status)

@@ -1,7 +1,6 @@
-"""The route table: every call by its name on the page, and the function that answers it.
+"""The route table: function by name of the call.
 
-A function takes the request, a table, and the `Desk`; it gives what goes out as JSON. Modules are
-loaded when they are first called, since some take a second.
+A function of a request and a `Desk` returns JSON. Modules are imported at their first call, since some take a second.
 """
 
 from __future__ import annotations
@@ -10,8 +9,8 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from martensite.app.messages import BadMessageError, Request
-from martensite.base.errors import suggest_name
+from martensite.app.messages import Request
+from martensite.base.errors import require_known
 
 if TYPE_CHECKING:
     from martensite.app.worker import Desk
@@ -61,16 +60,11 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "sweep_delete": ("sweeps", "delete_sweep"),
     "sweep_export": ("sweep_form", "export_sweep"),
 }
-"""Name -> module of `martensite.app.calls`, and function."""
+"""Module of `martensite.app.calls`, and function, by name."""
 
 
 def find_call(name: str) -> Callable[[Request, Desk], Any]:
-    """Return the function that answers a call.
-
-    Raises:
-        BadMessageError: the call is unknown.
-    """
-    if name not in ROUTES:
-        raise BadMessageError(f"There is no call `{name}`. {suggest_name(name, ROUTES)}")
+    """Return the function of a call."""
+    require_known("call", name, ROUTES)
     module, function = ROUTES[name]
     return getattr(import_module(f"{CALLS}.{module}"), function)

@@ -1,4 +1,4 @@
-"""Server: bound to loopback, with a new token, until it is interrupted."""
+"""Server on loopback with a new token, until it is interrupted."""
 
 from __future__ import annotations
 
@@ -29,20 +29,16 @@ class Served:
 
     @property
     def address(self) -> str:
-        """To be opened in a browser; who has it may come in."""
+        """Return the address for a browser, which includes the token."""
         return f"http://{LOOPBACK}:{self.port}/?token={self.token}"
 
 
 def bind_socket(port: int) -> socket.socket:
-    """Return a socket on loopback; port 0 is any that is free.
-
-    Raises:
-        InputError: the port is taken, or none.
-    """
+    """Return a socket on loopback; port 0 is any free one."""
     if not 0 <= port <= 65535:
         raise InputError(f"Option `--port` must be between 0 and 65535, but is {port}.")
     made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    if sys.platform == "win32":  # where reusing means that others may take it over
+    if sys.platform == "win32":  # reuse would let other processes take it over
         made.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
     else:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -55,13 +51,7 @@ def bind_socket(port: int) -> socket.socket:
 
 
 def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:
-    """Return a socket on the port; for port 0 on the one that was used last, if it is free.
-
-    Pages keep their work by address, and so do bookmarks.
-
-    Raises:
-        InputError: the port is taken, or none.
-    """
+    """Return a socket on the port; port 0 prefers the last one, since pages store their work by address."""
     usual = record.find_port() if port == 0 else 0
     with suppress(InputError):
         if usual:
@@ -70,11 +60,7 @@ def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:
 
 
 def make_folder(folder: Path) -> Path:
-    """Return the folder in which files are kept; made if it is not there.
-
-    Raises:
-        InputError: it cannot be made, or is a file.
-    """
+    """Return the folder of files, created if missing."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -83,16 +69,12 @@ def make_folder(folder: Path) -> Path:
 
 
 def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None) -> None:
-    """Serve the bench until it is interrupted (Ctrl-C) or told to end (SIGTERM, SIGHUP).
+    """Serve the bench until it is interrupted (Ctrl-C, SIGTERM, SIGHUP).
 
     Args:
-        port: on loopback; 0 for the one that was used last, or else a free one.
-        folder: where uploaded files and sweeps are kept, made if need be; one that ends with the
-            server if None.
+        port: port on loopback; 0 for the last one, or else a free one.
+        folder: folder of uploaded files and sweeps; by default temporary.
         ready: called with the address before the first request.
-
-    Raises:
-        InputError: port or folder cannot be used.
     """
     import uvicorn
 
@@ -132,9 +114,9 @@ def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Serv
 
 @contextmanager
 def _end_on_signals() -> Iterator[None]:
-    """Take signals that mean the end as one, so that what is open is closed and cleared away.
+    """Convert signals that end the server to one exception, for a clean shutdown.
 
-    While the server runs it takes SIGINT and SIGTERM itself, and raises them once it has ended.
+    While it runs, the server handles SIGINT and SIGTERM itself, and raises them at its end.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -151,7 +133,7 @@ def _end_on_signals() -> Iterator[None]:
 
 
 class _Ended(SystemExit):
-    """A signal came that means the end."""
+    """A signal to end the server."""
 
 
 def _end_server(number: int, frame: Any) -> None:

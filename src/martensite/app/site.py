@@ -2,18 +2,18 @@
 
     GET  /                      the page; other paths below it are its scripts and styles
     POST /api/call/NAME         a quick call: request and answer in JSON; columns of numbers as binary
-                                (`messages.pack_columns`) for who accepts them
-    DELETE /api/lane            end the quick call of the lane that is running
+                                (`messages.pack_columns`) for clients that accept them
+    DELETE /api/lane            end the running quick call of the lane
     POST /api/jobs              begin long work: {"call": …, "request": …} -> the job
     GET  /api/jobs              the jobs of this tab
-    DELETE /api/jobs/ID         cancel it; by force if it has not ended `?within=` seconds, 5 at most and else
-    WS   /api/jobs/ID/watch     its notes so far, then new notes, then its end
+    DELETE /api/jobs/ID         cancel it; by force after `?within=` seconds, at most 5
+    WS   /api/jobs/ID/watch     its past notes, then new notes, then its end
     POST /api/files?name=…      upload the body -> its key
-    GET  /api/files/KEY         take a file away
+    GET  /api/files/KEY         download a file
 
-Header `X-Tab` names the tab of the browser (or `?tab=` of a socket), `X-Lane` the lane in which a newer call replaces
-an older one. A refusal is `{"error": "a sentence", "kind": "input"}` with an error status. A request with `X-Quietly:
-1` gets the status 200, and the error status in `X-Refused`.
+Header `X-Tab` names the browser tab (or `?tab=` of a socket), `X-Lane` the lane in which a newer call replaces an older
+one. A refusal is `{"error": "a sentence", "kind": "input"}` with an error status. A request with `X-Quietly: 1` gets
+the status 200, and the error status in `X-Refused`.
 """
 
 from __future__ import annotations
@@ -48,17 +48,17 @@ from martensite.app.worker_pool import STOP_LIMIT, WorkerPool
 from martensite.base.errors import InputError
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
-"""The bundled page; who works on the page may name another build of it."""
+"""The bundled page; developers of the page can name another build."""
 WIDGET, NOTEBOOK = "widget.js", "notebook.js"
-"""Widget of a notebook, and the module that the widget begins with; the page loads neither."""
+"""Widget of a notebook, and its first module; the page loads neither."""
 QUIETLY = "x-quietly"
 PAGE_FIRST = 0.5
-"""Seconds for which a new server leaves the processor to the page."""
+"""Delay before a new server starts workers, in favour of the page [s]."""
 COMPRESSED = [Middleware(GZipMiddleware, minimum_size=1400, compresslevel=4)]
-"""Compression of answers that are longer than a packet; downloads are not compressed."""
+"""Compression of answers longer than a packet; downloads are not compressed."""
 _TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
 SWALLOWED, PATIENCE = 2**30, 20.0
-"""Bytes of a refused upload that are read and thrown away, and for how long [s].
+"""Largest number of discarded bytes of a refused upload, and largest time for them [s].
 
 Browsers read the answer only after they have sent all.
 """
@@ -75,7 +75,7 @@ class Site:
     drawer: UploadFolder
 
     async def call(self, request: Request) -> Response:
-        """Return a quick call."""
+        """Answer a quick call."""
         tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
         message = read_message(await _read_body(request))
         lane = f"{tab} {lane}" if lane else ""
@@ -86,7 +86,7 @@ class Site:
             raise Refusal("The bench is ending.", 503, "lost") from None
 
     async def stop_call(self, request: Request) -> Response:
-        """End the quick call of a lane that is running."""
+        """End the running quick call of a lane."""
         tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
         return json_response({"stopped": self.pool.cancel(f"{tab} {lane}")})
 
@@ -126,7 +126,7 @@ class Site:
             await asyncio.gather(*tasks, return_exceptions=True)
 
     async def upload(self, request: Request) -> Response:
-        """Take a file."""
+        """Store an uploaded file."""
         name = request.query_params.get("name", "")
         if not name:
             raise Refusal("An upload needs `?name=`, what the file is called.")
@@ -139,13 +139,12 @@ class Site:
         return json_response({"key": key, "name": path.name, "bytes": path.stat().st_size}, 201)
 
     async def download(self, request: Request) -> Response:
-        """Give a file away."""
+        """Return a stored file."""
         path = self.drawer.path(request.path_params["key"])
         return FileResponse(path, filename=path.name, media_type="application/octet-stream")
 
 
 async def _send_notes(job: PageJob, socket: WebSocket) -> None:
-    """Send the past and new notes of a job until it ends."""
     with suppress(WebSocketDisconnect, RuntimeError):  # the page has left
         async with job.listening() as queue:
             over = False
@@ -157,7 +156,7 @@ async def _send_notes(job: PageJob, socket: WebSocket) -> None:
 
 
 async def _await_leaving(socket: WebSocket) -> None:
-    """Pass over what the page sends, until it leaves."""
+    """Ignore messages of the page until it leaves."""
     while (await socket.receive())["type"] != "websocket.disconnect":
         pass
 
@@ -178,7 +177,6 @@ def _read_grace(words: str | None) -> float:
 
 
 async def _read_body(request: Request) -> bytes:
-    """Return the body of a request, refused as soon as it is too long."""
     most, parts, size = messages.MOST_BYTES, list[bytes](), 0
     stream = request.stream()
     async for chunk in stream:
@@ -213,9 +211,9 @@ async def _answer_index(request: Request) -> Response:
 
 
 async def _answer_refusal(request: Request, error: Exception) -> Response:
-    """Return the answer to an error made on purpose.
+    """Return the answer to a refusal.
 
-    A page asks for such sentences under the status 200: browsers put all others on the console.
+    The page requests refusals with status 200, since browsers log all others on the console.
     """
     known = error if isinstance(error, Refusal) else Refusal(str(error))
     return refusal_response(known, quiet=request.headers.get(QUIETLY) == "1")
@@ -228,7 +226,6 @@ async def _answer_missing(request: Request, error: Exception) -> Response:
 
 
 async def _answer_failure(request: Request, error: Exception) -> Response:
-    """Return the answer to an unexpected error; the server continues."""
     return refusal_response(Refusal(describe_refusal(error)["refused"], 500, "failed"))
 
 
@@ -237,9 +234,13 @@ async def _answer_gone(request: Request, error: Exception) -> Response:
 
 
 def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = frozenset()) -> ASGIApp:
-    """Return the whole application: files are kept in `folder`, who holds `token` may come in.
+    """Return the application.
 
-    Cookies whose digest is in `earlier` are exchanged for that of the token.
+    Args:
+        folder: folder of files.
+        token: token of authorised requests.
+        port: port of the server.
+        earlier: digests of earlier tokens, whose cookies are exchanged.
     """
     shared = Site(WorkerPool(folder), PageJobs(folder), UploadFolder(folder))
 

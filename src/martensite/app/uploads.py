@@ -1,7 +1,7 @@
-"""Folder of a server: uploaded files, and files made for download.
+"""Folder of a server: uploaded files, and files for download.
 
-Names come from outside and are never used as paths. Each file lies in a separate folder with a generated name, and its
-cleaned name contains no path.
+Names from outside are never used as paths. Each file is in a separate folder with a generated name, and its cleaned
+name contains no path.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from martensite.base.errors import DataError
 MOST_BYTES = 64 * 2**20
 """Largest size of one file [bytes]."""
 MOST_IN_ALL = 2**30
-"""Bytes of all files that a server takes until it ends."""
+"""Largest size of all uploads of a server [bytes]."""
 LONGEST_NAME = 160
-"""In bytes; files of some systems have at most 255."""
+"""Bytes; some file systems allow at most 255."""
 _KEY = re.compile(r"[0-9a-f]{16}")
 _UNSAFE = re.compile(r"[^\w.() -]+")
 _RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com[\d¹²³]|lpt[\d¹²³])(\W|$)", re.IGNORECASE)
-"""Names of devices, whatever their ending."""
+"""Names of devices, with any ending."""
 
 
 def make_key() -> str:
@@ -35,7 +35,7 @@ def make_key() -> str:
 
 
 def is_key(text: str) -> bool:
-    """Return whether a text from outside may be a key, which has nothing in it that leads elsewhere."""
+    """Return whether a text from outside has the form of a key."""
     return bool(_KEY.fullmatch(text))
 
 
@@ -49,7 +49,7 @@ def clean_name(name: str) -> str:
 
 
 def _shorten_text(text: str, most: int = LONGEST_NAME) -> str:
-    """Return the beginning of a text, at most so many bytes, without a space at its end."""
+    """Return the beginning of a text, at most `most` bytes, without trailing spaces."""
     return text.encode()[:most].decode("utf-8", "ignore").rstrip(" .")
 
 
@@ -59,26 +59,18 @@ class UploadFolder:
 
     folder: Path
     taken: int = 0
-    """Bytes that were uploaded through it, those under way included."""
+    """Uploaded bytes, including unfinished uploads."""
 
     def path(self, key: str) -> Path:
-        """Return the file of a key.
-
-        Raises:
-            DataError: there is none.
-        """
+        """Return the file of a key."""
         below = self.folder / key
-        found = sorted(below.iterdir()) if is_key(key) and below.is_dir() else []
-        if len(found) != 1:
+        files = sorted(below.iterdir()) if is_key(key) and below.is_dir() else []
+        if len(files) != 1:
             raise DataError("There is no such file here; upload it again.")
-        return found[0]
+        return files[0]
 
     def place(self, name: str) -> tuple[str, Path]:
-        """Return a new key, and where to put the file.
-
-        Raises:
-            DataError: the folder cannot be written to.
-        """
+        """Return a new key and the path of a new file."""
         key = make_key()
         below = self.folder / key
         try:
@@ -88,11 +80,10 @@ class UploadFolder:
         return key, below / clean_name(name)
 
     async def take(self, name: str, chunks: AsyncIterator[bytes]) -> tuple[str, Path]:
-        """Put what is uploaded into the folder; its key and path.
+        """Store an upload; return its key and path.
 
         Raises:
-            Refusal: it is larger than `MOST_BYTES`, all are larger than `MOST_IN_ALL`, or the disk
-                is full; nothing is kept.
+            Refusal: the file or all uploads are too large, or the disk is full; nothing is stored.
         """
         key, path = self.place(name)
         size = 0

@@ -1,14 +1,14 @@
-"""Process that answers calls, one after the other; lines of JSON come in and go out.
+"""Process that answers calls in sequence; lines of JSON come in and go out.
 
     in:  {"call": "run", "request": {…}, "folder": "…"}   a call
-    in:  {…, "columns": true}                             the answer may be columns
+    in:  {…, "columns": true}                             the answer can be columns
     in:  {"stop": true}                                   end the running call
-    out: {"tell": {…}}                                    any number, while it works
-    out: {"bytes": 1234}, then so many                    the answer as columns
+    out: {"tell": {…}}                                    any number of notes
+    out: {"bytes": 1234}, then as many                    the answer as columns
     out: {"answer": {…}} or {"refused": "a sentence", "kind": "input"}
 
-It ends with its input, even during a call, and ends the processes that it has started. So a worker never outlives the
-server. Calls are those of `martensite.app.routes`.
+It ends with its input, even during a call, with all its child processes, so a worker never outlives the server. Calls
+are those of `martensite.app.routes`.
 """
 
 from __future__ import annotations
@@ -28,25 +28,31 @@ from typing import BinaryIO
 
 from martensite.app.messages import JsonTable, Request, describe_refusal, pack_columns, write_message
 from martensite.app.routes import find_call
+from martensite.app.uploads import UploadFolder
 
 MEMORY = 4 * 2**30
-"""Bytes that a worker may hold, threads and what they reserve included."""
+"""Memory limit of a worker [bytes]."""
 
 
 @dataclass
 class Desk:
-    """Environment of a call besides its request."""
+    """Environment of a call in addition to its request."""
 
     folder: Path
     """Folder of uploaded and new files."""
     tell: Callable[[Request], None] = lambda note: None
-    """Sends a note on how far it is."""
+    """Function that sends a progress note."""
     stop: threading.Event = field(default_factory=threading.Event)
-    """Set once the work shall end; who can, ends with the best so far."""
+    """Set to end the work, if possible with the best result so far."""
+
+    @property
+    def files(self) -> UploadFolder:
+        """Return the uploaded and new files."""
+        return UploadFolder(self.folder)
 
 
 class _Lines:
-    """Writes messages as lines; from several threads."""
+    """Thread-safe writer of messages as lines."""
 
     def __init__(self, out: BinaryIO) -> None:
         self._out, self._lock = out, threading.Lock()
@@ -64,11 +70,11 @@ class _Lines:
 
 
 _Work = SimpleQueue[tuple[JsonTable, threading.Event]]
-"""Calls, each with what tells it to stop."""
+"""Calls, each with its stop event."""
 
 
 def _read_calls(source: BinaryIO, work: _Work) -> None:
-    """Put calls on the pile, and end with the input."""
+    """Queue calls, and end the process with the input."""
     stop = threading.Event()
     for line in source:
         message = json.loads(line)
@@ -83,7 +89,7 @@ def _read_calls(source: BinaryIO, work: _Work) -> None:
 
 
 def limit_memory() -> None:
-    """Let a run that grows without end fail here, before it drives others out of memory."""
+    """Limit the memory of this process, so that an excessive run fails here."""
     try:
         import resource
     except ModuleNotFoundError:  # Windows
@@ -95,7 +101,7 @@ def limit_memory() -> None:
 
 
 def _open_streams() -> tuple[BinaryIO, BinaryIO]:
-    """Return the input and output of the messages; what prints elsewhere goes to standard error."""
+    """Return the input and output of messages; other output goes to standard error."""
     source, out = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
@@ -110,7 +116,7 @@ def main() -> None:
     work, lines = _Work(), _Lines(out)
     threading.Thread(target=_read_calls, args=(source, work), daemon=True).start()
     limit_memory()
-    find_call("run")  # before the first call, that it be quick
+    find_call("run")  # makes the first call fast
     while True:
         message, stop = work.get()
         desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
@@ -123,10 +129,10 @@ def main() -> None:
         except BrokenPipeError:
             return  # the server is gone
         except Exception as error:
-            said = describe_refusal(error)
-            if said["refused"].startswith("Unexpected"):
+            refusal = describe_refusal(error)
+            if refusal["refused"].startswith("Unexpected"):
                 traceback.print_exc(file=sys.stderr)
-            lines.send(said)
+            lines.send(refusal)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Workers as the server sees them: processes that are asked, stopped, and replaced if they die."""
+"""Workers of the server: processes that are called, stopped, and replaced if they die."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from martensite.base.child_python import python_command, python_environment
 COMMAND = tuple(python_command("-m", "martensite.app.worker"))
 LONGEST_LINE = 64 * 2**20
 QUICK_LIMIT = 60.0
-"""Seconds after which a quick call is given up."""
+"""Time limit of a quick call [s]."""
 STOP_LIMIT = 5.0
-"""Seconds that a call is given to stop by itself."""
+"""Time limit of a requested stop [s]."""
 
 ANSWER = b'{"answer":'
 LONG_ANSWER = 2**16
-"""Bytes from which an answer is passed on unread: reading and writing it again takes time."""
+"""Size from which an answer is passed on unparsed [bytes]."""
 LOOKED_AFTER = 1.0
-"""Seconds after which a silent process is looked after."""
+"""Interval of checks on a silent process [s]."""
 LOST_SENTENCE = (
     "The process that computed this ended unexpectedly (out of memory?); try a shorter run or fewer samples."
 )
@@ -37,7 +37,7 @@ Tell = Callable[[JsonTable], None]
 
 
 class Worker:
-    """One process; it does one thing at a time."""
+    """One process; it handles one call at a time."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -45,9 +45,9 @@ class Worker:
         self._stopped = False
 
     async def start(self) -> asyncio.subprocess.Process:
-        """Return the process; a new one if there is none or it has ended."""
+        """Return the running process, or a new one."""
         if self._process is not None and self._process.returncode is not None:
-            await self.kill()  # what it has started may live on
+            await self.kill()  # child processes may continue
         if self._process is None:
             self._process = await asyncio.create_subprocess_exec(
                 *COMMAND,
@@ -60,16 +60,16 @@ class Worker:
         return self._process
 
     async def ask(self, call: str, request: JsonTable, tell: Tell | None = None, columns: bool = False) -> Any:
-        """Return the answer to a call; `Packed` if it may be columns.
+        """Return the answer to a call; `Packed` if it can be columns.
 
         Raises:
-            Refusal: the call was refused or failed, or the process died over it.
+            Refusal: the call was refused or failed, or the process died.
         """
         try:
             process = await self.start()
             asked = {"call": call, "request": request, "folder": str(self.folder), "columns": columns}
             await _write_line(process, asked)
-            if self._stopped:  # before it had begun
+            if self._stopped:  # before its start
                 await _write_line(process, {"stop": True})
             while True:
                 said: JsonTable = _parse_line(await _read_line(process))
@@ -82,20 +82,20 @@ class Worker:
         except OSError as error:
             await self.kill()
             raise Refusal(f"No process could be started: {error}.", 500, "lost") from None
-        except BaseException:  # what it would answer later is not for the next call
+        except BaseException:  # a late answer must not reach the next call
             await self.kill()
             raise
         return _take_answer(said)
 
     async def stop(self) -> None:
-        """Ask what is being done to end."""
+        """Request the end of the running call."""
         self._stopped = True
         if self._process is not None and self._process.returncode is None:
             with contextlib.suppress(ConnectionError):
                 await _write_line(self._process, {"stop": True})
 
     async def kill(self) -> None:
-        """End the process and all that it has started."""
+        """End the process and its child processes."""
         process, self._process, self._stopped = self._process, None, False
         if process is None:
             return
@@ -107,8 +107,8 @@ class Worker:
         try:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), STOP_LIMIT)
-        finally:  # whoever waits may be given up, which is when the server ends
-            # asyncio closes it by itself only if other processes do not hold the pipes open
+        finally:  # waiting calls can be cancelled at the end of the server
+            # asyncio does not close it while other processes hold the pipes
             transport = getattr(process, "_transport", None)
             if transport is not None:
                 transport.close()
@@ -123,13 +123,13 @@ async def _write_line(process: asyncio.subprocess.Process, message: JsonTable) -
 
 
 async def _read_line(process: asyncio.subprocess.Process) -> bytes:
-    """Return the next line; empty once the process has ended."""
+    """Return the next line; empty after the end of the process."""
     if process.stdout is None:
         return b""
     reading = asyncio.ensure_future(process.stdout.readline())
     try:
         while not (await asyncio.wait({reading}, timeout=LOOKED_AFTER))[0]:
-            if process.returncode is not None:  # others that it has started hold its output open
+            if process.returncode is not None:  # its child processes keep its output open
                 return b""
         return reading.result()
     except ValueError:
@@ -148,21 +148,17 @@ async def _read_bytes(process: asyncio.subprocess.Process, count: int) -> Packed
 
 
 def _parse_line(line: bytes) -> JsonTable:
-    """Return the content of a line of a worker.
-
-    Raises:
-        Refusal: the line is empty, for the process has ended, or is not a message of a worker.
-    """
+    """Return the content of a line of a worker."""
     if not line.endswith(b"\n"):
         raise Refusal(LOST_SENTENCE, 500, "lost")
     if len(line) > LONG_ANSWER and line.startswith(ANSWER) and line.endswith(b"}\n"):
         return {"answer": Written(line[len(ANSWER) : -2])}
     try:
-        said = json.loads(line)
-        if "bytes" in said:
-            return {"bytes": int(said["bytes"])}
-        if "tell" in said or "answer" in said or (said["refused"] and said["kind"]):
-            return said
+        message = json.loads(line)
+        if "bytes" in message:
+            return {"bytes": int(message["bytes"])}
+        if "tell" in message or "answer" in message or (message["refused"] and message["kind"]):
+            return message
     except (ValueError, TypeError, LookupError):
         pass
     raise Refusal(GARBLED_SENTENCE, 500, "lost")
@@ -177,32 +173,32 @@ def _take_answer(said: JsonTable) -> Any:
 
 @dataclass
 class WorkerPool:
-    """A few workers for quick calls; who asks anew gives up what he asked and waits for."""
+    """Workers for quick calls; a newer call of a lane replaces a waiting one."""
 
     folder: Path
     size: int = 2
     quick: float = QUICK_LIMIT
-    """[s]"""
+    """Time limit of a call [s]."""
     idle: list[Worker] = field(default_factory=list[Worker])
-    """The last used is the next: it remembers what it has compiled."""
+    """Idle workers; the last one used, with its compiled programs, is the next."""
     waiting: dict[str, asyncio.Future[Worker]] = field(default_factory=dict[str, "asyncio.Future[Worker]"])
-    """In the order of asking, by who asks for what."""
+    """Waiting calls by lane, in order."""
     made: list[Worker] = field(default_factory=list[Worker])
     running: dict[asyncio.Task[Any], str] = field(default_factory=dict["asyncio.Task[Any]", str])
-    """Running calls, with their lanes."""
+    """Lanes of running calls."""
     _anonymous: int = 0
 
     async def warm(self) -> None:
-        """Start a first worker, so that the first call need not wait for it."""
+        """Start a first worker in advance."""
         worker = self._new()
         await worker.start()
         self._free(worker)
 
     async def ask(self, lane: str, call: str, request: JsonTable, columns: bool = False) -> Any:
-        """Return the answer to a quick call; a newer one of the same lane goes over one that waits.
+        """Return the answer to a quick call; a newer call of the same lane replaces a waiting one.
 
         Raises:
-            Refusal: it was refused, failed, took too long, was cancelled, or a newer one came.
+            Refusal: it was refused, failed, timed out, was cancelled, or replaced.
         """
         worker = await self._worker(lane)
         task = asyncio.ensure_future(worker.ask(call, request, columns=columns))
@@ -225,12 +221,12 @@ class WorkerPool:
             self._free(worker)
 
     def cancel(self, lane: str) -> bool:
-        """End what is being done for a lane, by force; whether there was anything."""
-        found = [task for task, of in self.running.items() if of == lane]
-        for task in found:
+        """End the running calls of a lane by force; return whether there were any."""
+        entries = [task for task, of in self.running.items() if of == lane]
+        for task in entries:
             del self.running[task]
             task.cancel()
-        return bool(found)
+        return bool(entries)
 
     async def close(self) -> None:
         """End all workers."""

@@ -1,13 +1,13 @@
 // Written by write_types.py from what Python declares; do not edit.
 
-/** Declaration of one entry of a part. */
+/** Declaration of an entry of a part. */
 export interface EntryDescription {
   name: string;
   /** parameter, option, text or part. */
   declares: string;
-  /** The name in words. */
+  /** Name in words. */
   title: string;
-  /** With `_` before its index; empty where the name is a word. */
+  /** Symbol with `_` before its index; empty for a word. */
   symbol: string;
   meaning: string;
   /** SI unit of a parameter. */
@@ -16,22 +16,22 @@ export interface EntryDescription {
   /** Bounds in SI; null for none. */
   high: number | null;
   allowed: string;
-  /** Allowed names, for an option and for a part from a registry. */
+  /** Allowed names of an option or registered part. */
   choices: string[];
   required: boolean;
   /** Default value; null for a required entry or an unlimited value. */
   default: unknown;
-  /** Typical value as files write it, or null. Always an assumption, never data. */
+  /** Assumed typical value as files write it, or null. */
   typical: unknown;
 }
 
-/** A registered part by its name. */
+/** Name and summary of a registered part. */
 export interface NamedPart {
   name: string;
   summary: string;
 }
 
-/** All that is declared of a registered part. */
+/** Full declaration of a registered part. */
 export interface PartDescription extends NamedPart {
   kind: string;
   description: string;
@@ -59,7 +59,7 @@ export interface MaterialValue extends Origin {
   value: number;
 }
 
-/** Ends of a slider in SI, whether it is logarithmic, and whether it goes in whole numbers. */
+/** Ends of a slider in SI, whether it is logarithmic, and whether it is an integer. */
 export interface SliderRange {
   low: number;
   high: number;
@@ -67,7 +67,7 @@ export interface SliderRange {
   whole: boolean;
 }
 
-/** Unit as it is written and as it is read, empty for none; shown = SI * factor + offset. */
+/** Spelling and label of a unit, empty without one; shown = SI * factor + offset. */
 export interface DisplayUnit {
   shown: string;
   label: string;
@@ -75,22 +75,22 @@ export interface DisplayUnit {
   offset: number;
 }
 
-/** Common data of the controls of all entries, in addition to the declaration. */
+/** Common data of all controls, in addition to the declaration. */
 export interface EntryControl extends EntryDescription {
-  /** In the document. */
+  /** Path in the document. */
   path: string;
   origin: Origin;
   /** True if the value replaces a default or a value of the material. */
   changed: boolean;
 }
 
-/** A number; `unit` and `allowed` are those of its place. */
+/** A number, with `unit` and `allowed` of its place. */
 export interface NumberNode extends EntryControl, DisplayUnit {
   sort: "number";
-  /** SI; null where there is none yet, or no limit. */
+  /** SI; null if missing or without limit. */
   value: number | null;
   unlimited: boolean;
-  /** The default in words. */
+  /** Default as text. */
   usual: string | null;
   slider: SliderRange | null;
   material: MaterialValue | null;
@@ -111,19 +111,19 @@ export interface MaterialNode extends EntryControl {
   limits: string;
 }
 
-/** A free text, or several. */
+/** One or several texts. */
 export interface TextNode extends EntryControl {
   sort: "text";
   value: string;
   several: boolean;
 }
 
-/** A list of numbers or quantities, or a whole number, as the document holds it. */
+/** A list of numbers or quantities, or an integer. */
 export interface RowNode extends EntryControl {
   sort: "row";
   value: string;
   several: boolean;
-  /** True if the items carry units. */
+  /** True if the items have units. */
   quantities: boolean;
 }
 
@@ -135,7 +135,7 @@ export interface KindChoice {
   changed: boolean;
 }
 
-/** Controls that belong together. */
+/** A group of controls. */
 export interface GroupNode {
   sort: "group";
   path: string;
@@ -150,16 +150,16 @@ export type SingleNode = NumberNode | OptionNode | MaterialNode | TextNode | Row
 
 export type FormNode = SingleNode | GroupNode;
 
-/** The document, unless a kind needs numbers that nothing is known for. */
+/** The document, unless a kind needs unknown values. */
 export interface MissingNumbers {
-  /** Null if something is missing. */
+  /** Null if values are missing. */
   text: string | null;
   missing: SingleNode[];
-  /** Missing entries, in a sentence; empty if complete. */
+  /** Sentence on missing entries; empty if complete. */
   refused: string;
 }
 
-/** A scenario with a control for all that it declares. */
+/** A scenario with a control for each entry. */
 export interface ScenarioForm extends MissingNumbers {
   title: string;
   sections: GroupNode[];

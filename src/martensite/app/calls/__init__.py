@@ -1,5 +1,5 @@
-"""Calls of the bench: functions of a request and a desk that give a table.
+"""Calls of the bench: functions of a request and a desk that return a table.
 
-A call runs in a worker; `martensite.app.routes` names them all. It raises `MartensiteError` with a
-sentence for what it refuses. Long ones send notes with `desk.tell` and look at `desk.stop`.
+A call runs in a worker; `martensite.app.routes` names all calls. It raises `MartensiteError` to refuse a request. Long
+calls send notes with `desk.tell` and check `desk.stop`.
 """

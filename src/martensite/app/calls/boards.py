@@ -1,4 +1,4 @@
-"""Calls about boards: what there is, a firmware to take away, and a run that is watched."""
+"""Calls about boards: list, firmware download, and live run."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import zipfile
 from pathlib import Path
 
 from martensite.app.documents import describe_scenarios, list_standalone, read_request_scenario
-from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
-from martensite.app.uploads import UploadFolder
+from martensite.app.messages import BadMessageError, JsonTable, Request, read_optional, require_entry
 from martensite.app.views.columns import choose_rows, describe_display, find_envelope
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
@@ -19,28 +18,28 @@ from martensite.scenario.scenario import Scenario
 FOLDER = "boards"
 """Folder of projects, in the folder of the bench."""
 DRAWN = 1500
-"""Points of a column that are drawn."""
+"""Drawn points of a column."""
 
 
 def describe_boards(request: Request, desk: Desk) -> JsonTable:
     """List boards, ports and scenarios with a loop.
 
-    {} -> {"boards": [{name, title, emulated}], "ports": [{name, about}], "emulator": "emulator",
-    "missing": "", "scenarios": [{name, title, text}]}
+    {} -> {"boards": [{name, title, emulated}], "ports": [{name, about}], "emulator": "emulator", "missing": "",
+    "scenarios": [{name, title, text}]}
 
-    `missing` says what an emulator lacks.
+    `missing` names the missing requirements of the emulator.
     """
     loops = {name: text for name, text in list_standalone().items() if "controller" in tomllib.loads(text)}
     return {**live_run.describe_boards(), **describe_scenarios(loops)}
 
 
 def write_board_firmware(request: Request, desk: Desk) -> dict[str, str]:
-    """Return the project of a firmware, packed, to be put onto a board.
+    """Return the packed project of a firmware.
 
     {"text": TOML, "board": "uno"} -> {"key": …, "name": …}
     """
     project = _make_project(request, read_request_scenario(request, desk), desk)
-    key, path = UploadFolder(desk.folder).place(f"{project.name}.zip")
+    key, path = desk.files.place(f"{project.name}.zip")
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
         for one in sorted(project.iterdir()):
             if one.is_file() and one.suffix != ".elf" and one.name != "calibration.json":
@@ -49,14 +48,14 @@ def write_board_firmware(request: Request, desk: Desk) -> dict[str, str]:
 
 
 def run_board(request: Request, desk: Desk) -> JsonTable:
-    """Run a board, or listen to it, as it is watched: long work. Without the word `ARM` nothing is heated.
+    """Run a board, or record from it: long work. Without the word `ARM` nothing is heated.
 
     {"text": TOML, "board": "uno", "port": "emulator", "levels": "2 s:0.4, 5 s:0", "duration": null, "word": "",
     "calibration": null}
     -> {"key", "name": of the log, "columns", "outputs", "counts", "ended", "safe", "rig": TOML for a fit}
 
-    Notes: {"stage": words, …}, then {"columns": what is new, "share", "counts": of the link, "armed"}; columns in SI.
-    Once it shall stop, the board is disarmed, and what was logged is kept.
+    Notes: {"stage": words, …}, then {"columns": new rows, "share", "counts": of the link, "armed"}; columns in SI.
+    After a stop the board is disarmed, and the log is kept.
     """
     asked = live_run.LiveRun(
         board=require_entry(request, "board", str),
@@ -69,19 +68,18 @@ def run_board(request: Request, desk: Desk) -> JsonTable:
     asked.check()
     desk.tell({"stage": "writing the firmware"})
     project = _make_project(request, read_request_scenario(request, desk), desk)
-    key, path = UploadFolder(desk.folder).place(f"log_{asked.board}.csv")
+    key, path = desk.files.place(f"log_{asked.board}.csv")
 
     def tell(note: Request) -> None:
         units = note.get("units")
         desk.tell(note if units is None else {**note, "outputs": _describe_units(units)})
 
-    found = live_run.run_live(asked, project, path, tell, desk.stop)
+    live = live_run.run_live(asked, project, path, tell, desk.stop)
     logged = {"key": key, "name": path.name} if path.exists() else {"key": "", "name": ""}
-    return {**found, **logged, **_draw_columns(found["columns"]), "outputs": _describe_units(found["units"])}
+    return {**live, **logged, **_draw_columns(live["columns"]), "outputs": _describe_units(live["units"])}
 
 
 def _make_project(request: Request, scenario: Scenario, desk: Desk) -> Path:
-    """Return the project of a scenario for a board, made once."""
     board = require_entry(request, "board", str)
     if not board.isalnum():
         raise BadMessageError("`board` must be the name of one.")
@@ -92,22 +90,18 @@ def _make_project(request: Request, scenario: Scenario, desk: Desk) -> Path:
 
 
 def _read_duration(request: Request) -> float | None:
-    if request.get("duration") is None:
-        return None
-    found = float(require_entry(request, "duration", float))
-    if not 0.0 < found <= 3600.0:
+    duration: float | None = read_optional(request, "duration", float)
+    if duration is not None and not 0.0 < duration <= 3600.0:
         raise InputError("The duration must be above 0 s and at most an hour.")
-    return found
+    return duration
 
 
 def _read_calibration(request: Request) -> JsonTable | None:
-    if request.get("calibration") is None:
-        return None
-    found: JsonTable = require_entry(request, "calibration", dict)
-    settings = found.get("settings")
+    calibration: JsonTable | None = read_optional(request, "calibration", dict)
+    settings = {} if calibration is None else calibration.get("settings")
     if not isinstance(settings, dict) or not all(isinstance(one, (int, float)) for one in settings.values()):
         raise BadMessageError("This is no calibration.json of `martensite hardware calibrate`.")
-    return found
+    return calibration
 
 
 def _describe_units(known: Request) -> dict[str, JsonTable]:
@@ -115,7 +109,6 @@ def _describe_units(known: Request) -> dict[str, JsonTable]:
 
 
 def _draw_columns(columns: dict[str, list[float]]) -> JsonTable:
-    """Return the times and curves thinned so that lows and highs of every column stay."""
     times = columns.get("time", [])
     rows = set(choose_rows(len(times), 200))
     for values in columns.values():

@@ -1,4 +1,4 @@
-"""Calls about fits: search parameters, and write files of what was found."""
+"""Calls about fits: search parameters, and write files of the result."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from martensite.app.identify.fit_command import write_command, write_terminal_fi
 from martensite.app.identify.fit_progress import FitProgress, describe_measured, describe_outcome, describe_parameter
 from martensite.app.identify.fit_request import find_proposal, list_assumptions, read_task
 from martensite.app.identify.mapped_table import describe_preparation
-from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
+from martensite.app.messages import JsonTable, Request, require_choice, require_entry
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, SolveError
@@ -23,18 +23,18 @@ from martensite.fit.fit_task import ArrangedFit
 from martensite.fit.material_files import write_material
 
 ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
-"""Fields that cannot be computed again from the fitted values."""
+"""Fields that cannot be recomputed from the fitted values."""
 
 
 def run_fit(request: Request, desk: Desk) -> JsonTable:
-    """Fit parameters of a scenario to a log: long work, which tells how far it is.
+    """Fit parameters of a scenario to a log: long work.
 
-    A request is that of `identify.fit_request`; with `state`, the key of an earlier search of the
-    same problem, it goes on from there, and with `finish` it only looks at where that was.
+    The request is that of `identify.fit_request`. `state`, the key of an earlier search of the same problem, continues
+    it; `finish` only evaluates its result.
 
-    Notes: first {"problem": {parameters, records, state}}, then {"stage", "cost", "values", …}, now
-    and then with "curves". The answer is that of `identify.fit_outcome` with the key `fit` for the
-    call `fit_files`. Once it shall stop it ends with the best so far.
+    Notes: first {"problem": {parameters, records, state}}, then {"stage", "cost", "values", …}, sometimes with
+    "curves". The answer is that of `identify.fit_outcome`, with the key `fit` for the call `fit_files`. After a stop it
+    is the best result so far.
     """
     arranged = read_task(request, desk).arrange(check=not request.get("proposed"))
     key, path = _place_state(request, desk)
@@ -50,24 +50,20 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
             }
         }
     )
-    import_module("scipy.stats")  # takes a second, which there may not be once it shall stop
+    import_module("scipy.stats")  # takes a second, too long after a stop request
     if require_entry(request, "finish", bool, False):
         desk.stop.set()
     watching = FitProgress(training, desk.tell, desk.stop)
     fit = search_parameters(arranged, watching, path)
     watching.finish(fit)
     proposal = find_proposal(request, desk)
-    said = [*describe_preparation(request, desk), *(list_assumptions(request, desk) if proposal else ())]
-    again = {"prepared": said, "command": write_command(request, fit, proposal)}
+    entries = [*describe_preparation(request, desk), *(list_assumptions(request, desk) if proposal else ())]
+    again = {"prepared": entries, "command": write_command(request, fit, proposal)}
     return {**describe_outcome(fit, proposal), **again, "fit": _keep_fit(request, fit, desk, key)}
 
 
 def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) -> Fit:
-    """Return the fit, kept in a file.
-
-    Raises:
-        SolveError: it was stopped before anything was computed.
-    """
+    """Return the fit, stored in a file."""
     try:
         return arranged.solve(watching, path)
     except KeyboardInterrupt:
@@ -75,8 +71,8 @@ def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) 
 
 
 def _place_state(request: Request, desk: Desk) -> tuple[str, Path]:
-    """Return a file for the state of the search, with that of an earlier one if it is to go on."""
-    drawer = UploadFolder(desk.folder)
+    """Return key and file for the state of the search, copied from an earlier search to continue."""
+    drawer = desk.files
     key, path = drawer.place("search.json")
     if request.get("state") is not None:
         shutil.copyfile(drawer.path(require_entry(request, "state", str)), path)
@@ -84,8 +80,7 @@ def _place_state(request: Request, desk: Desk) -> tuple[str, Path]:
 
 
 def _keep_fit(request: Request, fit: Fit, desk: Desk, state: str) -> str:
-    """Return a file from which the call `fit_files` makes others; its key."""
-    key, path = UploadFolder(desk.folder).place("fit.json")
+    key, path = desk.files.place("fit.json")
     ended = {name: getattr(fit, name) for name in ENDED}
     noted = {"request": {**request, "state": None, "finish": False}, "state": state}
     write_file(path, json.dumps({**noted, "ended": ended}))
@@ -100,15 +95,12 @@ def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
 
     {"key": of the fit, "what": "material"} -> {"key": …, "name": …}
 
-    `material` is a material file (TOML) with numbers, intervals, and hashes of the data; `report` a
-    page of HTML with figures; `terminal` what repeats the fit on the command line: records as they were
-    fitted, the scenario, the command, and what was done to the logs. The fit is computed again at the numbers
-    that were found, without a search.
+    `material` is a material file (TOML) with values, intervals, and hashes of the data; `report` an HTML page with
+    figures; `terminal` a folder to repeat the fit on the command line: records, scenario, command, and preparation
+    steps. The fit is recomputed at its values, without a search.
     """
-    what = require_entry(request, "what", str)
-    if what not in ENDINGS:
-        raise BadMessageError(f"`what` must be one of {', '.join(ENDINGS)}, but is {what!r}.")
-    drawer = UploadFolder(desk.folder)
+    what = require_choice(request, "what", "file", ENDINGS)
+    drawer = desk.files
     kept = _read_kept(drawer, require_entry(request, "key", str))
     fit = _repeat_fit(kept, desk)
     source = fit.problem.experiments[0].record.source
@@ -139,18 +131,18 @@ def _repeat_fit(kept: Request, desk: Desk) -> Fit:
     ended = Event()
     ended.set()
     watching = FitProgress(arranged.problem.training, desk.tell, ended)
-    state = UploadFolder(desk.folder).path(require_entry(kept, "state", str))
-    found = search_parameters(arranged, watching, state)
-    known = {name: require_entry(kept, "ended", dict)[name] for name in ENDED}
-    history = tuple((int(runs), float(cost)) for runs, cost in known.pop("history"))
-    return replace(found, **known, history=history)
+    state = desk.files.path(require_entry(kept, "state", str))
+    parameters = search_parameters(arranged, watching, state)
+    table = {name: require_entry(kept, "ended", dict)[name] for name in ENDED}
+    history = tuple((int(runs), float(cost)) for runs, cost in table.pop("history"))
+    return replace(parameters, **table, history=history)
 
 
 def _read_kept(drawer: UploadFolder, key: str) -> JsonTable:
     try:
-        found = json.loads(drawer.path(key).read_text(encoding="utf-8"))
-        if isinstance(found, dict) and {"request", "state", "ended"} <= found.keys():
-            return found
+        kept = json.loads(drawer.path(key).read_text(encoding="utf-8"))
+        if isinstance(kept, dict) and {"request", "state", "ended"} <= kept.keys():
+            return kept
     except ValueError:
         pass
     raise DataError("This file contains no fit.")

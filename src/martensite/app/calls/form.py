@@ -19,15 +19,13 @@ from martensite.base.toml_text import as_toml
 
 
 def build_form(request: Request, desk: Desk) -> ScenarioForm:
-    """Return the form of a scenario: a control for all that it declares (`forms.form_types`).
+    """Return the form of a scenario, a control for each entry (`forms.form_types`).
 
     {"text": TOML, "changes": {path: value}, "removed": [path]} -> `ScenarioForm`
 
-    A text that is empty is a new scenario. A change of `element.material`, or of a path that ends
-    in `.kind`, takes the rest of the document with it (`forms.kind_change`). If a kind needs
-    numbers that nothing is known for, the form is that of the scenario as it was, `text` is null,
-    `refused` a sentence, and `missing` their controls; the same changes with these numbers beside
-    them are the next request.
+    An empty text is a new scenario. A change of `element.material`, or of a path that ends in `.kind`, adapts the rest
+    of the document (`forms.kind_change`). If a kind needs unknown values, the form is of the unchanged scenario, `text`
+    is null, `refused` a sentence, and `missing` their controls; the next request repeats the changes with these values.
     """
     text = require_entry(request, "text", str, "") or NEW.read_text("utf-8")
     changes = cast("JsonTable", require_entry(request, "changes", dict, {}))
@@ -40,10 +38,10 @@ def build_form(request: Request, desk: Desk) -> ScenarioForm:
     assumed: list[str] = []
     for path in kinds:
         scenario = read_request_scenario({"text": text}, desk)
-        found = change_kind(scenario, path, str(changes[path]), rest)
-        if found.missing:
-            return {**describe_scenario(scenario), **_describe_missing(found.missing)}
-        text, notes, assumed = as_toml(found.document), notes + found.notes, assumed + found.assumed
+        changed = change_kind(scenario, path, str(changes[path]), rest)
+        if changed.missing:
+            return {**describe_scenario(scenario), **_describe_missing(changed.missing)}
+        text, notes, assumed = as_toml(changed.document), notes + changed.notes, assumed + changed.assumed
     form = describe_scenario(read_request_scenario({"text": text}, desk))
     return {**form, "notes": notes, "assumed": assumed}
 
@@ -61,12 +59,11 @@ def _remove_entries(text: str, removed: list[Any]) -> str:
 
 def _describe_missing(missing: Sequence[MissingNumber]) -> MissingNumbers:
     names = ", ".join(f"`{one.name}` ({one.declared.doc})" for one in missing)
-    said = f"`{missing[0].owner}` needs {names}: there is no start value, and the material has none."
-    return {"text": None, "refused": said, "missing": [_build_control(one) for one in missing]}
+    sentence = f"`{missing[0].owner}` needs {names}: there is no start value, and the material has none."
+    return {"text": None, "refused": sentence, "missing": [_build_control(one) for one in missing]}
 
 
 def _build_control(one: MissingNumber) -> SingleNode:
-    """Return the control of what is missing; one for a number is empty."""
     spot = EntrySpot(one.path, one.name, one.declared, "none")
     if one.declared.kind == "option":
         return controls.describe_option(spot, "")

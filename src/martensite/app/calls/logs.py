@@ -1,4 +1,4 @@
-"""Calls about logs: an uploaded table, its records, and a scenario beside them."""
+"""Calls about logs: an uploaded table, its records, and its scenario."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from martensite.app.identify.log_kinds import describe_proposal, describe_readin
 from martensite.app.identify.log_overlay import draw_overlay, interpolate_within
 from martensite.app.identify.mapped_table import describe_cuts, prepare_log, read_file, read_records
 from martensite.app.messages import JsonTable, Request, require_entry
-from martensite.app.uploads import UploadFolder
 from martensite.app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
 from martensite.app.worker import Desk
 from martensite.base import units
@@ -38,15 +37,15 @@ from martensite.signals.records import Record
 
 SAMPLE = "flexinol-isobaric/isobaric_{}MPa.txt"
 LOADS = (172, 50, 100, 200)
-"""Stresses of the logs that a reader without one begins with [MPa]; the first alone where one is asked for."""
+"""Stresses of the sample logs [MPa], the default first."""
 SMALL = 120
 """Points of the small curve of a column."""
 LONG = 100_000
-"""Rows from which on it is advised to thin out."""
+"""Rows above which thinning is recommended."""
 
 
 def place_sample(request: Request, desk: Desk) -> JsonTable:
-    """Return a measured log that comes with the package, as if it had been uploaded.
+    """Return a packaged log like an upload.
 
     {"load": 172} -> {"key", "name", "bytes"}
     """
@@ -55,7 +54,7 @@ def place_sample(request: Request, desk: Desk) -> JsonTable:
         raise ParameterError(f"There is no measured loop at {load} MPa; there are {', '.join(map(str, LOADS))}.")
     name = SAMPLE.format(load)
     content = read_unpacked(locate_file(name), MOST_LOG)
-    key, path = UploadFolder(desk.folder).place(name.rpartition("/")[2])
+    key, path = desk.files.place(name.rpartition("/")[2])
     path.write_bytes(content)
     return {"key": key, "name": path.name, "bytes": len(content)}
 
@@ -64,16 +63,16 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     """Return the content of an uploaded table, and the possible meanings of its columns.
 
     {"key": …, "separator": "auto"}
-    -> {"name", "said", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
-    min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
+    -> {"name", "said", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit, min, max,
+    missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
 
-    Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
+    Cells are text. Numbers of columns are in the unit of the file.
     """
-    path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
+    path = desk.files.path(require_entry(request, "key", str))
     raw = read_raw(path, require_entry(request, "separator", str, "auto"))
-    meant = guess_meanings(raw, {})
-    clock = choose_time(raw, meant)
-    shown = [_name_guess(one, at == clock) for at, one in enumerate(meant)]
+    meanings = guess_meanings(raw, {})
+    clock = choose_time(raw, meanings)
+    shown = [_name_guess(one, at == clock) for at, one in enumerate(meanings)]
     file = _read_untold(raw, path)
     return {
         "name": raw.name,
@@ -84,27 +83,27 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
         "preview": raw.preview,
         "columns": [_describe_column(c, *one) for c, one in zip(raw.columns, shown, strict=True)],
         "names": {name: usual_units(name) for name in CANONICAL},
-        "notes": list(_list_notes(raw, meant, clock)),
+        "notes": list(_list_notes(raw, meanings, clock)),
     }
 
 
 def _name_guess(meaning: Meaning, is_clock: bool) -> tuple[str, str]:
-    """Return the known name and unit of a column, empty where there is none; one column alone is the time."""
-    known = meaning.name.rpartition(".")[2] in CANONICAL and (meaning.name != "time" or is_clock)
-    return (meaning.name, meaning.unit) if known else ("", "")
+    """Return the known name and unit of a column, empty if unknown; only one column is the time."""
+    canonical = meaning.name.rpartition(".")[2] in CANONICAL and (meaning.name != "time" or is_clock)
+    return (meaning.name, meaning.unit) if canonical else ("", "")
 
 
 def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
     numbers = column.numbers.tolist()
-    known = [number for number in numbers if not math.isnan(number)]
+    entries = [number for number in numbers if not math.isnan(number)]
     rows = find_envelope(numbers, SMALL)
     return {
         "heading": column.heading,
-        "name": name if known else "",
+        "name": name if entries else "",
         "unit": unit,
-        "min": min(known, default=None),
-        "max": max(known, default=None),
-        "missing": len(numbers) - len(known) - len(column.wrong),
+        "min": min(entries, default=None),
+        "max": max(entries, default=None),
+        "missing": len(numbers) - len(entries) - len(column.wrong),
         "wrong": len(column.wrong),
         "first_wrong": str(column.wrong[0]) if column.wrong else "",
         "curve": [rows, [numbers[row] for row in rows]],
@@ -112,7 +111,7 @@ def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
 
 
 def _read_untold(raw: RawTable, path: Path) -> LabFile | None:
-    """Return the table as it is understood without a word from the reader; none where it cannot be."""
+    """Return the table interpreted without user input, or None."""
     try:
         return interpret_table(raw, path, {})
     except MartensiteError:
@@ -136,12 +135,12 @@ DRAWN = 800
 
 
 def describe_records(request: Request, desk: Desk) -> JsonTable:
-    """Return the columns of a mapped table over time, to be looked at, put right and cut.
+    """Return the columns of a mapped table over time, to inspect, correct and cut.
 
     {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "steps": [], "cuts": [], "further": [] }
     -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, before, unit, shown, …}], "steps": […],
-    "cuts": [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI. `values`
-    is what the steps leave at the times of `before`, what was recorded; `before` is empty where nothing changed.
+    "cuts": [{name, rows, refused}]}: curves thinned without loss of extremes; times in s, values in SI. `values` is the
+    result of the steps at the times of `before`, the recorded values; `before` is empty without a change.
     """
     file, prepared = read_file(request, desk), prepare_log(request, desk)
     record = prepared.record
@@ -158,7 +157,6 @@ def describe_records(request: Request, desk: Desk) -> JsonTable:
 
 
 def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
-    """Return a column as it is, and as it was recorded where steps changed it or its rows."""
     column = record[name]
     before = recorded.columns.get(name, column)
     same = recorded.times == record.times and list(map(repr, before)) == list(map(repr, column))
@@ -178,32 +176,33 @@ def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
 
 
 def overlay_logs(request: Request, desk: Desk) -> JsonTable:
-    """All records of a request in one picture: over time, from their start or by the clock; loops over what drives.
+    """Return all records of a request as one figure: over time from start or by the clock, or as loops.
 
     {the logs, "align": "start" or "clock"}
-    -> {"said": …, "records": [name], "axis": {name, unit, …}, "x": […], "loops": true, "quantities":
-    [{name, unit, …, "lines": [[value or null, …], …]}]}: for every quantity one line per record, SI.
+    -> {"said": …, "records": [name], "axis": {name, unit, …}, "x": […], "loops": true, "quantities": [{name, unit, …,
+    "lines": [[value or null, …], …]}]}: one line per quantity and record, SI.
     """
     return draw_overlay(read_records(request, desk), require_entry(request, "align", str, "start"))
 
 
 def propose_fit(request: Request, desk: Desk) -> JsonTable:
-    """Return the kind of the logs, and proposed scenarios, each with its free parameters.
+    """Return the kind of the logs, and proposed scenarios with their free parameters.
 
     {the logs} -> {"kind", "said", "refused", "notes": […], "models": [{name, text, free: [{name, low, high, start,
-    scale}], "each": […], "starts"}]}; where none is known `refused` says why.
+    scale}], "each": […], "starts"}]}; for an unknown kind `refused` has the reason.
     """
     try:
-        found = propose_models(read_records(request, desk), {})
-        models = [describe_proposal(one) for one in found.proposals]
+        proposals = propose_models(read_records(request, desk), {})
+        models = [describe_proposal(one) for one in proposals.proposals]
     except MartensiteError as error:
         return {"kind": "", "said": "", "refused": str(error), "notes": [], "models": []}
-    said = f"Taken as {found.experiment.name}, {found.experiment.kind.meaning}: {found.experiment.why}."
-    return {"kind": found.experiment.name, "said": said, "refused": "", "notes": list(found.notes), "models": models}
+    guess = proposals.experiment
+    sentence = f"Taken as {guess.name}, {guess.kind.meaning}: {guess.why}."
+    return {"kind": guess.name, "said": sentence, "refused": "", "notes": list(proposals.notes), "models": models}
 
 
 def list_followers(request: Request, desk: Desk) -> JsonTable:
-    """Return the scenarios that come with the package and follow a log.
+    """Return the packaged scenarios that follow a log.
 
     {} -> {"scenarios": [{name, title, text}]}
     """
@@ -226,12 +225,11 @@ LOSS_WORDS = {
 def match_scenario(request: Request, desk: Desk) -> JsonTable:
     """Match a scenario with a log: followed columns, compared outputs, and possible free parameters.
 
-    {the table as `identify.mapped_table` takes it, "text": TOML,
-    "follow": {"path": …, "column": …}}
-    -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […],
-    "records": […], "methods": {…}, "losses": {…}}
+    {the table of `identify.mapped_table`, "text": TOML, "follow": {"path": …, "column": …}}
+    -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […], "records": […], "methods":
+    {…}, "losses": {…}}
 
-    Where the scenario cannot be built with the log, `refused` says why; the other entries are then partial.
+    If the scenario cannot be built with the log, `refused` has the reason, and other entries are incomplete.
     """
     records = list_rows(request, desk)
     text = require_entry(request, "text", str)
@@ -239,11 +237,11 @@ def match_scenario(request: Request, desk: Desk) -> JsonTable:
     follow = require_entry(request, "follow", dict, {})
     if follow:
         column = require_entry(follow, "column", str)
-        records[0][column]  # refuses what is none
+        records[0][column]  # raises for an unknown column
         path, unit = require_entry(follow, "path", str), records[0].units[column]
         document = follow_column(document, path, column, unit)
         text = as_toml(document)
-    known = {
+    table = {
         "text": text,
         "drives": describe_drives(document),
         "columns": {name: unit for name, unit in records[0].units.items() if name != "time"},
@@ -254,8 +252,8 @@ def match_scenario(request: Request, desk: Desk) -> JsonTable:
     try:
         scenario = build_scenario({"text": text}, records[0])
     except MartensiteError as error:
-        return {**known, "title": "", "refused": str(error), "numbers": [], "outputs": []}
-    return {**known, **_describe_built(scenario, records[0]), "drives": _list_drives(document, scenario)}
+        return {**table, "title": "", "refused": str(error), "numbers": [], "outputs": []}
+    return {**table, **_describe_built(scenario, records[0]), "drives": _list_drives(document, scenario)}
 
 
 def _list_drives(document: Request, scenario: Scenario) -> list[dict[str, str]]:
@@ -288,7 +286,7 @@ def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
 
 
 def list_numbers(scenario: Scenario) -> list[JsonTable]:
-    """Return one entry per number, or per numbers of one name and value, which then move together."""
+    """Return one entry per parameter, or per group of equal parameters of one name, which vary together."""
     leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
     endings: dict[str, list[Leaf]] = {}
     for leaf in leaves:
@@ -327,7 +325,6 @@ def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTab
 
 
 def _find_bounds(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
-    """Return the bounds that a fit would choose; none where it has to be told."""
     try:
         (free,) = build_free_numbers([SearchRange(name)], [scenario.system])
     except ParameterError:

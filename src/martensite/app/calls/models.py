@@ -1,4 +1,4 @@
-"""Call of a model that the page steps by itself, by hand: what it needs to know, and the module."""
+"""Call of a model that the page runs by hand: its data and module."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from martensite.base.errors import InputError
 
 
 def build_model(request: Request, desk: Desk) -> JsonTable:
-    """Return a scenario as the static page has it, with the WebAssembly of its runs.
+    """Return a scenario for the static page, with the WebAssembly of its runs.
 
     {"text": TOML, "changes": {…}, "paths": ["mechanism.mass"]} -> {"scenario": {…}, "module": base 64}
 
-    Of its numbers, those at `paths` can be changed while the model runs.
+    Parameters at `paths` can change while the model runs.
     """
     paths = require_entry(request, "paths", list)
     if not all(isinstance(path, str) for path in paths):

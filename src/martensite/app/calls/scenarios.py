@@ -9,14 +9,12 @@ from typing import cast
 
 from martensite.app.documents import LONGEST_TEXT, describe_scenarios, list_standalone, read_request_scenario
 from martensite.app.engine import run_fast
-from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
-from martensite.app.uploads import UploadFolder
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_choice, require_entry
 from martensite.app.views.columns import list_columns
 from martensite.app.views.diagrams import describe_energy
 from martensite.app.views.page import describe_formulas, list_parameters
 from martensite.app.views.traces import list_alarms, list_loops, list_panels
 from martensite.app.worker import Desk
-from martensite.base.errors import suggest_name
 from martensite.base.files import toml_document
 from martensite.base.toml_text import toml_value
 from martensite.scenario.scenario import Scenario
@@ -25,12 +23,12 @@ from martensite.simulate.result import Result
 
 
 def list_scenarios(request: Request, desk: Desk) -> JsonTable:
-    """Return the scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
+    """Return the packaged scenarios: `{}` -> `{"scenarios": [{name, title, text}]}`."""
     return describe_scenarios(list_standalone())
 
 
 MOST_DOCUMENTS = 12
-"""Documents that are compared at once."""
+"""Largest number of compared documents."""
 
 
 def compare_documents(request: Request, desk: Desk) -> JsonTable:
@@ -49,7 +47,7 @@ def compare_documents(request: Request, desk: Desk) -> JsonTable:
 
 
 def _flatten_document(table: Request, above: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the dotted path and value, as it is written, of every entry."""
+    """Yield dotted path and written value of each entry."""
     for key, value in table.items():
         path = f"{above}{key}"
         if isinstance(value, dict):
@@ -59,7 +57,7 @@ def _flatten_document(table: Request, above: str = "") -> Iterator[tuple[str, st
 
 
 def run_scenario(request: Request, desk: Desk) -> JsonTable:
-    """Run a scenario: all that the bench draws of it.
+    """Run a scenario, and return its drawing.
 
     {"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
     -> {"text": TOML with the changes, "title": …, "times": […], "columns": {…}, …}
@@ -97,7 +95,7 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
 
 
 def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
-    """Return the drawing of a run, which `web/src/views/answer.ts` completes from `views` and `parameters`."""
+    """Return the drawing of a run; `web/src/views/answer.ts` adds the evaluation of `views`."""
     views = describe_formulas(scenario, result)
     return {
         "traces": list_panels(result),
@@ -110,18 +108,16 @@ def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
 
 
 def export_scenario(request: Request, desk: Desk) -> JsonTable:
-    """Make a file of a scenario: a figure, or its numbers.
+    """Write a file of a run: a figure or its columns.
 
-    {"text": TOML, "changes": {…}, "what": "png"} -> {"key": of the file, "name": what it is called}
+    {"text": TOML, "changes": {…}, "what": "png"} -> {"key": of the file, "name": of the file}
 
-    The run is the one that `martensite run` makes, with all its samples.
+    The run is that of `martensite run`, with all samples.
     """
-    what = require_entry(request, "what", str)
-    if what not in WRITERS:
-        raise BadMessageError(f"`what` is `{what}`. {suggest_name(what, WRITERS)}")
+    what = require_choice(request, "what", "file", WRITERS)
     scenario = read_request_scenario(request, desk)
     result = scenario.run()
-    key, path = UploadFolder(desk.folder).place(f"{scenario.title[:60]}.{what}")
+    key, path = desk.files.place(f"{scenario.title[:60]}.{what}")
     WRITERS[what](scenario, result, path)
     return {"key": key, "name": path.name}
 
@@ -153,4 +149,4 @@ WRITERS: dict[str, Callable[[Scenario, Result, Path], None]] = {
     "csv": _write_table,
     "nc": _write_netcdf,
 }
-"""By the suffix of the file."""
+"""Writer by file suffix."""

@@ -1,4 +1,4 @@
-"""A wire that was found, in a loop that a board can run: a transistor, a position sensor, PID control."""
+"""A sized wire in a loop for a board: transistor, position sensor, PID control."""
 
 from __future__ import annotations
 
@@ -11,19 +11,18 @@ from martensite.design.sizing.candidates import Candidate
 from martensite.design.sizing.request import WireRequest
 
 BAND = 0.1
-"""Error, as a share of the stroke, at which the whole voltage is given."""
+"""Error with full voltage, as a fraction of the stroke."""
 PERIODS = 200
-"""Control periods in the time that heating takes."""
+"""Control periods in the heating time."""
 STROKE_FRACTION = 0.9
 """Fraction of the requested stroke that a loop can hold from both sides."""
 
 
 def format_loop(request: WireRequest, found: Candidate, text: str) -> str | None:
-    """Return a candidate with its drive in a loop, between rest and most of the stroke; None if it has no cycle.
+    """Return a candidate with its drive in a loop over most of the stroke; None without a cycle.
 
-    The duty is held to what gives the power of the pulse, (V/V_supply)², so that the loop heats no faster than the
-    sizing did. Gains are a first guess by proportion: the whole duty at an error of a tenth of the stroke, and a reset
-    time as long as the heating.
+    The duty cycle is limited to the power of the pulse, (V/V_supply)², so the loop heats no faster than the sizing.
+    Gains are a first guess: full duty cycle at an error of a tenth of the stroke, and the heating time as reset time.
     """
     cycle, drive = found.cycle, found.drive
     if cycle is None or drive is None or cycle.cooling is None:

@@ -1,4 +1,4 @@
-"""Calls about sizing: the form, the search among wires, the maker's table."""
+"""Calls about sizing: the form, the search, the maker's table."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from martensite.scenario.catalogue import describe_class
 from martensite.show.summaries import sizing as words
 
 EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
-"""A request that some wires meet."""
+"""A feasible request."""
 LONGEST_FIELD = 200
 
 
 def list_fields() -> list[JsonTable]:
-    """Return every field of a request: what is declared of it, its default as text, an example."""
-    found: list[JsonTable] = []
+    """Return each field of a request with declaration, default and example."""
+    entries: list[JsonTable] = []
     for entry in describe_class("", WireRequest)["parameters"]:
         declared = WireRequest.declarations[entry["name"]]
-        found.append(
+        entries.append(
             entry
             | {
                 "default": _write_default(declared),
@@ -39,7 +39,7 @@ def list_fields() -> list[JsonTable]:
                 "example": EXAMPLE.get(entry["name"], ""),
             }
         )
-    return found
+    return entries
 
 
 def _write_default(declared: Declared) -> str:
@@ -55,11 +55,7 @@ def _write_default(declared: Declared) -> str:
 
 
 def read_fields(request: Request) -> dict[str, str]:
-    """Return the fields of a message that are filled in.
-
-    Raises:
-        BadMessageError: one is not text, too long, or not known.
-    """
+    """Return the filled-in fields of a message."""
     given = require_entry(request, "fields", dict, {})
     for name in given:
         if name not in WireRequest.declarations:
@@ -71,35 +67,27 @@ def read_fields(request: Request) -> dict[str, str]:
 
 
 def convert_field(name: str, text: str) -> Any:
-    """Convert the text of a field to SI, and check its range.
-
-    Raises:
-        InputError: it cannot be read, or is out of range.
-    """
+    """Return the text of a field in SI, checked."""
     declared = WireRequest.declarations[name]
     if declared.kind == "parameter":
-        units.parse_quantity(text, declared.unit)  # its sentences stand beside the field and need no owner
+        units.parse_quantity(text, declared.unit)  # the page shows these sentences next to the field
     return declared.convert("the sizing", name, text)
 
 
 def convert_fields(given: Mapping[str, str]) -> tuple[JsonTable, dict[str, str]]:
-    """Return the values of the fields that can be read, and the sentences about the others."""
-    found: JsonTable = {}
+    """Return the values of valid fields, and the errors of the others."""
+    table: JsonTable = {}
     refused: dict[str, str] = {}
     for name, text in given.items():
         try:
-            found[name] = convert_field(name, text)
+            table[name] = convert_field(name, text)
         except InputError as error:
             refused[name] = str(error)
-    return found, refused
+    return table, refused
 
 
 def read_request(request: Request) -> WireRequest:
-    """Return the request of a message.
-
-    Raises:
-        InputError: a field is missing or wrong, or the fields contradict each other.
-    """
+    """Return the request of a message."""
     given = read_fields(request)
     needed = [n for n, d in WireRequest.declarations.items() if d.default is REQUIRED]
     absent = [f"`{name}`" for name in needed if name not in given]
@@ -112,19 +100,19 @@ def read_request(request: Request) -> WireRequest:
 
 
 def describe_sizing(request: Request, desk: Desk) -> JsonTable:
-    """Return the form of a sizing: its fields, and what is wrong with what is typed into them.
+    """Return the form of a sizing: its fields and their errors.
 
-    {"fields": {"force": "8 N", …}} -> {"fields": [declared…], "refused": {name: sentence},
-                                        "contradiction": sentence or "", "example": {…}}
+    {"fields": {"force": "8 N", …}} -> {"fields": [declared…], "refused": {name: sentence}, "contradiction": sentence or
+    "", "example": {…}}
 
-    Fields that there are not, as of an old link, are named in "unknown" and passed over.
+    Unknown fields, as of an old link, are listed in "unknown" and ignored.
     """
     given = require_entry(request, "fields", dict, {})
-    known = {name: text for name, text in given.items() if name in WireRequest.declarations}
-    found, refused = convert_fields(read_fields({"fields": known}))
+    requirements = {name: text for name, text in given.items() if name in WireRequest.declarations}
+    found, refused = convert_fields(read_fields({"fields": requirements}))
     return {
         "fields": list_fields(),
-        "unknown": [str(name)[:60] for name in given if name not in known],
+        "unknown": [str(name)[:60] for name in given if name not in requirements],
         "refused": refused,
         "contradiction": "" if refused else _find_contradiction(found),
         "example": EXAMPLE,
@@ -132,7 +120,7 @@ def describe_sizing(request: Request, desk: Desk) -> JsonTable:
 
 
 def _find_contradiction(found: Request) -> str:
-    """Return whether fields that are right by themselves exclude each other, the others left aside."""
+    """Return the contradiction between valid fields, empty without one."""
     needed = [n for n, d in WireRequest.declarations.items() if d.default is REQUIRED]
     values: JsonTable = {**dict.fromkeys(needed, 1.0), **found}
     try:
@@ -143,9 +131,7 @@ def _find_contradiction(found: Request) -> str:
 
 
 def size_wires(request: Request, desk: Desk) -> JsonTable:
-    """Size a wire: every size and alloy put to a request. Long work.
-
-    Stopped, it ends with the candidates judged so far.
+    """Assess all sizes and alloys for a request. Long work; after a stop it returns the finished candidates.
 
     {"fields": {"force": "8 N", …}} -> {"asked": {…}, "columns": […], "candidates": [{…}], …}
 
@@ -207,7 +193,7 @@ CATALOGUE_FIELDS = ("stress", "ambient", "alloy")
 
 
 def compare_catalogue(request: Request, desk: Desk) -> JsonTable:
-    """Return the model beside the maker's table of wires. Long work; stopped, it ends with what is there.
+    """Compare the model with the maker's table. Long work; after a stop it returns the finished rows.
 
     {"fields": {"stress": …, "ambient": …, "alloy": …}} -> {"columns": […], "rows": [[…]], …}
 

@@ -1,8 +1,7 @@
-"""Calls about studies: list and describe them, compute one, keep its results.
+"""Calls about studies: list, describe and compute them, and cache results.
 
-A study comes with computed numbers, which are shown at once, without a figure. Results that are computed here are kept
-for one version of the package, and for the measured data that were there: they are computed anew once either is
-another.
+Shipped numbers are displayed at once, without a figure. Computed results are cached for one version of the package and
+the present measured data.
 """
 
 from __future__ import annotations
@@ -25,16 +24,12 @@ from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_studies,
 
 
 def load_named_study(request: Request) -> AbstractStudy:
-    """The study of a request.
-
-    Raises:
-        UnknownNameError: there is none of that name.
-    """
+    """Return the study of a request."""
     return load_study(require_entry(request, "name", str))
 
 
 def describe_study(study: AbstractStudy) -> JsonTable:
-    """Return the description of a study without computing."""
+    """Return the description of a study, without a computation."""
     guide = [" ".join(paragraph.split()) for paragraph in study.guide.split("\n\n")]
     return {
         "name": study.key,
@@ -47,24 +42,20 @@ def describe_study(study: AbstractStudy) -> JsonTable:
 
 
 def format_reference(key: str) -> dict[str, str]:
-    """A work as a reader wants it: `text` in a line, its `note`, and a `link` if there is one.
-
-    Raises:
-        UnknownNameError: it is not in the bibliography.
-    """
-    found = read_fields(list_entries([key])[0])
-    authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
+    """Return a work of the bibliography: `text` in a line, its `note`, and a `link` or an empty text."""
+    fields = read_fields(list_entries([key])[0])
+    authors = fields.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
     places = ("journal", "booktitle", "school", "organization", "volume")
-    place = " ".join(found[name] for name in places if name in found)
-    year = f"({found['year']})" if "year" in found else ""
-    pieces = (authors, found.get("title", key), f"{place} {year}".strip())
+    place = " ".join(fields[name] for name in places if name in fields)
+    year = f"({fields['year']})" if "year" in fields else ""
+    pieces = (authors, fields.get("title", key), f"{place} {year}".strip())
     text = ". ".join(piece.rstrip(".") for piece in pieces if piece) + "."
-    link = f"https://doi.org/{found['doi']}" if "doi" in found else found.get("url", "")
-    return {"key": key, "text": text, "note": found.get("note", ""), "link": link}
+    link = f"https://doi.org/{fields['doi']}" if "doi" in fields else fields.get("url", "")
+    return {"key": key, "text": text, "note": fields.get("note", ""), "link": link}
 
 
 def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
-    """Data sets of a study that are not on this machine, wholly or in part."""
+    """Return the data sets of a study that are missing on this machine."""
     absent = [
         name for name in study.data if not all(is_here(f"{name}/{file}") for file in describe_dataset(name).files)
     ]
@@ -75,11 +66,11 @@ def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
 
 
 def describe_answer(study: AbstractStudy, answer: Answer) -> JsonTable:
-    """Return the answer of a study without a figure: digest with headings, claims, reports, tally."""
-    told = [{"heading": key.replace("_", " "), "text": answer.digest[key]} for key in DIGEST if key in answer.digest]
+    """Return the answer of a study without a figure: digest, claims, reports, tally."""
+    entries = [{"heading": key.replace("_", " "), "text": answer.digest[key]} for key in DIGEST if key in answer.digest]
     return {
         "name": study.key,
-        "digest": told,
+        "digest": entries,
         "claims": [asdict(claim) for claim in answer.claims],
         "reports": [asdict(report) for report in answer.reports],
         "tally": {name: count for name, count in answer.count_all().items() if name != "reports"},
@@ -90,7 +81,7 @@ def describe_answer(study: AbstractStudy, answer: Answer) -> JsonTable:
 
 
 def find_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
-    """Results that were computed here, else those that came with the study; None without any."""
+    """Return cached results, else shipped results, else None."""
     if (kept := read_results(study, folder)) is not None:
         return kept
     shipped = study.shipped()
@@ -102,37 +93,37 @@ def _locate_results(study: AbstractStudy, folder: Path) -> Path:
 
 
 def read_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
-    """Results that were computed before and still hold; None without any."""
+    """Return valid cached results, or None."""
     try:
-        found: JsonTable = json.loads(_locate_results(study, folder).read_text("utf-8"))
-        UploadFolder(folder).path(found["figure"])
-        same = found["missing"] == [one["name"] for one in list_missing_data(study)]
+        results: JsonTable = json.loads(_locate_results(study, folder).read_text("utf-8"))
+        UploadFolder(folder).path(results["figure"])
+        same = results["missing"] == [one["name"] for one in list_missing_data(study)]
     except (OSError, ValueError, KeyError, TypeError, DataError):
         return None
-    return found if same else None
+    return results if same else None
 
 
 def write_results(study: AbstractStudy, folder: Path, results: Request) -> None:
-    """Keep results until the version or the data are others."""
+    """Cache results until the version or the data change."""
     place = _locate_results(study, folder)
     place.parent.mkdir(exist_ok=True)
     write_file(place, write_message(results))
 
 
 def list_studies(request: Request, desk: Desk) -> JsonTable:
-    """All studies, each with the tally of its verdicts if its numbers are known.
+    """Return all studies, with the tally of their verdicts if known.
 
     {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, …}]}
     """
-    found: list[JsonTable] = []
+    rows: list[JsonTable] = []
     for study in load_studies()[0]:
         results = find_results(study, desk.folder)
-        found.append(describe_study(study) | {"tally": results["tally"] if results else None})
-    return {"studies": found}
+        rows.append(describe_study(study) | {"tally": results["tally"] if results else None})
+    return {"studies": rows}
 
 
 def describe_study_page(request: Request, desk: Desk) -> JsonTable:
-    """One study: what it is, the scenarios to open, and its results if they are known.
+    """Return a study with its scenarios, and its results if known.
 
     {"name": …}
     -> {"name": …, "guide": […], "scenarios": [{title, text}], "results": {…} or null, …}
@@ -147,25 +138,25 @@ def describe_study_page(request: Request, desk: Desk) -> JsonTable:
 
 
 def compute_study(request: Request, desk: Desk) -> JsonTable:
-    """Compute a study: its claims and reports, part by part, and its figure. Long work.
+    """Compute a study part by part, and its figure. Long work.
 
     {"name": …} -> {"name": …, "digest": […], "claims": […], "reports": […], "tally": {…}, "figure": key of a file, …}
 
-    Notes: {"doing": words, "done": parts, "of": parts and the figure, "claims": those of the part
-    that is over}. The results are kept in the folder.
+    Notes: {"doing": words, "done": parts, "of": parts and the figure, "claims": of the last part}. The results are
+    cached.
     """
     study, begun = load_named_study(request), time.perf_counter()
-    found: list[Answer] = []
+    answers: list[Answer] = []
     parts = study.parts()
     new: list[JsonTable] = []
     for done, (words, part) in enumerate(parts.items()):
         desk.tell({"doing": words, "done": done, "of": len(parts) + 1, "claims": new})
-        found.append(part())
-        new = [asdict(claim) for claim in found[-1].claims]
+        answers.append(part())
+        new = [asdict(claim) for claim in answers[-1].claims]
     desk.tell({"doing": "the figure", "done": len(parts), "of": len(parts) + 1, "claims": new})
-    key, path = UploadFolder(desk.folder).place(f"{study.key}.svg")
+    key, path = desk.files.place(f"{study.key}.svg")
     study.figure(path)
-    claims, reports = ([one for part in found for one in getattr(part, kind)] for kind in ("claims", "reports"))
+    claims, reports = ([one for part in answers for one in getattr(part, kind)] for kind in ("claims", "reports"))
     results = describe_answer(study, Answer(claims, reports, study.digest())) | {
         "figure": key,
         "missing": [one["name"] for one in list_missing_data(study)],

@@ -1,4 +1,4 @@
-"""The form of a sweep, and the files of one."""
+"""The form of a sweep, and its export files."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from martensite.app.documents import read_request_scenario
-from martensite.app.messages import JsonTable, Request, require_entry
-from martensite.app.sweeping.sweep_folder import SweepFolder
-from martensite.app.uploads import UploadFolder
+from martensite.app.messages import JsonTable, Request, require_choice
+from martensite.app.sweeping.sweep_folder import find_store
 from martensite.app.worker import Desk
 from martensite.base import units
-from martensite.base.errors import InputError, MartensiteError, suggest_name
+from martensite.base.errors import MartensiteError
 from martensite.base.files import replace_file
 from martensite.base.parameters import Declared
 from martensite.base.status import Status
@@ -33,11 +32,11 @@ from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_m
 from martensite.simulate.variants import RUNTIMES
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""First characters of a text that a spreadsheet would compute."""
+"""First characters of a spreadsheet formula."""
 
 
 def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
-    """Return the options of a sweep of a scenario: its parameters, samples, and measures.
+    """Return the options of a sweep of a scenario: parameters, samples, and measures.
 
     {"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
     """
@@ -101,22 +100,19 @@ def _find_usual(name: str, kind: type[AbstractMeasure]) -> str:
 
 
 def export_sweep(request: Request, desk: Desk) -> JsonTable:
-    """Make a file of a sweep, to be taken away.
+    """Write an export file of a sweep.
 
     {"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
     """
-    store = SweepFolder(desk.folder).path(require_entry(request, "key", str))
-    kind = require_entry(request, "kind", str)
-    if kind not in KINDS:
-        raise InputError(f"There is no export `{kind}`. {suggest_name(kind, KINDS)}")
-    ending, write = KINDS[kind]
-    key, path = UploadFolder(desk.folder).place(f"{store.stem}{ending}")
+    store = find_store(request, desk.folder)
+    ending, write = KINDS[require_choice(request, "kind", "export", KINDS)]
+    key, path = desk.files.place(f"{store.stem}{ending}")
     write(store, path)
     return {"file": key, "name": path.name, "bytes": path.stat().st_size}
 
 
 def write_csv(store: Path, path: Path) -> None:
-    """One row per run that is made, numbers in SI, units in the heads; failed ones are empty."""
+    """Write one row per finished run, values in SI, units in the headings; values of failed runs are empty."""
     table = read_sweep(store)
     columns = {**table.varied, **table.measures}
     with replace_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
@@ -135,12 +131,12 @@ def _write_number(value: float) -> str:
 
 
 def escape_formula(text: str) -> str:
-    """Return a text that no spreadsheet takes for a formula."""
+    """Return a text that no spreadsheet treats as a formula."""
     return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def write_zip(store: Path, path: Path) -> None:
-    """The store as it is, in a folder; its chunks are compressed already."""
+    """Write the store, whose chunks are already compressed, in a folder of an archive."""
     with replace_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as made:
         for one in sorted(store.rglob("*")):
             if one.is_file():

@@ -1,4 +1,4 @@
-"""Calls about sweeps: plan, time and run one; read, delete what is stored."""
+"""Calls about sweeps: plan, time, run, read and delete."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from martensite.app.documents import build_packaged, read_request_scenario
 from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.sweeping.sweep_drawing import SweepDrawing, SweepProgress, name_statuses
-from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug, summarise_store
+from martensite.app.sweeping.sweep_folder import SweepFolder, find_store, hold_store, make_slug, summarise_store
 from martensite.app.sweeping.sweep_request import (
     check_request,
     choose_chunk,
@@ -42,9 +42,9 @@ def list_sweeps(request: Request, desk: Desk) -> JsonTable:
 
 
 def plan_sweep(request: Request, desk: Desk) -> JsonTable:
-    """Check the request for a sweep: return the number of runs, or the fault of each field.
+    """Return the number of runs of a sweep, or the errors by field.
 
-    Request as of the job `sweep` -> {"faults": {field: sentence}, "runs": …, "command": …, …}
+    Request of the job `sweep` -> {"faults": {field: sentence}, "runs": …, "command": …, …}
     """
     scenario = read_request_scenario(request, desk)
     plan, faults = check_request(scenario, request)
@@ -62,9 +62,9 @@ def plan_sweep(request: Request, desk: Desk) -> JsonTable:
 
 
 def estimate_time(request: Request, desk: Desk) -> JsonTable:
-    """Estimate how long a sweep will take, from one block of its runs.
+    """Estimate the duration of a sweep from one block of its runs.
 
-    Request as of the job `sweep` -> {"seconds": …, "tried": runs of the block, "took": its time, …}
+    Request of the job `sweep` -> {"seconds": …, "tried": runs of the block, "took": its time, …}
     """
     plan, asked = prepare_plan(read_request_scenario(request, desk), read_wanted(request))
     one = time_block(require_size(plan))
@@ -80,18 +80,18 @@ def estimate_time(request: Request, desk: Desk) -> JsonTable:
 
 
 NAMED = 5
-"""Failed runs that are named."""
+"""Number of failed runs that are named."""
 
 
 def run_sweep(request: Request, desk: Desk) -> JsonTable:
-    """Run many variants of a scenario into a store of the folder, or go on with one (a job).
+    """Run variants of a scenario into a store, or continue a store (a job).
 
-    {"text": TOML, "over": […], "sample": …, "measures": […], "seed", "step", "runtime", "workers"}
-    or {"resume": key, "workers": 0}
+    {"text": TOML, "over": […], "sample": …, "measures": […], "seed", "step", "runtime", "workers"} or {"resume": key,
+    "workers": 0}
     -> {"key": key, "stopped": "a sentence, if it was cancelled", "done": …, "runs": …, …}
 
-    Notes have a number, the state, and the runs made since the last one
-    (`sweeping.sweep_progress`). Cancelled, it keeps what was made.
+    Notes have a number, the state, and the new runs (`sweeping.sweep_progress`). After a cancellation finished runs are
+    kept.
     """
     desk.tell({"phase": "preparing", "number": 0})
     key, path, scenario, asked = _find_store(request, desk)
@@ -112,7 +112,6 @@ def run_sweep(request: Request, desk: Desk) -> JsonTable:
 
 
 def _find_store(request: Request, desk: Desk) -> tuple[str, Path, Scenario, SweepRequest]:
-    """Return key, store, scenario and request of a new or stored sweep."""
     shelf, key = SweepFolder(desk.folder), require_entry(request, "resume", str, "")
     if key:
         path = shelf.path(key)
@@ -128,14 +127,14 @@ def _find_store(request: Request, desk: Desk) -> tuple[str, Path, Scenario, Swee
 
 @contextmanager
 def _catch_stop(desk: Desk) -> Iterator[list[str]]:
-    """Takes the sentence of a sweep that was cancelled; other reasons to stop are passed on."""
-    said: list[str] = []
+    """Catch the error of a cancelled sweep and yield its sentence; other errors pass."""
+    entries: list[str] = []
     try:
-        yield said
+        yield entries
     except StoppedError as error:
         if not desk.stop.is_set():
             raise
-        said.append(str(error))
+        entries.append(str(error))
 
 
 def _count_ended(store: Store) -> JsonTable:
@@ -149,7 +148,7 @@ def _count_ended(store: Store) -> JsonTable:
 
 
 def read_points(request: Request, desk: Desk) -> JsonTable:
-    """Return all that is drawn of a sweep, as far as it is made.
+    """Return the drawn data of a sweep so far.
 
     {"key": …}
     -> {"layout": {…}, "points": {"rows", "status", "columns"}, "done", "runs", "state", …}
@@ -170,11 +169,11 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
 
 
 def read_row(request: Request, desk: Desk) -> JsonTable:
-    """Return the scenario of one run of a sweep, with exactly its numbers.
+    """Return the scenario of one run of a sweep, with exact values.
 
     {"key": …, "row": 12} -> {"text": TOML, "values": [SI], "status": …}
     """
-    spec = Store(SweepFolder(desk.folder).path(require_entry(request, "key", str))).spec
+    spec = Store(find_store(request, desk.folder)).spec
     row = require_entry(request, "row", int)
     plan = build_plan(build_packaged(spec["scenario"]), SweepRequest.of_spec(spec))
     if not 0 <= row < plan.size:
@@ -188,17 +187,17 @@ def read_row(request: Request, desk: Desk) -> JsonTable:
 
 
 MOST_LISTED = 2000
-"""Runs of a front that are listed."""
+"""Largest number of listed runs of a front."""
 NO_FRONT: Request = {"rows": [], "values": {}, "count": 0, "compared": 0, "left_out": []}
 
 
 def find_front(request: Request, desk: Desk) -> JsonTable:
-    """Return the runs of a sweep that no other beats, as far as it is made.
+    """Return the Pareto front of a sweep so far.
 
     {"key": …, "minimise": ["energy"], "maximise": ["stroke"]}
     -> {"rows": […], "values": {name: [SI]}, "compared": …, "left_out": [[number, "why"]], "why": …}
     """
-    table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
+    table = read_sweep(find_store(request, desk.folder))
     try:
         front = find_pareto_front(table, read_texts(request, "minimise", []), read_texts(request, "maximise", []))
     except DataError as error:  # as long as no run is there
@@ -217,12 +216,12 @@ def find_front(request: Request, desk: Desk) -> JsonTable:
 
 
 def estimate_indices(request: Request, desk: Desk) -> JsonTable:
-    """Return the fraction of the variance of a measure that every varied parameter explains.
+    """Return the fraction of a measure's variance by varied parameter.
 
     {"key": …, "measure": "stroke"}
     -> {"method", "used", "names": […], "indices": {kind: {"values": […], "wide": […]}}, "remarks"}
     """
-    table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
+    table = read_sweep(find_store(request, desk.folder))
     (found,) = compute_sensitivity(table, [require_entry(request, "measure", str)])
     kinds = found.indices if found.deviation else {}
     return {
@@ -238,6 +237,6 @@ def estimate_indices(request: Request, desk: Desk) -> JsonTable:
 
 
 def delete_sweep(request: Request, desk: Desk) -> JsonTable:
-    """Delete a sweep: `{"key": …}` -> `{}`. One that is running is refused."""
+    """Delete a sweep that is not running: `{"key": …}` -> `{}`."""
     SweepFolder(desk.folder).delete(require_entry(request, "key", str))
     return {}

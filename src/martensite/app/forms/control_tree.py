@@ -1,7 +1,6 @@
-"""From components to groups of controls, along their declarations.
+"""Groups of controls from components, along their declarations.
 
-A walk goes over the objects that a scenario has built. What it is called in the document, where
-it came from and in which unit it stands is asked of the scenario; nothing is known by name.
+A walk visits the objects of a scenario, which provides paths in the document, origins and units.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ Paths = Callable[[str], str]
 
 @dataclass(frozen=True)
 class GroupSpot:
-    """The part that a group shows, how its numbers are reached, and where its kind is from."""
+    """The part of a group, with its walk and registry."""
 
     walk: ControlWalk
     path: str
@@ -40,24 +39,24 @@ class GroupSpot:
 
 @dataclass
 class ControlWalk:
-    """Makes groups of some components of a scenario."""
+    """Builder of groups for components of a scenario."""
 
     document: JsonTable
     origins: dict[str, str]
     written: Paths
-    """From the path of an object to where the document has it."""
+    """Path in the document by path of the object."""
     noted: Paths
-    """From the path of an object to where its origin is noted."""
+    """Path of the origin by path of the object."""
     unit: Callable[[Leaf], str]
-    """SI unit of a number in its place."""
+    """SI unit of a parameter in its place."""
     material: Material | None = None
     """Material that can provide values."""
     skipped: Callable[[str], bool] = lambda path: False
-    """Objects that stand elsewhere in the document, or not at all."""
+    """True if an object is elsewhere in the document, or absent."""
     seen: set[str] = field(default_factory=set[str])
-    """Paths in the document that have a control already."""
+    """Document paths that already have a control."""
     spots: dict[str, GroupSpot] = field(default_factory=dict[str, "GroupSpot"])
-    """By path of the kind: which part a group shows."""
+    """Spots by path of the kind."""
 
     def group(
         self,
@@ -68,7 +67,7 @@ class ControlWalk:
         registry: Registry[Any] | None = None,
         default: Any = REQUIRED,
     ) -> GroupNode:
-        """Return the controls of a component, those of its components in groups below."""
+        """Return the controls of a component, with groups for its components."""
         made = build_group(self.written(path), spell_title(title), meaning=meaning)
         if registry is not None and part.registered_name:
             made["kind"] = self._kind(part, path, registry, default)
@@ -102,29 +101,29 @@ class ControlWalk:
         if isinstance(value, Members):
             return [self.members(value, path, name, declared.doc)]
         made = self.group(value, path, name, declared.doc, declared.registry, declared.default)
-        if made["path"] == owner["path"]:  # both stand in one table, such as a mounted sensor
+        if made["path"] == owner["path"]:  # both are in one table, such as a mounted sensor
             owner["kind"] = made["kind"]
             return made["items"]
         return [made] if made["items"] or made["kind"] else []
 
     def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
-        """Return the components by names of the user's own."""
+        """Return the components with user-defined names."""
         below = [self.group(one, f"{path}.{name}", name, "", value.registry) for name, one in value.members().items()]
         return build_group(self.written(path), spell_title(title), below, meaning=meaning)
 
     def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> EntrySpot | None:
-        """Return the place of an entry; None if it already has a control."""
+        """Return the spot of an entry; None if it already has a control."""
         place, noted = self.written(path), self.noted(path)
         if place in self.seen:
             return None
         self.seen.add(place)
-        said = self.origins.get(noted, self.origins.get(place, "default"))
-        if said == "scenario" and declared.kind == "parameter":
+        origin = self.origins.get(noted, self.origins.get(place, "default"))
+        if origin == "scenario" and declared.kind == "parameter":
             raw = documents.find_entry(self.document, place)
             unit = self.unit(Leaf(path, declared, None))
             if raw is not None and raw == declared.typical_in(unit):  # unchanged since the start
-                said = "start"
-        return EntrySpot(place, name, declared, said, self.material)
+                origin = "start"
+        return EntrySpot(place, name, declared, origin, self.material)
 
     def _single(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
@@ -147,7 +146,7 @@ class ControlWalk:
             yield controls.describe_row(spot, value if raw is None else raw)
 
     def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
-        """Yield the samples as the document lists them; what a file holds is not shown."""
+        """Yield the samples listed in the document; samples of a file are not shown."""
         raw = documents.find_entry(self.document, self.written(path))
         if raw is not None:
             row = controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
@@ -157,13 +156,13 @@ class ControlWalk:
 
 
 def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
-    """Return a sort key: for a part with material parameters, its other required parameters come first."""
+    """Return a sort key: other required parameters before those of a material."""
     mixed = any(name in NAMES for name in part.declarations)
     return lambda item: (mixed and item[0] in NAMES, mixed and item[1].default is not REQUIRED)
 
 
 def place_units(drive_unit: str) -> Callable[[Leaf], str]:
-    """Return the units of the numbers of a waveform of a drive."""
+    """Return the units of a waveform's parameters for a drive."""
     return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
 
 
@@ -181,12 +180,12 @@ def build_group(path: str, title: str, items: Sequence[FormNode] = (), note: str
 
 
 def join_path(begin: str, path: str) -> str:
-    """Return a path below a beginning that ends in a dot."""
+    """Return a path below a prefix that ends in a dot."""
     return f"{begin}{path}" if path else begin.removesuffix(".")
 
 
 def flatten_controls(items: Sequence[FormNode]) -> Iterator[SingleNode]:
-    """Yield all controls below some, at any depth."""
+    """Yield all controls at any depth."""
     for item in items:
         if item["sort"] == "group":
             yield from flatten_controls(item["items"])

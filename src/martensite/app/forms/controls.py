@@ -1,8 +1,7 @@
-"""Controls of single entries, as the page takes them: numbers, options, texts, lists.
+"""Controls of single entries for the page: numbers, options, texts, lists.
 
-Each names the origin of its value: the scenario, its default, or a source of the material. A slider covers a range
-about the value, within the declared bounds. It is logarithmic if the bounds are positive and span decades, else linear.
-A value of 0 or without limit has no scale; typical sizes of its unit are used instead.
+A slider covers a range about the value within the declared bounds, logarithmic for positive bounds over decades. A
+value of 0 or without limit uses a typical size of its unit.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 from martensite.scenario.catalogue import describe_entry
 
 ROUNDING = 1e-9
-"""Relative difference that is rounding."""
+"""Relative rounding tolerance."""
 _PRINTED = (("degC", "°C"), ("deg", "°"), ("ohm", "Ω"), ("^2", "²"), ("^3", "³"), ("^0.5", "^½"))
 ORIGIN_WORDS = {
     "scenario": "written in the scenario",
@@ -64,11 +63,11 @@ SIZES = {
     "Pa/K": 1e6,
     "m/s^2": 20.0,
 }
-"""Unit -> what is ordinary of it, for numbers that are 0."""
+"""Typical size by unit, for values of 0."""
 KELVINS = 60.0
-"""Temperatures go so far to either side [K]."""
+"""Half range of temperatures [K]."""
 DECADES = 100.0
-"""A range whose ends have this ratio spans decades."""
+"""Smallest ratio of the ends of a logarithmic range."""
 LARGEST = 1e6
 """Smallest default that means "without limit" if it is the largest allowed value."""
 _COUNTS = re.compile(r"\bnumber of|how many|whole number|^spans\b|^steps of")
@@ -79,7 +78,7 @@ class EntrySpot:
     """Place of an entry, and its data."""
 
     path: str
-    """In the document."""
+    """Path in the document."""
     name: str
     declared: Declared
     noted: str
@@ -98,7 +97,7 @@ class EntrySpot:
 
 
 def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNode:
-    """Return a number in an SI unit, with its range; None for one that is not given yet."""
+    """Return the control of a number in an SI unit; None for a missing one."""
     declared = replace(spot.declared, unit=unit)
     default = None if declared.default is REQUIRED else declared.default
     size = None if value is None or is_unlimited(value, declared) else value
@@ -137,13 +136,13 @@ def _is_same(one: float, other: float) -> bool:
 
 
 def describe_option(spot: EntrySpot, value: str) -> OptionNode:
-    """Return a choice between words."""
+    """Return the control of a choice between words."""
     changed = spot.declared.default not in (REQUIRED, value)
     return {**spot.common(changed), "sort": "option", "value": value}
 
 
 def describe_text(spot: EntrySpot, value: str | Sequence[str]) -> TextNode:
-    """Return a free text, or several."""
+    """Return the control of one or several texts."""
     default = spot.declared.default
     return {
         **spot.common(default not in (REQUIRED, value)),
@@ -154,7 +153,7 @@ def describe_text(spot: EntrySpot, value: str | Sequence[str]) -> TextNode:
 
 
 def describe_row(spot: EntrySpot, value: Any) -> RowNode:
-    """Return a list of numbers or quantities, or a whole number, as the document holds it."""
+    """Return the control of a list of numbers or quantities, or of an integer."""
     several = isinstance(value, (list, tuple))
     items = list(value) if several else [value]
     return {
@@ -167,7 +166,7 @@ def describe_row(spot: EntrySpot, value: Any) -> RowNode:
 
 
 def print_unit(unit: str) -> str:
-    """Return a unit as it is read, such as W/(m²·K); empty for 1."""
+    """Return a readable unit, such as W/(m²·K); empty for 1."""
     text = {"1": "", units.DEGREES: "K"}.get(unit, unit)
     over, *under = text.split("/")
     below = "·".join(under)
@@ -180,12 +179,12 @@ def print_unit(unit: str) -> str:
 def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
     """Return the display of a number in an SI unit: spelling, label, factor and offset.
 
-    shown = SI · factor + offset; the spelling is empty for a number without unit.
+    shown = SI · factor + offset; the spelling is empty without a unit.
     """
     spelling = units.choose_readable_unit(unit) if value is None else units.choose_familiar_unit(value, unit)
     try:
         size, zero = units.find_conversion(spelling, unit)
-    except UnitError:  # of a plug-in: what pint does not know is shown as it is
+    except UnitError:  # unknown unit of a plug-in: shown as written
         spelling, size, zero = unit, 1.0, 0.0
     spelled = "K" if spelling == units.DEGREES else spelling
     return {
@@ -197,16 +196,16 @@ def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
 
 
 def word_quantity(value: float, unit: str) -> str:
-    """Return a number in SI as a person reads it, such as `75 GPa`."""
+    """Return a number in SI as text, such as `75 GPa`."""
     how = describe_display(unit, value)
     return f"{value * how['factor'] + how['offset']:.6g} {how['label']}".strip()
 
 
 def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
-    """Return an origin as `Scenario.origins` notes it, told in full.
+    """Return the full origin of a value from its note in `Scenario.origins`.
 
-    Its sort is scenario, default, plant, start, none, law or material; a number of the material has
-    its kind, source and place as well, and whether it is doubtful.
+    Its sort is scenario, default, plant, start, none, law or material; a material value also has kind, source and
+    place.
     """
     kind, _, owner = noted.partition(", ")
     if not owner:
@@ -219,7 +218,7 @@ def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
 
 
 def describe_source(material: Material, number: MaterialNumber) -> Origin:
-    """Return a number of a material with its source."""
+    """Return the origin of a material value."""
     source = material.sources[number.source]
     return {
         "sort": "material",
@@ -234,7 +233,7 @@ def describe_source(material: Material, number: MaterialNumber) -> Origin:
 
 
 def find_material_number(material: Material | None, name: str) -> MaterialValue | None:
-    """Return the value of the material for a parameter that the scenario sets; None if it has none."""
+    """Return the material value of a parameter that the scenario sets, or None."""
     if material is None or name not in material.values:
         return None
     number = material.values[name]
@@ -242,7 +241,7 @@ def find_material_number(material: Material | None, name: str) -> MaterialValue 
 
 
 def is_whole(value: float, declared: Declared) -> bool:
-    """Return whether a number counts something, as its meaning says."""
+    """Return whether a parameter is a count, by its description."""
     return declared.unit == "1" and value == int(value) and bool(_COUNTS.search(declared.doc))
 
 
@@ -253,10 +252,7 @@ def is_unlimited(value: float, declared: Declared) -> bool:
 
 
 def build_slider(value: float, declared: Declared) -> SliderRange | None:
-    """Return the ends of a slider in SI, and whether it is logarithmic or integer; None without a slider.
-
-    A value without limit has no slider.
-    """
+    """Return the ends of a slider in SI; None without a slider, as for a value without limit."""
     if is_unlimited(value, declared):
         return None
     low, high, log = _choose_ends(value, declared)
@@ -289,7 +285,7 @@ def _choose_ends(value: float, declared: Declared) -> tuple[float, float, bool]:
 
 
 def _choose_signed_ends(value: float, unit: str, low: float, high: float) -> tuple[float, float, bool]:
-    """Return the ends for a number that may be negative; a level is positive unless it is not."""
+    """Return the ends for a parameter that can be negative."""
     if math.isfinite(low) and math.isfinite(high) and high - low <= 20.0 * abs(value):
         return low, high, False
     size = 3.0 * abs(value) if value else SIZES.get(unit, 1.0)

@@ -1,4 +1,4 @@
-"""Entries of a TOML document by dotted path: looked up, replaced, taken away."""
+"""Entries of a TOML document by dotted path."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ def find_entry(document: Request, path: str) -> Any:
 
 
 def find_table(document: Request, path: str) -> JsonTable:
-    """Return the table at a path; a bare text is its kind, and nothing an empty one."""
-    found = find_entry(document, path)
-    if isinstance(found, str):
-        return {"kind": found}
-    return cast("JsonTable", found) if isinstance(found, dict) else {}
+    """Return the table at a path; a text is its kind, a missing one is empty."""
+    entry = find_entry(document, path)
+    if isinstance(entry, str):
+        return {"kind": entry}
+    return cast("JsonTable", entry) if isinstance(entry, dict) else {}
 
 
 def put_entry(document: JsonTable, path: str, value: Any) -> None:
-    """Put a value at a path; tables on the way are made, bare kinds become tables."""
+    """Set a value at a path; tables on the way are created, texts become tables of a kind."""
     *above, last = path.split(".")
     node = document
     for key in above:
@@ -39,7 +39,7 @@ def put_entry(document: JsonTable, path: str, value: Any) -> None:
 
 
 def remove_entry(document: JsonTable, path: str) -> None:
-    """Take an entry away, and the tables above it that are empty then."""
+    """Remove an entry, and the tables above it that become empty."""
     head, _, last = path.rpartition(".")
     owner = find_entry(document, head) if head else document
     if not isinstance(owner, dict) or last not in owner:

@@ -1,7 +1,4 @@
-"""Types of a form as it is sent; the page's TypeScript is written from this file.
-
-`web/write_types.py` turns every table here, and `EntryDescription`, into an interface.
-"""
+"""Types of a form; `web/write_types.py` writes TypeScript interfaces of them and of `EntryDescription`."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ class MaterialValue(Origin):
 
 
 class SliderRange(TypedDict):
-    """Ends of a slider in SI, whether it is logarithmic, and whether it goes in whole numbers."""
+    """Ends of a slider in SI, whether it is logarithmic, and whether it is an integer."""
 
     low: float
     high: float
@@ -42,7 +39,7 @@ class SliderRange(TypedDict):
 
 
 class DisplayUnit(TypedDict):
-    """Unit as it is written and as it is read, empty for none; shown = SI * factor + offset."""
+    """Spelling and label of a unit, empty without one; shown = SI * factor + offset."""
 
     shown: str
     label: str
@@ -51,24 +48,24 @@ class DisplayUnit(TypedDict):
 
 
 class EntryControl(EntryDescription):
-    """Common data of the controls of all entries, in addition to the declaration."""
+    """Common data of all controls, in addition to the declaration."""
 
     path: str
-    """In the document."""
+    """Path in the document."""
     origin: Origin
     changed: bool
     """True if the value replaces a default or a value of the material."""
 
 
 class NumberNode(EntryControl, DisplayUnit):
-    """A number; `unit` and `allowed` are those of its place."""
+    """A number, with `unit` and `allowed` of its place."""
 
     sort: Literal["number"]
     value: float | None
-    """SI; null where there is none yet, or no limit."""
+    """SI; null if missing or without limit."""
     unlimited: bool
     usual: str | None
-    """The default in words."""
+    """Default as text."""
     slider: SliderRange | None
     material: MaterialValue | None
 
@@ -91,7 +88,7 @@ class MaterialNode(EntryControl):
 
 
 class TextNode(EntryControl):
-    """A free text, or several."""
+    """One or several texts."""
 
     sort: Literal["text"]
     value: str
@@ -99,13 +96,13 @@ class TextNode(EntryControl):
 
 
 class RowNode(EntryControl):
-    """A list of numbers or quantities, or a whole number, as the document holds it."""
+    """A list of numbers or quantities, or an integer."""
 
     sort: Literal["row"]
     value: str
     several: bool
     quantities: bool
-    """True if the items carry units."""
+    """True if the items have units."""
 
 
 class KindChoice(TypedDict):
@@ -118,7 +115,7 @@ class KindChoice(TypedDict):
 
 
 class GroupNode(TypedDict):
-    """Controls that belong together."""
+    """A group of controls."""
 
     sort: Literal["group"]
     path: str
@@ -134,17 +131,17 @@ FormNode = SingleNode | GroupNode
 
 
 class MissingNumbers(TypedDict):
-    """The document, unless a kind needs numbers that nothing is known for."""
+    """The document, unless a kind needs unknown values."""
 
     text: str | None
-    """Null if something is missing."""
+    """Null if values are missing."""
     missing: list[SingleNode]
     refused: str
-    """Missing entries, in a sentence; empty if complete."""
+    """Sentence on missing entries; empty if complete."""
 
 
 class ScenarioForm(MissingNumbers):
-    """A scenario with a control for all that it declares."""
+    """A scenario with a control for each entry."""
 
     title: str
     sections: list[GroupNode]

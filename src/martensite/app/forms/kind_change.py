@@ -1,8 +1,7 @@
 """Another kind in a scenario: a law, material, mechanism, cooling, drive, waveform or element.
 
-The rest of the scenario stays. Where that does not build, less is kept: what was taken into a
-bundle is begun anew, then what is around the system is left out. What was assumed and what was
-dropped is told.
+The rest of the scenario stays. If that cannot be built, less is kept: first components of bundles are recreated, then
+sections around the system are removed. Assumed values and removed sections are reported.
 """
 
 from __future__ import annotations
@@ -34,28 +33,25 @@ from martensite.scenario.sections import MODEL, NAME, PERIOD, REFERENCE
 
 Unit = Callable[[Leaf], str]
 USUAL_LAWS = ("liang-rogers", "lagoudas", "mas-hybrid", "brinson")
-"""Laws among which one is chosen for a material that names none, the first if all fit."""
+"""Laws for a material without one; the first of those with fewest missing values."""
 
 
 def change_kind(scenario: Scenario, path: str, kind: str, given: JsonTable) -> ChangedScenario:
     """Put another kind into a scenario.
 
     Args:
-        scenario: as it is.
-        path: of the kind, such as `element.law.kind`, or `element.material`.
-        kind: its name.
-        given: numbers that go over it, by path.
-
-    Raises:
-        InputError: the place or kind is unknown, or the changed scenario cannot be built.
+        scenario: present scenario.
+        path: path of the kind, such as `element.law.kind`, or `element.material`.
+        kind: name of the new kind.
+        given: values by path that replace others.
     """
     document = toml_document(scenario.text)
     if path == MATERIAL:
-        found = [with_material(document, kind)]
+        entries = [with_material(document, kind)]
     else:
-        found = list(_list_candidates(scenario, document, path, kind))
+        entries = list(_list_candidates(scenario, document, path, kind))
     fault: InputError | None = None
-    for one in found:
+    for one in entries:
         for name, value in given.items():
             documents.put_entry(one.document, name, value)
         one.missing = [m for m in one.missing if documents.find_entry(one.document, m.path) is None]
@@ -96,7 +92,7 @@ def _find_spot(scenario: Scenario, path: str) -> GroupSpot:
 def _put_kind(
     scenario: Scenario, document: JsonTable, path: str, spot: GroupSpot, cls: type[Parametrised], fresh: bool
 ) -> ChangedScenario:
-    """Return the document with a table for another class where the kind of a part stands."""
+    """Return the document with a table for another class in place of a part."""
     made, place, registry = deepcopy(document), path.removesuffix(f".{KIND}"), spot.registry
     was, old = type(spot.part), documents.find_table(made, place)
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
@@ -110,15 +106,13 @@ def _put_kind(
     full = {**old, KIND: was.registered_name}
     table = {**kept, **filler.table(cls, registry, full, place, was)}
     documents.put_entry(made, place, table)
-    found = ChangedScenario(made, [], filler.assumed, filler.missing)
+    changed_scenario = ChangedScenario(made, [], filler.assumed, filler.missing)
     if registry is SOURCES:
-        change_source(found, scenario, place, getattr(spot.part, "unit", "1"), cls)
-    return found
+        change_source(changed_scenario, scenario, place, getattr(spot.part, "unit", "1"), cls)
+    return changed_scenario
 
 
 def _place_units(unit: Unit, at: str, place: str) -> Unit:
-    """Return the units of numbers at paths of the document, as the walk knows them by paths of objects."""
-
     def known(leaf: Leaf) -> str:
         rest = leaf.path.removeprefix(place).removeprefix(".")
         return unit(Leaf(f"{at}.{rest}" if at else rest, leaf.declared, None))
@@ -129,7 +123,7 @@ def _place_units(unit: Unit, at: str, place: str) -> Unit:
 def _keep_entries(
     registry: Registry[Any], cls: type[Parametrised], was: type[Parametrised], old: JsonTable, fresh: bool
 ) -> JsonTable:
-    """Return the entries of a table that belong to no kind."""
+    """Return the entries of a table that are independent of the kind."""
     inner = [name for name, _ in list_nested(cls)]
     names = {
         "element": ["material"],
@@ -143,7 +137,7 @@ def _keep_entries(
 
 
 def with_material(document: JsonTable, name: str) -> ChangedScenario:
-    """Return the document with another material; a law that it cannot serve goes to one that it can."""
+    """Return the document with another material, and with another law if that needs fewer assumptions."""
     made = deepcopy(document)
     material = load_material(name, FOLDER) if name else None
     old = documents.find_table(made, "element")
@@ -167,11 +161,11 @@ def with_material(document: JsonTable, name: str) -> ChangedScenario:
 def _law_for(material: Material | None) -> JsonTable:
     if material is not None and material.law:
         return dict(material.law)
-    known = material.values if material is not None else {}
+    values = material.values if material is not None else {}
 
     def lacks(name: str) -> int:
         needed = [n for n, d in LAWS[name].declarations.items() if d.default is REQUIRED]
-        return sum(one not in known for one in needed)
+        return sum(one not in values for one in needed)
 
     return {KIND: min(USUAL_LAWS, key=lacks)}
 

@@ -43,7 +43,7 @@ TITLE_ENTRY = Declared("text", "what the scenario is called", REQUIRED)
 
 
 def describe_scenario(scenario: Scenario) -> ScenarioForm:
-    """Return the form of a scenario as it is."""
+    """Return the form of a scenario."""
     return {
         "text": scenario.text,
         "title": scenario.title,
@@ -57,7 +57,7 @@ def describe_scenario(scenario: Scenario) -> ScenarioForm:
 
 
 class FormSections:
-    """Makes the form of a scenario."""
+    """Builder of the form of a scenario."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
@@ -69,14 +69,14 @@ class FormSections:
         )
 
     def all(self) -> list[GroupNode]:
-        """Return all sections, in the order in which one thinks of them."""
+        """Return all sections."""
         if MODEL in self.document:
-            found = [self._model(), self._drive_alone()]
+            sections = [self._model(), self._drive_alone()]
         else:
             driven = [self._drive()] if self.scenario.system.actuators() else []
-            found = [*self._actuator(), *self._mechanism(), *driven, *self._actuators()]
+            sections = [*self._actuator(), *self._mechanism(), *driven, *self._actuators()]
         loops = describe_bench(self.scenario, self.walk)
-        return [*found, *loops, describe_run(self.scenario, self.walk)]
+        return [*sections, *loops, describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[GroupNode]:
         if not self.scenario.system.actuators():
@@ -99,7 +99,7 @@ class FormSections:
             yield {**self.walk.group(supply, f"{self.prefix}supply", SUPPLY, "what all sources share"), "title": SUPPLY}
 
     def _environment(self, port: Any, walk: ControlWalk) -> GroupNode:
-        """Return the surroundings; a drive that sets the temperature needs no heat-loss model."""
+        """Return the environment; a drive that sets the temperature needs no heat-loss model."""
         made = walk.group(port.environment, f"{self._port_prefix}environment", ENVIRONMENT)
         made["note"] = self._shared_note
         idle = documents.find_entry(self.document, COOLING) is None
@@ -121,9 +121,9 @@ class FormSections:
         return "The same at every port; [actuators] says what is different." if (self._has_ports) else ""
 
     def _describe_common(self) -> tuple[Any, ControlWalk]:
-        """Return an actuator, and how its numbers are reached: those of all ports in the common sections.
+        """Return an actuator and the walk of the common sections.
 
-        Of several the one is taken that has least for itself.
+        For several ports it is the actuator with the fewest settings of its port.
         """
         actuators = self.scenario.system.actuators()
         own = documents.find_table(self.document, GROUP)
@@ -146,11 +146,11 @@ class FormSections:
 
     def _material(self) -> MaterialNode:
         given = documents.find_entry(self.document, MATERIAL)
-        known = _list_materials()
-        own = {} if given is None or given in known else {given: "a file of your own"}
+        materials = _list_materials()
+        own = {} if given is None or given in materials else {given: "a file of your own"}
         declared = Declared("option", "where numbers come from that the scenario leaves out", "")
         spot = EntrySpot(MATERIAL, "material", declared, "default" if given is None else "scenario")
-        names = {NO_MATERIAL: "none: every number is given here", **known, **own}
+        names = {NO_MATERIAL: "none: every number is given here", **materials, **own}
         material = self.scenario.material
         return {
             **spot.common(),
@@ -193,11 +193,11 @@ class FormSections:
             yield walk.group(waveform, "", f"signal {name}" if signal else "waveform", f"in {units[name]}", WAVEFORMS)
 
     def _begin(self, name: str) -> str:
-        """Return the path of the waveform of a drive; a model of one input may have it in [drive]."""
+        """Return the path of a drive's waveform; a model of one input can have it in [drive]."""
         drive = self.scenario.places.drive
-        found = waveform_path(self.scenario.system, name, drive)
-        there = documents.find_entry(self.document, found.removesuffix(".")) is not None
-        return found if there or MODEL not in self.document else f"{drive}.waveform."
+        path = waveform_path(self.scenario.system, name, drive)
+        there = documents.find_entry(self.document, path.removesuffix(".")) is not None
+        return path if there or MODEL not in self.document else f"{drive}.waveform."
 
     def _actuators(self) -> Iterator[GroupNode]:
         if not self._has_ports:
@@ -217,14 +217,13 @@ class FormSections:
             yield made
 
     def _describe_different(self, port: str, actuator: Parametrised, own: set[str]) -> list[SingleNode]:
-        """Return the controls of what a port has otherwise than the others."""
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
         place = partial(_is_member, port, drive)
         walk = replace(
             self.walk, written=place, noted=place, material=self.scenario.material, unit=lambda leaf: leaf.declared.unit
         )
-        found = walk.group(actuator, "", port)["items"]
-        return [one for one in flatten_controls(found) if one["path"].removeprefix(begin) in own]
+        items = walk.group(actuator, "", port)["items"]
+        return [one for one in flatten_controls(items) if one["path"].removeprefix(begin) in own]
 
     def _model(self) -> GroupNode:
         file = documents.find_entry(self.document, f"{MODEL}.file")
@@ -242,17 +241,17 @@ def _is_member(port: str, drive: str, path: str) -> str:
 
 
 def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
-    found: list[str] = []
+    entries: list[str] = []
     for key, value in table.items() if isinstance(table, dict) else ():
         path = f"{prefix}{key}"
         if path == f"{drive}.waveform":
             continue
-        found += _list_paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
-    return found
+        entries += _list_paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
+    return entries
 
 
 def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]:
-    """Yield everything around the system, if there is anything."""
+    """Yield the section around the system, if any."""
     bench = scenario.bench
     if bench is None:
         return
@@ -266,7 +265,6 @@ def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]
 
 
 def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str) -> GroupNode:
-    """Return a part by its name; the kind of a sensor is that of what is mounted."""
     from martensite.scenario.catalogue import list_registries
 
     name = path.partition(".")[0].removesuffix("s")
@@ -274,7 +272,7 @@ def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str)
 
 
 def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[FormNode]:
-    """Return the settings of the bench; its period may be in another section."""
+    """Return the settings of the bench; its period can be in another section."""
     from martensite.scenario.bench import BenchSettings
 
     table = documents.find_table(walk.document, BENCH)
@@ -297,6 +295,6 @@ def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
 
 
 def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
-    """Return the controls of a component that the scenario has not kept."""
+    """Return the controls of a component that the scenario does not store."""
     own = replace(walk, written=place, noted=place, unit=lambda leaf: leaf.declared.unit, skipped=lambda path: False)
     return own.group(part, "", "")["items"]

@@ -1,6 +1,6 @@
-"""Surroundings of a component of another kind: ports, signals, levels, references, cooling.
+"""Sections around a part of another kind: ports, signals, levels, references, cooling.
 
-Candidates keep less and less of it; the first that can be built is used.
+Successive candidates keep less of them; the first that can be built is used.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from martensite.signals.base import DRIVE, WAVEFORMS
 
 
 def relax_surroundings(scenario: Scenario, one: ChangedScenario) -> Iterator[ChangedScenario]:
-    """Yield a candidate, and those that keep less of what is around the system."""
+    """Yield a candidate, then candidates that keep fewer sections around the system."""
     yield one
     less = _keep_single_port(scenario, one)
     if less is not None:
@@ -40,7 +40,7 @@ def relax_surroundings(scenario: Scenario, one: ChangedScenario) -> Iterator[Cha
 
 
 def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> Iterator[ChangedScenario]:
-    """Yield the candidates in which a controller follows something else, in the units that there are."""
+    """Yield the candidates in which a controller follows an output of another unit."""
     name = place.partition(".")[2]
     path = f"references.{name}" if name else REFERENCE
     if documents.find_entry(one.document, f"{place}.{REFERENCE}") is not None:
@@ -58,7 +58,7 @@ def _list_kinds(document: JsonTable) -> tuple[Any, Any]:
 
 
 def _keep_single_port(scenario: Scenario, one: ChangedScenario) -> ChangedScenario | None:
-    """Without what other ports and signals had, for a mechanism that has none of them."""
+    """Return the document without other ports and signals, for a mechanism without them; None if unchanged."""
     if GROUP not in one.document and SIGNALS not in one.document:
         return None
     made, drive = deepcopy(one), scenario.places.drive
@@ -68,9 +68,9 @@ def _keep_single_port(scenario: Scenario, one: ChangedScenario) -> ChangedScenar
         if name in made.document:
             del made.document[name]
             made.notes.append(f"[{name}] was taken out: it belonged to the other mechanism.")
-    found = next((w for w in waveforms if w is not None), None)
-    if found is not None:
-        documents.put_entry(made.document, f"{drive}.waveform", found)
+    first = next((w for w in waveforms if w is not None), None)
+    if first is not None:
+        documents.put_entry(made.document, f"{drive}.waveform", first)
     _add_waveform(made, scenario)
     return made
 
@@ -91,7 +91,7 @@ def _begin_waveform(one: ChangedScenario, path: str, unit: str) -> None:
 
 
 def change_source(one: ChangedScenario, scenario: Scenario, place: str, unit: str, cls: type[Parametrised]) -> None:
-    """Levels in the unit of the new source, and cooling where the old one needed none."""
+    """Set levels in the unit of the new source, and a cooling if the old source needed none."""
     new = str(getattr(cls, "unit", "1"))
     drive = place.rpartition(".")[2]
     places = [drive, *(f"{GROUP}.{name}.{drive}" for name in documents.find_table(one.document, GROUP))]

@@ -1,8 +1,7 @@
-"""Tables of components chosen anew: what fits is kept, what is missing is filled in.
+"""Tables of new components: matching values are kept, missing ones are filled in.
 
-A table for a new kind keeps numbers of the same name and unit, options whose word the new kind
-knows, and components from the same registry. What is required and stands nowhere comes from the
-material or from the start values; what has none is noted as missing.
+A table for a new kind keeps values of the same name and unit, options with a known word, and components of the same
+registry. Other required values come from the material or the start values, or are recorded as missing.
 """
 
 from __future__ import annotations
@@ -30,14 +29,14 @@ Entries = dict[str, tuple[Any, Declared]]
 
 @dataclass(frozen=True)
 class MissingNumber:
-    """A number that nothing is known for."""
+    """A value without material and start value."""
 
     path: str
     name: str
     declared: Declared
     unit: str
     owner: str
-    """The kind that needs it."""
+    """Kind that needs it."""
 
 
 @dataclass
@@ -53,24 +52,23 @@ class ChangedScenario:
 
 @dataclass
 class TableFiller:
-    """Fills tables; notes what it assumed and what is missing."""
+    """Filler of tables that records assumed and missing values."""
 
     unit: Callable[[Leaf], str] = lambda leaf: leaf.declared.unit
     """SI unit of a number at a path of the document."""
     material: Material | None = None
     """Material that can provide values."""
     elsewhere: tuple[str, ...] = ()
-    """Entries that are described elsewhere, or stay as they are."""
+    """Entries that are not filled."""
     fresh: bool = False
-    """True if components are begun anew instead of being taken into what holds several."""
+    """True if components are recreated instead of becoming part of a bundle."""
     assumed: list[str] = field(default_factory=list[str])
-    """Paths of start values."""
     missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
 
     def table(
         self, cls: PartClass, registry: Kinds, old: JsonTable, path: str, was: PartClass | None = None
     ) -> JsonTable:
-        """Return the table of a class from that of another one, or from its own, completed."""
+        """Return the completed table of a class, from the table of the same or another class."""
         was = was or cls
         made: JsonTable = {KIND: cls.registered_name} if registry is not None else {}
         if was is cls:
@@ -79,33 +77,33 @@ class TableFiller:
         for name, declared in cls.declarations.items():
             below = f"{path}.{name}"
             if name in self.elsewhere:
-                found = old.get(name)
+                previous = old.get(name)
             elif declared.kind == "part":
-                found = self._fill_part(cls, registry, name, old, below, was)
+                previous = self._fill_part(cls, registry, name, old, below, was)
             else:
-                found = self._fill_single(cls, registry, name, declared, spread, below)
-            if found is not None:
-                made[name] = found
+                previous = self._fill_single(cls, registry, name, declared, spread, below)
+            if previous is not None:
+                made[name] = previous
         return made
 
     def _collect_entries(self, old: JsonTable, was: PartClass, registry: Kinds) -> Entries:
-        """Return the entries by name with their declarations, those of a component of the same sort too."""
-        found: Entries = {}
+        """Return the entries by name with their declarations, including those of a component of the same registry."""
+        entries: Entries = {}
         for name, declared in was.declarations.items():
             if name not in old:
                 continue
             if registry is not None and declared.registry is registry:
                 inner = read_kind(old[name])
                 if KIND in inner:
-                    found = {**self._collect_entries(inner, registry[str(inner[KIND])], registry), **found}
+                    entries = {**self._collect_entries(inner, registry[str(inner[KIND])], registry), **entries}
             else:
-                found[name] = old[name], declared
-        return found
+                entries[name] = old[name], declared
+        return entries
 
     def _fill_single(
         self, cls: PartClass, registry: Kinds, name: str, declared: Declared, old: Entries, path: str
     ) -> Any:
-        """Return the value of a number, option or text; None if it can be left out."""
+        """Return the value of a number, option or text; None if it can be omitted."""
         if name in old and self._can_keep(declared, *old[name], path):
             return old[name][0]
         if declared.default is not REQUIRED:
@@ -124,7 +122,6 @@ class TableFiller:
         return value
 
     def _can_keep(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
-        """Return whether what stood under a name may stay there."""
         if (declared.kind, declared.unit) != (was.kind, was.unit):
             return False
         if declared is was:
@@ -150,7 +147,6 @@ class TableFiller:
         return self._fill_chosen(name, declared, given, path)
 
     def _fill_known(self, cls: PartClass, registry: Kinds, name: str, given: Any, path: str) -> Any:
-        """Return a component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
             return self._begin_row(declared, path) if given is None else given
@@ -182,19 +178,19 @@ class TableFiller:
         return self.table(registry[read_kind(start)[KIND]], registry, old, path, was)
 
     def _fill_chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
-        """Return a component from a registry, completed; None if the one that is meant needs nothing."""
+        """Return a completed component of a registry; None if the default suffices."""
         registry = cast("Registry[Any]", declared.registry)
         full = read_kind(given) if given is not None else {}
-        meant = self._find_meant(name, declared, full)
-        if meant is None:
+        intended = self._find_meant(name, declared, full)
+        if intended is None:
             if declared.default is REQUIRED:
                 full = read_kind(declared.typical_in(""))
             if KIND not in full:
                 return given
-            meant = full
-        cls = registry[str(meant[KIND])]
-        made = self.table(cls, registry, {**full, KIND: meant[KIND]}, path)
-        if not full and all(made.get(key) == value for key, value in meant.items()) and len(made) == 1:
+            intended = full
+        cls = registry[str(intended[KIND])]
+        made = self.table(cls, registry, {**full, KIND: intended[KIND]}, path)
+        if not full and all(made.get(key) == value for key, value in intended.items()) and len(made) == 1:
             return None
         implied = set(made) - set(full) == {KIND} and KIND not in full
         return given if implied and given is not None else made
@@ -212,7 +208,7 @@ class TableFiller:
 
 
 def read_kind(value: Any) -> JsonTable:
-    """Return a table; a bare text is its kind, and nothing is empty."""
+    """Return a table; a text is its kind, and None is empty."""
     return {KIND: value} if isinstance(value, str) else dict(cast("JsonTable", value or {}))
 
 
@@ -221,7 +217,7 @@ def _is_alike(one: Declared, other: Declared) -> bool:
 
 
 def without_material(table: JsonTable, material: Material | None) -> JsonTable:
-    """Return a table of an element without numbers that a material has, at any depth."""
+    """Return a table of an element without values of a material, at any depth."""
     if material is None:
         return table
     return {

@@ -1,4 +1,4 @@
-"""A fit of the page as a command: the records as they were fitted, the scenario, and the words that repeat it."""
+"""A fit of the page as a command, with records and scenario."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _name_files(fit: Fit) -> list[str]:
 
 
 def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
-    """Return the command that fits the same scenario to the same records."""
+    """Return the command that repeats the fit on the same records."""
     words = ["martensite", "fit", *_name_files(fit), "--scenario", SCENARIO]
     units = {free.name.partition("@")[0]: free.unit for free in fit.problem.free}
     words += ["--free", ",".join(one.write(units.get(one.name, "1")) for one in read_ranges(request, "free"))]
@@ -48,12 +48,12 @@ def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
 def write_terminal_files(
     request: Request, fit: Fit, proposal: Proposal | None, steps: Sequence[str], path: Path
 ) -> None:
-    """A packed folder with records, scenario and command."""
+    """Write an archive with records, scenario and command."""
     command = write_command(request, fit, proposal)
     done = "".join(f"- {one}\n" for one in steps) or "- Nothing: the records are as they were recorded.\n"
-    said = f"This repeats the fit:\n\n    {command}\n\nWhat was done to the logs:\n\n{done}"
+    text = f"This repeats the fit:\n\n    {command}\n\nWhat was done to the logs:\n\n{done}"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
-        packed.writestr("README.md", said)
+        packed.writestr("README.md", text)
         packed.writestr(SCENARIO, str(request["text"]))
         for name, one in zip(_name_files(fit), list_experiments(fit), strict=True):
             packed.writestr(name, format_record(one.record, list(one.record.columns)))

@@ -1,6 +1,6 @@
-"""The verdict on a fit: one headline with its reason, what the logs told, what they left open, what to record next.
+"""The verdict on a fit: headline, reasons, determined parameters, next recordings.
 
-Nothing is judged anew: good, usable and not usable follow from the sentences of `martensite.fit.fit_verdicts`.
+Good, usable and not usable follow from the sentences of `martensite.fit.fit_verdicts`.
 """
 
 from __future__ import annotations
@@ -30,31 +30,31 @@ from martensite.show.summaries.log_model import list_next_records
 
 @dataclass(frozen=True)
 class FitJudgement:
-    """Reasons against a fit: to reject it, or to use it with care."""
+    """Reasons to reject a fit, or to use it with care."""
 
     against: list[str]
     care: list[str]
 
     @property
     def word(self) -> str:
-        """Good, usable, or not usable."""
+        """Return good, usable, or not usable."""
         return "not usable" if self.against else "usable" if self.care else "good"
 
 
 def judge_fit(fit: Fit) -> FitJudgement:
-    """Return the sentences of a fit, sorted by what they mean for its use."""
+    """Return the warnings of a fit, sorted by their consequence."""
     against = [*warn_of_baselines(fit), *warn_of_misses(fit)]
     return FitJudgement(against, [*warn_of_search(fit), *warn_of_predictions(fit), *warn_of_directions(fit)])
 
 
 def describe_judgement(fit: Fit, proposal: Proposal | None) -> JsonTable:
-    """Return the verdict as the page shows it."""
-    found = judge_fit(fit)
+    """Return the verdict for the page."""
+    judgement = judge_fit(fit)
     marks = {free.name: mark_parameter(fit, free.name) for free in fit.problem.free if not is_nuisance(free.path)}
     return {
-        "word": found.word,
-        "headline": _write_headline(fit, found),
-        "reasons": [*found.against, *found.care],
+        "word": judgement.word,
+        "headline": _write_headline(fit, judgement),
+        "reasons": [*judgement.against, *judgement.care],
         "told": [_describe_number(fit, name) for name, mark in marks.items() if not mark],
         "untold": [f"`{name}`: {mark}" for name, mark in marks.items() if mark],
         "next": _list_next(fit, proposal),
@@ -83,7 +83,7 @@ class JudgedModel(LogModel):
 
     @property
     def predicts(self) -> bool:
-        """Return whether nothing speaks against its use."""
+        """Return whether no reason rejects it."""
         return judge_fit(self.fit).word != "not usable"
 
 

@@ -1,4 +1,4 @@
-"""A fit as the page shows it: cost, numbers and curves while it runs; in the end all that was found."""
+"""A fit on the page: cost, values and curves during the search; its outcome at the end."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ from martensite.show.summaries.fit_tables import mark_parameter
 EVERY = 0.4
 """Seconds between two notes."""
 TIME_FRACTION = 0.1
-"""Fraction of the time for curves that are only displayed."""
+"""Fraction of the time for displayed curves."""
 DRAWN_ROWS = 800
 
 
 @dataclass
 class FitProgress:
-    """Told of every evaluation of a search, it tells the page, and ends the search if asked."""
+    """Receiver of evaluations that sends notes, and stops the search on request."""
 
     problem: Problem
-    """With the records that the search sees."""
+    """With the records that the search uses."""
     tell: Callable[[Request], None]
     stop: Event
     began: float = field(default_factory=time.monotonic)
@@ -54,11 +54,7 @@ class FitProgress:
     _drawn: tuple[float, ...] = ()
 
     def __call__(self, note: SearchNote) -> None:
-        """Tell, at most every so often.
-
-        Raises:
-            KeyboardInterrupt: the search shall end; it keeps the best so far.
-        """
+        """Send a note, at intervals of `EVERY`."""
         if self.stop.is_set():
             raise KeyboardInterrupt
         now = time.monotonic()
@@ -78,7 +74,7 @@ class FitProgress:
         )
 
     def finish(self, fit: Fit) -> None:
-        """Tell of the end of the search."""
+        """Send the note on the end of the search."""
         pairs = zip(self.problem.experiments, fit.evaluation.fitted, strict=True)
         self.tell(
             {
@@ -93,26 +89,26 @@ class FitProgress:
         )
 
     def _curves(self, values: tuple[float, ...], now: float) -> JsonTable:
-        """Return the curves of the best point so far, unless they were sent already or take too long."""
+        """Return the curves of the best point so far; empty if already sent or too slow."""
         if now < self._next_curves or values == self._drawn:
             return {}
-        found = self.problem.evaluate(values)
+        evaluation = self.problem.evaluate(values)
         self._next_curves = time.monotonic() + (time.monotonic() - now) / TIME_FRACTION
-        if found is None:
+        if evaluation is None:
             return {}
         self._drawn = values
-        pairs = zip(self.problem.experiments, found.fitted, strict=True)
+        pairs = zip(self.problem.experiments, evaluation.fitted, strict=True)
         return {"curves": [model_curves(one, fitted.model) for one, fitted in pairs]}
 
 
 def model_curves(one: Experiment, model: Any) -> list[list[float]]:
-    """Return the modelled outputs of a record at the rows that are drawn."""
+    """Return the modelled outputs of a record at the drawn rows."""
     rows = choose_rows(len(one.times), MOST_CORNERS)
     return [[round_digits(model[row, k]) for row in rows] for k in range(len(one.outputs))]
 
 
 def describe_measured(one: Experiment) -> JsonTable:
-    """Return a record as it was measured, at the rows that are drawn."""
+    """Return a measured record at the drawn rows."""
     rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
     return {
         "name": one.name,
@@ -131,7 +127,7 @@ def describe_measured(one: Experiment) -> JsonTable:
 
 
 def describe_parameter(free: FreeNumber) -> JsonTable:
-    """Return a parameter that is searched: where from, between which bounds, shown in which unit."""
+    """Return a free parameter with start, bounds and display unit."""
     how = describe_conversion(free.unit, units.choose_familiar_unit(free.start, free.unit))
     if is_nuisance(free.path):
         how = describe_difference(free.path.removeprefix("offset."), free.unit)
@@ -147,7 +143,7 @@ def describe_parameter(free: FreeNumber) -> JsonTable:
 
 
 def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
-    """Return all that is shown of a fit, which may be that of a proposed scenario; numbers in SI."""
+    """Return the displayed results of a fit in SI; `proposal` is its proposed scenario, if any."""
     return {
         "verdict": describe_judgement(fit, proposal),
         "title": fit.scenario.title if fit.scenario else "",
@@ -177,18 +173,18 @@ def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
 
 
 def _list_warnings(fit: Fit) -> list[str]:
-    """Return the warnings without those about undetermined parameters, which the page shows separately."""
-    told = {one.sentence for one in fit.identifiability.weak}
-    return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
+    """Return the warnings, except those about undetermined parameters, which the page displays separately."""
+    members = {one.sentence for one in fit.identifiability.weak}
+    return [sentence for sentence in list_fit_warnings(fit) if sentence not in members]
 
 
 def _describe_found(fit: Fit, free: FreeNumber) -> JsonTable:
     low, high = fit.uncertainty.widened(free.name)
-    known = math.isfinite(low) and math.isfinite(high)
+    bounded = math.isfinite(low) and math.isfinite(high)
     return {
         **describe_parameter(free),
         "value": fit[free.name],
-        "interval": [low, high] if known else None,
+        "interval": [low, high] if bounded else None,
         "error": fit.uncertainty.errors[fit.problem.names.index(free.name)],
         "mark": mark_parameter(fit, free.name),
     }
@@ -223,7 +219,7 @@ def _find_axis(one: ComparedOutput, rows: list[int]) -> JsonTable | None:
 
 
 def fitted_text(fit: Fit) -> str:
-    """Return the scenario of the first record with the fitted numbers, and with its log in it."""
+    """Return the scenario of the first record with the fitted values and its log."""
     scenario, first = fit.scenario, fit.problem.experiments[0]
     if scenario is None:
         return ""

@@ -1,6 +1,6 @@
-"""Scenarios that follow a column of a log; and such a scenario with the log written into it.
+"""Scenarios that follow a column of a log; and such a scenario with its log inside.
 
-The bench has no log at hand: for it, what follows one becomes a waveform of listed times.
+On the bench, the followed column becomes a waveform of listed times.
 """
 
 from __future__ import annotations
@@ -26,20 +26,16 @@ from martensite.simulate.drive_waveforms import by_name
 
 WAVEFORM = "waveform"
 SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
-"""Unit of a column -> the source that takes it as it is."""
+"""Source by unit of a column."""
 
 
 def describe_drives(document: Request) -> list[dict[str, str]]:
-    """Return the drives that may follow a column: path of the waveform, kind of source, followed column.
-
-    Raises:
-        ParameterError: a section is not a table.
-    """
+    """Return the drives that can follow a column: path of the waveform, kind of source, followed column."""
     return [_describe_drive(path, table) for path, table in _list_driven(document)]
 
 
 def _list_driven(document: Request) -> Iterator[tuple[str, Request]]:
-    """Yield the path of every waveform, and the table that holds it."""
+    """Yield the path of each waveform, and its table."""
     drive = drive_section(document)
     if isinstance(document.get(drive), dict):
         yield f"{drive}.{WAVEFORM}", document[drive]
@@ -73,19 +69,15 @@ def _describe_drive(path: str, table: Request) -> dict[str, str]:
 
 
 def follow_column(document: JsonTable, path: str, column: str, unit: str) -> JsonTable:
-    """Return a scenario whose drive, or signal, follows a column of a log in a unit.
+    """Return a scenario whose drive or signal follows a column of a log.
 
-    A source of another unit gives way to the one that takes the column as it is. A fixed
-    duration is taken out: the run takes as long as the log.
-
-    Raises:
-        ParameterError: the drive is unknown, or no source takes the unit.
+    A source of another unit is replaced. A fixed duration is removed: the run takes as long as the log.
     """
-    known = dict(_list_driven(document))
-    if path not in known:
+    driven = dict(_list_driven(document))
+    if path not in driven:
         raise ParameterError(f"The scenario has no drive or signal at `{path}`.")
     waveform = {"kind": LOG, "column": column}
-    kind, changes = str(known[path].get("kind", "")), {path: waveform}
+    kind, changes = str(driven[path].get("kind", "")), {path: waveform}
     fits = kind in SOURCES.names() and SOURCES[kind].unit == unit
     if not fits and not path.startswith(f"{SIGNALS}."):
         if unit not in SOURCE_OF:
@@ -95,20 +87,20 @@ def follow_column(document: JsonTable, path: str, column: str, unit: str) -> Jso
             )
         above = path.rpartition(".")[0]
         changes = {above: {"kind": SOURCE_OF[unit], WAVEFORM: waveform}}
-    found = change_document(document, changes)
-    run = found.get("run")
+    followed = change_document(document, changes)
+    run = followed.get("run")
     if isinstance(run, dict):
         cast("JsonTable", run).pop("duration", None)
-    return found
+    return followed
 
 
 def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> str:
-    """Return the document of a scenario with other numbers, by dotted path, that needs no log.
+    """Return the document of a scenario with other values, independent of the log.
 
     Args:
-        scenario: that may follow a log.
-        log: which it follows.
-        numbers: texts of quantities to put in.
+        scenario: scenario that can follow a log.
+        log: followed log.
+        numbers: texts of quantities by dotted path.
     """
     record, section = from_zero(log), scenario.places.drive
     changes: JsonTable = dict(numbers)
@@ -124,10 +116,10 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
 
 
 def _list_corners(record: Record, column: str, held: bool) -> JsonTable:
-    """Return a waveform through the corners of a column, which may be held from row to row."""
-    known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
-    known = hold_levels(known) if held else known
-    times, values = zip(*known, strict=True)
+    """Return a waveform through the corners of a column, optionally constant between rows."""
+    entries = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
+    entries = hold_levels(entries) if held else entries
+    times, values = zip(*entries, strict=True)
     rows, unit = find_corners(times, values), record.units[column]
     spelling = units.choose_readable_unit(unit)
     label = "" if spelling == "1" else f" {spelling}"

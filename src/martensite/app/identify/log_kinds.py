@@ -22,7 +22,7 @@ from martensite.signals.records import Record
 
 
 def find_experiment(records: Sequence[Record]) -> RecognisedExperiment | None:
-    """Return the experiment of some records; None if no kind recognises them."""
+    """Return the experiment of records, or None if unknown."""
     try:
         return recognise_experiment(records)
     except MartensiteError:
@@ -30,24 +30,24 @@ def find_experiment(records: Sequence[Record]) -> RecognisedExperiment | None:
 
 
 def describe_reading(file: LabFile, timed: bool) -> str:
-    """Describe the format of a file, its columns, and the left-out rows in one or two sentences."""
-    found = find_experiment([file.record])
+    """Describe the format of a file, its columns, and omitted rows in one or two sentences."""
+    guess = find_experiment([file.record])
     warm = [one.name for one in file.columns if one.si and one.name != "time"] == ["temperature"]
     alone = "The file has only a temperature: add the log of its drive, and merge the two." if warm else ""
-    experiment = alone if alone and not found else _describe_experiment(found)
-    return f"{_describe_columns(file)}. {experiment}{_describe_times(found, timed)}"
+    experiment = alone if alone and not guess else _describe_experiment(guess)
+    return f"{_describe_columns(file)}. {experiment}{_describe_times(guess, timed)}"
 
 
 def _describe_columns(file: LabFile) -> str:
     used = [one for one in file.columns if one.si]
     units = {one.name: typeset_unit(one.unit, "plain numbers") for one in used}
-    known = [f"`{name}` {'by the' if unit == 'clock' else 'in'} {unit}" for name, unit in units.items()]
-    said = f"{file.format[:1].upper()}{file.format[1:]}: {join_phrases(known)}"
-    said += ", recognised by their values" if any(one.known == "values" for one in used) else ""
+    entries = [f"`{name}` {'by the' if unit == 'clock' else 'in'} {unit}" for name, unit in units.items()]
+    sentence = f"{file.format[:1].upper()}{file.format[1:]}: {join_phrases(entries)}"
+    sentence += ", recognised by their values" if any(one.known == "values" for one in used) else ""
     unused = len(file.columns) - len(used)
-    said += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
+    sentence += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
     lost = [_describe_lost(one) for one in file.dropped]
-    return said + (f"; left out: {join_phrases(lost)}" if lost else "")
+    return sentence + (f"; left out: {join_phrases(lost)}" if lost else "")
 
 
 def _describe_lost(one: LeftOut) -> str:
@@ -69,37 +69,29 @@ def _describe_times(found: RecognisedExperiment | None, timed: bool) -> str:
 
 @dataclass(frozen=True)
 class ProposedModels:
-    """Proposed models of some records."""
+    """Proposed models of records."""
 
     experiment: RecognisedExperiment
     proposals: Sequence[Proposal]
     notes: Sequence[str]
 
     def find(self, name: str) -> Proposal:
-        """Return the proposal of a name.
-
-        Raises:
-            DataError: there is none.
-        """
-        found = {one.name: one for one in self.proposals}
-        if name not in found:
-            raise DataError(f"Nothing is proposed as `{name}` for these records; known are {', '.join(found)}.")
-        return found[name]
+        """Return a proposal by name."""
+        table = {one.name: one for one in self.proposals}
+        if name not in table:
+            raise DataError(f"Nothing is proposed as `{name}` for these records; known are {', '.join(table)}.")
+        return table[name]
 
 
 def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> ProposedModels:
-    """Return the scenarios for records; those of few free numbers last, as the library proposes them.
-
-    Raises:
-        DataError: the experiment cannot be told, or something indispensable is missing.
-    """
+    """Return the proposed scenarios of records, in the order of the library."""
     experiment = recognise_experiment(records)
     proposals, known = propose_scenarios(experiment, records, settings)
     return ProposedModels(experiment, proposals, tuple(dict.fromkeys(known.sentences)))
 
 
 def describe_proposal(one: Proposal) -> JsonTable:
-    """Return a proposal as the page takes it: its scenario, and what is free in it in SI."""
+    """Return a proposal for the page: its scenario and free parameters in SI."""
     system = read_scenario(one.text, log=one.rows[0]).system
     return {
         "name": one.name,

@@ -1,4 +1,4 @@
-"""Several records in one picture: one axis, one line per record and quantity."""
+"""Several records in one figure: one axis, one line per record and quantity."""
 
 from __future__ import annotations
 
@@ -23,15 +23,11 @@ MOST_QUANTITIES = 8
 
 
 def draw_overlay(records: Sequence[Record], align: str) -> JsonTable:
-    """Return the lines of all records; see the call `overlay_logs`.
-
-    Raises:
-        ParameterError: the alignment is unknown.
-    """
+    """Return the lines of all records; see the call `overlay_logs`."""
     if align not in ALIGNED:
         raise ParameterError(f"Records are aligned by {' or '.join(ALIGNED)}, not by {align!r}.")
-    found = find_experiment(records)
-    axis = found.kind.axis if found else ""
+    experiment = find_experiment(records)
+    axis = experiment.kind.axis if experiment else ""
     loops = bool(axis) and all(axis in one.columns for one in records)
     names = [name for name in dict.fromkeys(n for one in records for n in one.columns) if name not in ("time", axis)]
     drawn = _draw_loops(records, axis, names) if loops else _draw_times(records, align, names)
@@ -70,7 +66,7 @@ def _draw_times(records: Sequence[Record], align: str, names: Sequence[str]) -> 
 
 
 def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> JsonTable:
-    """Return the dots over what drives: a loop goes there and back, and has no one value at each."""
+    """Return dots over the driving quantity, since a loop has several values at each."""
     dots = [(one, choose_rows(len(one), DOTS)) for one in records]
     places = sorted((one[axis][row], k, row) for k, (one, rows) in enumerate(dots) for row in rows)
     places = [place for place in places if math.isfinite(place[0])]
@@ -89,7 +85,7 @@ def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> J
 
 
 def interpolate_within(times: Sequence[float], values: Sequence[float], wanted: Sequence[float]) -> list[float]:
-    """Return the values at other times by straight lines; nothing beyond the ends, nor beside what is missing."""
+    """Return linearly interpolated values; NaN outside and next to missing samples."""
     places = np.asarray(wanted, float)
     inside = (places >= times[0]) & (places <= times[-1])
     return np.where(inside, interpolate_column(places, times, np.asarray(values, float)), np.nan).tolist()

@@ -1,12 +1,12 @@
-"""An uploaded table with the meaning that its columns were given: a record, cut into records.
+"""An uploaded table with the meaning of its columns: a record, cut into records.
 
-"columns": [{"at": 0, "name": "time", "unit": "s"}, …]   columns that are not listed are not used
-"interval": 0.1      time between rows [s], where no column is the time; 1 s if left out
-"drop": true         cells of these columns that are no numbers count as missing; else they are refused
-"steps": [{"kind": "median", …}]   what is done to it first, as `identify.preparation` takes it
-"cuts": [{"name": "heating", "from": 0.0, "to": 12.5, "every": 1}]   [s]; the whole if empty
+"columns": [{"at": 0, "name": "time", "unit": "s"}, …]   other columns are ignored
+"interval": 0.1      time between rows [s] without a time column; default 1 s
+"drop": true         non-numeric cells of these columns are missing values; else they are refused
+"steps": [{"kind": "median", …}]   preparation, as in `identify.preparation`
+"cuts": [{"name": "heating", "from": 0.0, "to": 12.5, "every": 1}]   [s]; the whole record if empty
 "further": [{as above, "merge": false, "shift": null}]   more logs: each a record (or its cuts), or, merged, more
-    columns of the first on the first's times, by clock, by a quantity that both follow, or `shift` [s] later
+    columns of the first on the first's times, by clock, by a common quantity, or `shift` [s] later
 """
 
 from __future__ import annotations
@@ -15,11 +15,9 @@ from bisect import bisect_left, bisect_right
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, cast
 
 from martensite.app.identify.preparation import Prepared, prepare_record
-from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
-from martensite.app.uploads import UploadFolder
+from martensite.app.messages import JsonTable, Request, list_tables, read_optional, require_entry, require_table
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.logs.column_meanings import guess_meanings
@@ -30,38 +28,31 @@ from martensite.logs.merged_files import merge_by_clock
 from martensite.signals.records import Record
 
 FEWEST_ROWS = 8
-"""Rows of a record without which nothing can be fitted."""
+"""Smallest number of rows of a record for a fit."""
 MOST_RECORDS = 40
 
 
 def read_file(request: Request, desk: Desk) -> LabFile:
-    """Return the whole table of one file in SI, as it was recorded.
-
-    Raises:
-        InputError: a column has no or a wrong unit, a cell is not a number, time does not increase.
-    """
-    path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
-    interval = request.get("interval")
-    if interval is not None:
-        interval = require_entry(request, "interval", float)
+    """Return the recorded table of one file in SI."""
+    path = desk.files.path(require_entry(request, "key", str))
     return _read_file(
         path,
         tuple(_read_columns(request)),
-        interval,
+        read_optional(request, "interval", float),
         require_entry(request, "drop", bool, False),
         require_entry(request, "separator", str, "auto"),
     )
 
 
 def prepare_log(request: Request, desk: Desk) -> Prepared:
-    """Return the first log as it is fitted: its own steps, then what is merged with it; and what was done, in words."""
+    """Return the prepared first log, with merged logs, and descriptions of its preparation."""
     file = read_file(request, desk)
     own = prepare_record(file.record, list_steps(request))
     merged = [one for one in list_further(request) if require_entry(one, "merge", bool, False)]
     if not merged:
         return own
     others = [_prepare_file(one, desk) for one in merged]
-    shifts = [None if one.get("shift") is None else require_entry(one, "shift", float) for one in merged]
+    shifts = [read_optional(one, "shift", float) for one in merged]
     words, whole = list(own.words), replace(file, record=own.record, notes=())
     for (other, said), shift in zip(others, shifts, strict=True):
         whole = merge_by_clock([replace(whole, notes=()), other], None if shift is None else [shift])
@@ -71,44 +62,40 @@ def prepare_log(request: Request, desk: Desk) -> Prepared:
 
 def _prepare_file(request: Request, desk: Desk) -> tuple[LabFile, tuple[str, ...]]:
     file = read_file(request, desk)
-    found = prepare_record(file.record, list_steps(request))
-    return replace(file, record=found.record, notes=()), found.words
+    prepared = prepare_record(file.record, list_steps(request))
+    return replace(file, record=prepared.record, notes=()), prepared.words
 
 
 def read_record(request: Request, desk: Desk) -> Record:
-    """Return the whole of the first log, as it is fitted."""
+    """Return the prepared first log."""
     return prepare_log(request, desk).record
 
 
 def list_steps(request: Request) -> list[JsonTable]:
-    """Return the preparation steps of a log before it is cut."""
-    return [_require_table(step, "steps") for step in require_entry(request, "steps", list, [])]
+    """Return the preparation steps of a log."""
+    return list_tables(request, "steps")
 
 
 def list_further(request: Request) -> list[JsonTable]:
-    """Return the logs beside the first."""
-    found = [_require_table(one, "further") for one in require_entry(request, "further", list, [])]
-    if len(found) >= MOST_RECORDS:
-        raise DataError(f"{len(found) + 1} logs are too many; at most {MOST_RECORDS} are fitted.")
-    return found
+    """Return the logs after the first."""
+    entries = list_tables(request, "further")
+    if len(entries) >= MOST_RECORDS:
+        raise DataError(f"{len(entries) + 1} logs are too many; at most {MOST_RECORDS} are fitted.")
+    return entries
 
 
 def read_records(request: Request, desk: Desk) -> list[Record]:
-    """Return the records cut from the logs, in the order of the request, each with a unique name.
-
-    Raises:
-        InputError: as in `read_file`; or a cut is invalid.
-    """
-    found = _list_cut(request, read_record(request, desk))
+    """Return the records cut from the logs, in order, with unique names."""
+    cut_rows = _list_cut(request, read_record(request, desk))
     for one in list_further(request):
         if not require_entry(one, "merge", bool, False):
-            found += _list_cut(one, _prepare_file(one, desk)[0].record)
-    if len(found) > MOST_RECORDS:
-        raise DataError(f"{len(found)} records are too many; at most {MOST_RECORDS} are fitted.")
-    names = [one.name for one in found]
+            cut_rows += _list_cut(one, _prepare_file(one, desk)[0].record)
+    if len(cut_rows) > MOST_RECORDS:
+        raise DataError(f"{len(cut_rows)} records are too many; at most {MOST_RECORDS} are fitted.")
+    names = [one.name for one in cut_rows]
     return [
         replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
-        for k, one in enumerate(found)
+        for k, one in enumerate(cut_rows)
     ]
 
 
@@ -117,79 +104,73 @@ def _list_cut(request: Request, whole: Record) -> list[Record]:
 
 
 def describe_preparation(request: Request, desk: Desk) -> list[str]:
-    """Describe the preparation of all logs of a request, in words."""
+    """Describe the preparation of all logs of a request."""
     first = prepare_log(request, desk).words
     more = [one for one in list_further(request) if not require_entry(one, "merge", bool, False)]
     several = bool(more)
     label = f"`{read_file(request, desk).record.name}`: " if several else ""
-    found = [f"{label}{one}" for one in first]
+    sentences = [f"{label}{one}" for one in first]
     for one in more:
         file, words = _prepare_file(one, desk)
-        found += [f"`{file.record.name}`: {said}" for said in words]
-    return found
+        sentences += [f"`{file.record.name}`: {said}" for said in words]
+    return sentences
 
 
 def describe_cuts(request: Request, desk: Desk) -> list[JsonTable]:
-    """Return name and rows of every cut, or the reason against it, while the user is still cutting."""
+    """Return name and rows of each cut, or its error."""
     whole = read_record(request, desk)
-    found: list[JsonTable] = []
+    cut_rows: list[JsonTable] = []
     for cut in _read_cuts(request):
         try:
             record = _cut_record(whole, cut)
         except DataError as error:
-            found.append({"name": str(cut.get("name", "")), "rows": 0, "refused": str(error)})
+            cut_rows.append({"name": str(cut.get("name", "")), "rows": 0, "refused": str(error)})
         else:
-            found.append({"name": record.name, "rows": len(record), "refused": ""})
-    return found
+            cut_rows.append({"name": record.name, "rows": len(record), "refused": ""})
+    return cut_rows
 
 
 def _read_cuts(request: Request) -> list[JsonTable]:
-    cuts = [_require_table(cut, "cuts") for cut in require_entry(request, "cuts", list, [])]
+    cuts = list_tables(request, "cuts")
     if len(cuts) > MOST_RECORDS:
         raise DataError(f"{len(cuts)} records are too many; at most {MOST_RECORDS} are fitted.")
     return cuts
 
 
 def _read_columns(request: Request) -> list[tuple[int, str, str]]:
-    found = [_require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
+    tables = [require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
     columns = [
         (require_entry(x, "at", int), require_entry(x, "name", str).strip(), require_entry(x, "unit", str, "").strip())
-        for x in found
+        for x in tables
     ]
     if not columns:
         raise DataError("No column is used. Choose the meaning of at least two columns.")
     return columns
 
 
-def _require_table(entry: Any, name: str) -> JsonTable:
-    if not isinstance(entry, dict):
-        raise BadMessageError(f"`{name}` must hold tables, but holds {str(entry)[:40]!r}.")
-    return cast("JsonTable", entry)
-
-
 @lru_cache(maxsize=8)
 def _read_file(
     path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool, separator: str
 ) -> LabFile:
-    """Return a file as it was recorded; the last ones are remembered."""
+    """Return a recorded file, cached."""
     raw = read_raw(path, separator)
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
     wrong = next((at for at in headings if not 0 <= at < len(raw.columns)), None)
     if wrong is not None:
         raise DataError(f"There is no column {wrong + 1}; the file has {len(raw.columns)}.")
-    meant = dict(zip(headings, read_headings(headings.values(), f"`{path.name}`"), strict=True))
-    for at, column in meant.items():
+    meanings = dict(zip(headings, read_headings(headings.values(), f"`{path.name}`"), strict=True))
+    for at, column in meanings.items():
         if raw.columns[at].wrong and not drop:
             row, text = raw.columns[at].wrong[0]
             raise DataError(f"`{path.name}`, row {row}, column `{column.name}`: `{text}` is not a number.")
     # an unchanged guess by values can be corrected by values
     guessed = {at: (one.name, one.unit) for at, one in enumerate(guess_meanings(raw, {}))}
-    said = {at: (name, unit) for at, name, unit in columns}
+    table = {at: (name, unit) for at, name, unit in columns}
     named = {
-        str(at + 1): headings.get(at, IGNORED) for at in range(len(raw.columns)) if said.get(at) != guessed.get(at)
+        str(at + 1): headings.get(at, IGNORED) for at in range(len(raw.columns)) if table.get(at) != guessed.get(at)
     }
-    found = interpret_table(raw, path, named)
-    return found if found.has_time else found.with_interval(interval or ASSUMED_INTERVAL)
+    file = interpret_table(raw, path, named)
+    return file if file.has_time else file.with_interval(interval or ASSUMED_INTERVAL)
 
 
 def _cut_record(whole: Record, cut: Request) -> Record:

@@ -1,15 +1,15 @@
-"""Preparation of a log before a fit: smoothing, median, outliers, zero, resampling, cut; each step in words.
+"""Preparation of a log before a fit; each step is described in words.
 
-"steps": [{"kind": "median", "column": "temperature", "width": 5}, …], applied in their order
+"steps": [{"kind": "median", "column": "temperature", "width": 5}, …], applied in order
 
-    smooth     column, width        mean of so many rows about each
-    median     column, width        median of so many rows about each
-    outliers   column, limit        samples so many scatters away from the median of their 7 neighbours are missing
-    zero       column, rows         less the mean of the first rows
-    offset     column, value        plus a number [SI]
-    resample   interval             rows so far apart [s], straight lines between
+    smooth     column, width        mean of `width` rows about each
+    median     column, width        median of `width` rows about each
+    outliers   column, limit        samples `limit` scatters away from the median of 7 neighbours are missing
+    zero       column, rows         minus the mean of the first rows
+    offset     column, value        plus a value [SI]
+    resample   interval             rows at an interval [s], linear interpolation
     cut        from, to             rows between two times [s]
-    hold       column               the mean of the column in every row
+    hold       column               the mean of the column in each row
 
 Only these steps change the log. Each step reports the number of changed rows and the largest change.
 """
@@ -22,16 +22,16 @@ from typing import Any
 
 import numpy as np
 
-from martensite.app.messages import Request, require_entry
+from martensite.app.messages import Request, require_choice, require_entry
 from martensite.base import units
-from martensite.base.errors import DataError, InputError, suggest_name
+from martensite.base.errors import DataError, InputError
 from martensite.search.quantity_text import format_change, format_number, format_quantity
 from martensite.signals.records import Record
 
 WIDEST = 1001
-"""Rows of the widest window."""
+"""Largest number of rows of a window."""
 NEIGHBOURS = 7
-"""Rows of the window in which outliers are told."""
+"""Rows of the window for outliers."""
 SCATTER = 1.4826
 """Standard deviation over median absolute deviation of normal noise."""
 MOST_ROWS = 200_000
@@ -40,23 +40,17 @@ MOST_ROWS = 200_000
 
 @dataclass(frozen=True)
 class Prepared:
-    """A record after some steps, and what each did."""
+    """A record after some steps, and their descriptions."""
 
     record: Record
     words: tuple[str, ...] = ()
 
 
 def prepare_record(record: Record, steps: Sequence[Request]) -> Prepared:
-    """Apply steps one after the other.
-
-    Raises:
-        InputError: a step is none, names no column, or leaves nothing.
-    """
+    """Apply steps in order."""
     words: list[str] = []
     for step in steps:
-        kind = require_entry(step, "kind", str)
-        if kind not in STEPS:
-            raise InputError(f"There is no step `{kind}`. {suggest_name(kind, STEPS)}")
+        kind = require_choice(step, "kind", "step", STEPS)
         record, said = STEPS[kind](record, step)
         words.append(said)
     return Prepared(record, tuple(words))
@@ -72,7 +66,7 @@ def _with_column(record: Record, name: str, values: Any) -> Record:
 
 
 def _list_windows(values: Any, width: int) -> Any:
-    """(rows, width): the rows about each; beyond the ends there is nothing (NaN)."""
+    """Return the rows about each row (rows, width), NaN beyond the ends."""
     half = width // 2
     return np.lib.stride_tricks.sliding_window_view(np.pad(values, half, constant_values=np.nan), width)
 
@@ -95,11 +89,11 @@ def _format_most(record: Record, name: str, before: Any, after: Any) -> str:
 
 def _smooth_rows(record: Record, step: Request, take: Callable[..., Any], called: str) -> tuple[Record, str]:
     (name, values), width = _read_column(record, step), _read_width(step)
-    known = np.isfinite(values)
-    found = np.full(values.size, np.nan)
-    found[known] = take(_list_windows(values, width)[known], axis=1)
-    most = _format_most(record, name, values, found)
-    return _with_column(record, name, found), f"`{name}`: {called} of {width} rows; at most {most} changed."
+    finite = np.isfinite(values)
+    smoothed = np.full(values.size, np.nan)
+    smoothed[finite] = take(_list_windows(values, width)[finite], axis=1)
+    most = _format_most(record, name, values, smoothed)
+    return _with_column(record, name, smoothed), f"`{name}`: {called} of {width} rows; at most {most} changed."
 
 
 def _smooth_column(record: Record, step: Request) -> tuple[Record, str]:
@@ -111,23 +105,23 @@ def _take_median(record: Record, step: Request) -> tuple[Record, str]:
 
 
 def _drop_outliers(record: Record, step: Request) -> tuple[Record, str]:
-    """Hampel's rule."""
+    """Mark outliers as missing by Hampel's rule."""
     (name, values), limit = _read_column(record, step), require_entry(step, "limit", float, 6.0)
     if not limit > 0.0:
         raise InputError(f"The limit of outliers must be above 0 scatters, but is {limit:g}.")
-    known = np.isfinite(values)
+    finite = np.isfinite(values)
     apart, middle = np.zeros(values.size), np.full(values.size, np.nan)
-    middle[known] = np.nanmedian(_list_windows(values, NEIGHBOURS)[known], axis=1)
-    apart[known] = np.abs(values - middle)[known]
-    scatter = SCATTER * float(np.median(apart[known])) if known.any() else 0.0
+    middle[finite] = np.nanmedian(_list_windows(values, NEIGHBOURS)[finite], axis=1)
+    apart[finite] = np.abs(values - middle)[finite]
+    scatter = SCATTER * float(np.median(apart[finite])) if finite.any() else 0.0
     # a column at rest has zero scatter: use a thousandth of its range
-    scatter = scatter or 1e-3 * float(np.ptp(values[known]) if known.any() else 0.0)
-    gone = known & (apart > limit * scatter)
-    if gone[known].all():
+    scatter = scatter or 1e-3 * float(np.ptp(values[finite]) if finite.any() else 0.0)
+    gone = finite & (apart > limit * scatter)
+    if gone[finite].all():
         raise DataError(f"All samples of `{name}` would be outliers.")
     rows = ", ".join(str(row + 1) for row in np.flatnonzero(gone)[:5]) + (", …" if gone.sum() > 5 else "")
-    said = f"{int(gone.sum())} outliers beyond {limit:g} scatters count as missing (row {rows})"
-    words = f"`{name}`: {said if gone.any() else f'no sample beyond {limit:g} scatters'}."
+    sentence = f"{int(gone.sum())} outliers beyond {limit:g} scatters count as missing (row {rows})"
+    words = f"`{name}`: {sentence if gone.any() else f'no sample beyond {limit:g} scatters'}."
     return _with_column(record, name, np.where(gone, np.nan, values)), words
 
 
@@ -137,7 +131,7 @@ def _zero_column(record: Record, step: Request) -> tuple[Record, str]:
     if not first.size:
         raise DataError(f"The first {rows} rows of `{name}` hold no number.")
     zero = float(np.mean(first))
-    # its offset is that of a difference
+    # a difference has no offset
     most = _format_most(record, name, np.zeros(1), np.array([zero]))
     sign = "-" if zero < 0.0 else ""
     return (
@@ -158,8 +152,8 @@ def _hold_column(record: Record, step: Request) -> tuple[Record, str]:
         raise DataError(f"`{name}` holds no number.")
     mean = float(np.nanmean(values))
     most = _format_most(record, name, values, np.full(values.size, mean))
-    said = f"`{name}`: its mean {format_quantity(mean, record.units[name])} in all rows; at most {most} changed."
-    return _with_column(record, name, np.full(values.size, mean)), said
+    sentence = f"`{name}`: its mean {format_quantity(mean, record.units[name])} in all rows; at most {most} changed."
+    return _with_column(record, name, np.full(values.size, mean)), sentence
 
 
 def _resample_rows(record: Record, step: Request) -> tuple[Record, str]:
@@ -173,15 +167,15 @@ def _resample_rows(record: Record, step: Request) -> tuple[Record, str]:
     columns = {
         name: interpolate_column(grid, times, np.asarray(x, float)).tolist() for name, x in record.columns.items()
     }
-    said = f"Rows {interval:g} s apart, straight lines between: {len(grid)} of {len(times)}."
-    return replace(record, columns=columns | {"time": grid.tolist()}), said
+    sentence = f"Rows {interval:g} s apart, straight lines between: {len(grid)} of {len(times)}."
+    return replace(record, columns=columns | {"time": grid.tolist()}), sentence
 
 
 def interpolate_column(grid: Any, times: Any, values: Any) -> Any:
-    """Return the straight lines between neighbours; nothing beside a sample that is missing."""
-    found = np.interp(grid, times, np.where(np.isfinite(values), values, 0.0))
+    """Return linear interpolation; NaN next to a missing sample."""
+    interpolated = np.interp(grid, times, np.where(np.isfinite(values), values, 0.0))
     lost = np.interp(grid, times, (~np.isfinite(values)).astype(float))
-    return np.where(lost > 1e-9, np.nan, found)
+    return np.where(lost > 1e-9, np.nan, interpolated)
 
 
 def _cut_rows(record: Record, step: Request) -> tuple[Record, str]:
@@ -192,8 +186,8 @@ def _cut_rows(record: Record, step: Request) -> tuple[Record, str]:
     if kept.size < 2:
         raise DataError(f"Between {first:.6g} s and {last:.6g} s there are {kept.size} rows.")
     columns = {name: [column[row] for row in kept] for name, column in record.columns.items()}
-    said = f"Rows from {first:.6g} s to {last:.6g} s: {kept.size} of {len(times)}."
-    return replace(record, columns=columns), said
+    sentence = f"Rows from {first:.6g} s to {last:.6g} s: {kept.size} of {len(times)}."
+    return replace(record, columns=columns), sentence
 
 
 STEPS: Mapping[str, Callable[[Record, Request], tuple[Record, str]]] = {

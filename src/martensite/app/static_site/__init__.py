@@ -1,6 +1,5 @@
-"""The bench as static files: runs by WebAssembly in the browser, and no server.
+"""The bench as static files: runs by WebAssembly in the browser, without a server.
 
-Every structure becomes a module of the C that runs on the server (`run_module`); every scenario a
-table of the numbers that go in (`flat_inputs`), and how they follow from the controls of its form
-(`input_map`), measured on the builder itself.
+Each structure becomes a module of the C of the server (`run_module`). Each scenario becomes a table of its inputs
+(`flat_inputs`), with their dependence on the controls of its form (`input_map`), measured with the builder.
 """

@@ -1,13 +1,13 @@
-"""All numbers that go into a run, in one table by name: what changes if a number of a scenario does.
+"""All inputs of a run, in one table by name.
 
     p:PATH                       a parameter of the system or bench
     duration, tolerance, samples, step, mechanism, inertial, interval
-                                 (of a bench, whose samples are its periods, as many as there are)
+                                 (a bench has one sample per period)
     low:K, high:K                bounds of the envelope
     drive:I.start:K, …           segments and tones of the waveform of a drive
 
-A waveform of a system in discrete time is read at its samples. Where its segments do not say what is
-read there, as with noise, the readings themselves are kept.
+A waveform of a system in discrete time is evaluated at its samples. If segments cannot represent it, as for noise, the
+samples are stored.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import just_after
 
 MORE = 2
-"""So many times the duration of a run its segments are known for, so that those of shorter periods are, too."""
+"""Ratio of the time covered by segments to the duration of a run, for variants with shorter periods."""
 MOST_SEGMENTS = 2000
-"""A waveform of more segments is read at its samples, or not offered."""
+"""Largest number of segments of a waveform; longer ones are sampled, or not offered."""
 SEGMENT = ("start", "level", "slope", "bend")
 TONE = ("amplitude", "rate", "phase")
 EQUALITY_TOLERANCE = 1e-12
-"""Share of the largest value up to which two readings of a waveform are the same."""
+"""Relative tolerance of equal samples of a waveform."""
 
 
 @dataclass(frozen=True)
@@ -47,18 +47,18 @@ class DriveShape:
     """Shape of the waveform of a drive for the engine."""
 
     segments: int
-    """0 where readings are kept."""
+    """Number of segments; 0 for stored samples."""
     tones: int
 
 
 @dataclass
 class FlatInputs:
-    """The numbers of a run by name; a list of shapes keeps that of an earlier one."""
+    """The inputs of a run by name, with shapes and samples of its waveforms."""
 
     numbers: dict[str, float]
     drives: list[DriveShape]
     samples: list[NDArray[np.float64]] = field(default_factory=list[Any])
-    """Sampled values of drives without segments, at every step of a system in discrete time."""
+    """Sampled values of drives without segments, at each step in discrete time."""
 
     def digest(self) -> str:
         """Return the digest of all samples."""
@@ -79,22 +79,18 @@ def list_waveforms(scenario: Scenario) -> list[AbstractWaveform]:
 
 
 def list_inputs(scenario: Scenario, shapes: Sequence[DriveShape] | None = None) -> FlatInputs:
-    """Return the numbers of a scenario; with the shapes of an earlier one as many segments as there.
-
-    Raises:
-        ValueError: its waveforms need more segments than these shapes have.
-    """
+    """Return the inputs of a scenario, optionally in given shapes."""
     system = scenario.whole
     compiled = compile_march(system)
-    found = dict(_list_scalars(scenario, compiled))
+    scalars = dict(_list_scalars(scenario, compiled))
     interval, waves = system.sample_time(), list_waveforms(scenario)
-    known = shapes or [_choose_shape(wave, scenario.duration, interval) for wave in waves]
-    if len(known) != len(waves):
+    chosen = shapes or [_choose_shape(wave, scenario.duration, interval) for wave in waves]
+    if len(chosen) != len(waves):
         raise ValueError("another number of drives")
-    made = FlatInputs(found, list(known))
-    for number, (wave, shape, drive) in enumerate(zip(waves, known, system.drives(), strict=True)):
+    made = FlatInputs(scalars, list(chosen))
+    for number, (wave, shape, drive) in enumerate(zip(waves, chosen, system.drives(), strict=True)):
         if shape.segments:
-            found |= _list_segments(wave, shape, scenario.duration, f"drive:{number}")
+            scalars |= _list_segments(wave, shape, scenario.duration, f"drive:{number}")
         else:
             made.samples.append(_read_samples(wave, scenario.duration, interval, drive.ahead))
     return made
@@ -120,17 +116,17 @@ def _list_scalars(scenario: Scenario, compiled: CompiledMarch) -> Iterator[tuple
 def _choose_shape(wave: AbstractWaveform, duration: float, interval: float) -> DriveShape:
     """Return a shape with spare segments for a run; without segments if they are too many or too inaccurate."""
     fitted = type(wave).segments is AbstractWaveform.segments
-    if fitted and interval > 0.0:  # parabolas that are put through readings are no better than these
+    if fitted and interval > 0.0:  # parabolas through readings are no better
         return DriveShape(0, 0)
-    known = list(islice(_list_until(wave, MORE * duration), MOST_SEGMENTS + 1))
-    missed = interval > 0.0 and not _tells_readings(wave, known, duration, interval)
-    if missed or len(known) > MOST_SEGMENTS:
+    pieces = list(islice(_list_until(wave, MORE * duration), MOST_SEGMENTS + 1))
+    missed = interval > 0.0 and not _tells_readings(wave, pieces, duration, interval)
+    if missed or len(pieces) > MOST_SEGMENTS:
         return DriveShape(0, 0)
-    return DriveShape(len(known), len(wave.tones()))
+    return DriveShape(len(pieces), len(wave.tones()))
 
 
 def _list_until(wave: AbstractWaveform, end: float) -> Iterator[Segment]:
-    """Yield the segments that begin by a time [s], and one more, with which the last of these ends."""
+    """Yield the segments that begin by a time [s], and one more that ends the last of them."""
     for one in wave.segments(0.0):
         yield one
         if one.start > end:
@@ -138,7 +134,7 @@ def _list_until(wave: AbstractWaveform, end: float) -> Iterator[Segment]:
 
 
 def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: float, interval: float) -> bool:
-    """Return whether segments and tones give what is read of a waveform at its samples."""
+    """Return whether segments and tones reproduce a waveform at its samples."""
     times = _list_instants(duration, interval, False)
     table = np.array([tuple(one) for one in known])
     place = np.maximum(np.searchsorted(table[:, 0], times, side="right") - 1, 0)
@@ -151,7 +147,7 @@ def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: 
 
 
 def _list_instants(duration: float, interval: float, ahead: bool) -> NDArray[np.float64]:
-    """Return the times at which a system in discrete time reads its signals [s]; `ahead` gives the ends of steps."""
+    """Return the sampling times in discrete time [s]; `ahead` gives the ends of steps."""
     steps = math.floor(duration / interval + 1e-9)
     return np.array([(k + just_after(False)) * interval for k in range(steps + 1)])
 
@@ -163,10 +159,10 @@ def _read_samples(wave: AbstractWaveform, duration: float, interval: float, ahea
 
 
 def _list_segments(wave: AbstractWaveform, shape: DriveShape, duration: float, name: str) -> Mapping[str, float]:
-    known = list(islice(wave.segments(0.0), shape.segments + 1))
-    beyond = known[shape.segments :]
-    if len(known) < shape.segments or len(wave.tones()) != shape.tones or any(one.start <= duration for one in beyond):
+    pieces = list(islice(wave.segments(0.0), shape.segments + 1))
+    beyond = pieces[shape.segments :]
+    if len(pieces) < shape.segments or len(wave.tones()) != shape.tones or any(one.start <= duration for one in beyond):
         raise ValueError("another number of segments or tones")
-    rows = [(SEGMENT, one, k) for k, one in enumerate(known[: shape.segments])]
+    rows = [(SEGMENT, one, k) for k, one in enumerate(pieces[: shape.segments])]
     rows += [(TONE, one, k) for k, one in enumerate(wave.tones())]
     return {f"{name}.{what}:{k}": float(x) for names, row, k in rows for what, x in zip(names, row, strict=True)}

@@ -12,14 +12,14 @@ from martensite.app.messages import JsonTable
 from martensite.base import units
 
 REACH = 10.0
-"""Numbers may become so many times the largest of their row, of either sign."""
+"""Largest value of a slider, relative to the largest of its row."""
 LONGEST = 50
-"""Rows of more numbers are left to the server."""
+"""Largest number of values of a row."""
 
 
 @dataclass(frozen=True)
 class NumberRow:
-    """A row, and a control for each of its numbers; the path of a control is that of the row and a place."""
+    """A row with a control for each value; its path is that of the row and an index."""
 
     path: str
     entries: tuple[str | float, ...]
@@ -27,13 +27,13 @@ class NumberRow:
     items: list[NumberNode]
 
     def describe(self) -> JsonTable:
-        """Return the display of the numbers."""
+        """Return the display of the values."""
         first = self.items[0]
         return {"count": len(self.items), **{name: first[name] for name in ("unit", "factor", "offset", "label")}}
 
 
 def list_rows(form: ScenarioForm) -> Iterator[RowNode]:
-    """Yield the rows of which the unit is known: values of tables, of a drive or of a reference."""
+    """Yield the rows with a known unit: values of tables, of a drive or of a reference."""
     waiting = list[object](form["sections"])
     while waiting:
         one = cast("JsonTable", waiting.pop(0))
@@ -43,11 +43,7 @@ def list_rows(form: ScenarioForm) -> Iterator[RowNode]:
 
 
 def read_row(node: RowNode) -> NumberRow:
-    """Return the numbers of a row.
-
-    Raises:
-        ValueError: the numbers are too many, or the entry is not a list of numbers in its unit.
-    """
+    """Return the values of a row."""
     unit, texts = node["unit"] or "1", tuple(part.strip() for part in node["value"].split(","))
     if len(texts) > LONGEST:
         raise ValueError(f"it has more than {LONGEST} numbers")

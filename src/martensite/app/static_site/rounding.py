@@ -1,8 +1,7 @@
-"""Sensitivity of a run to the last digit of its numbers.
+"""Sensitivity of a run to the last digit of its inputs.
 
-A page rounds functions of libm differently from C and Python, usually without effect. But step lengths depend on small
-differences, and a controller may be close to a threshold. Some runs therefore magnify a last digit, which limits the
-agreement of two implementations. The page reports this measured limit.
+Functions of libm round differently in a page, in C and in Python, and some runs magnify a last digit. The page reports
+this measured limit of agreement.
 """
 
 from __future__ import annotations
@@ -22,43 +21,43 @@ from martensite.simulate.compiled import compile_march
 from martensite.simulate.result import Result
 
 TRIALS = 8
-"""Runs under other last digits."""
+"""Runs with other last digits."""
 MARGIN = 2.0
-"""Safety factor on the largest difference of a few runs."""
+"""Safety factor on the largest difference."""
 CLOSE = 1e-9
-"""Share of a range up to which two runs are equal."""
+"""Relative tolerance of equal runs."""
 VISIBLE = 1e-3
-"""Share of a range that is seen in a curve."""
+"""Relative difference that is visible in a curve."""
 DIGIT = 2.0**-52
 Columns = Mapping[str, Sequence[float] | Numbers]
 
 
 def measure_rounding(scenario: Scenario, *others: Result) -> float:
-    """Return the most by which columns move with the last digits, as a share of their ranges; 0.0 up to `CLOSE`.
+    """Return the largest change of columns by the last digits, relative to their ranges; 0.0 up to `CLOSE`.
 
     Args:
         scenario: the run.
-        others: the same run on other runtimes, whose differences count, too.
+        others: the same run on other runtimes, also compared.
     """
     system = scenario.whole
     compiled, run = compile_march(system), scenario.run()
     least = dict(compiled.convergence_scales)
     values = dict(zip(compiled.paths, compiled.values(system), strict=True))
     values = {path: value for path, value in values.items() if _is_inexact(path, value, scenario)}
-    found = [compare_columns(run.columns, one.columns, least) for one in others]
+    entries = [compare_columns(run.columns, one.columns, least) for one in others]
     for seed in range(TRIALS):
         turns = np.random.default_rng(seed).integers(-1, 2, len(compiled.paths)).tolist()
         moved = {path: value * (1.0 + k * DIGIT) for (path, value), k in zip(values.items(), turns, strict=False)}
         other: Any = system.rebuilt(moved)
         twin = replace(scenario, system=other) if scenario.bench is None else replace(scenario, bench=other)
         with suppress(MartensiteError):  # a number that must be exact
-            found.append(compare_columns(run.columns, twin.run().columns, least))
-    most = MARGIN * max(found, default=0.0)
+            entries.append(compare_columns(run.columns, twin.run().columns, least))
+    most = MARGIN * max(entries, default=0.0)
     return _round_up(most) if most > CLOSE else 0.0
 
 
 def compare_columns(ours: Columns, others: Columns, least: Mapping[str, float]) -> float:
-    """Return the largest difference: of the range of a column or the least that counts, of constants of their size."""
+    """Return the largest difference of columns, relative to range or least scale, for constants to their size."""
     worst = 0.0
     for name, one in ours.items():
         other = others[name]
@@ -70,7 +69,7 @@ def compare_columns(ours: Columns, others: Columns, least: Mapping[str, float]) 
 
 
 def describe_rounding(share: float) -> str:
-    """Return the sentence about rounding on the page; empty without an effect."""
+    """Return the sentence on rounding for the page; empty without an effect."""
     if not share:
         return ""
     words = f"{share:.0e}".replace("e-0", "e-") if share < VISIBLE else f"{100.0 * min(share, 1.0):.2g} %"
@@ -83,13 +82,13 @@ def describe_rounding(share: float) -> str:
 def _is_inexact(path: str, value: float, scenario: Scenario) -> bool:
     """Return whether the last digit of a value is irrelevant.
 
-    Whole numbers may be ends of a range, and numbers around a plant count periods.
+    Integers can be limits of a range, and parameters around a plant count periods.
     """
     around = scenario.bench is not None and (not path.startswith("plant.") or ".source." in path)
     return not around and value % 1.0 != 0.0
 
 
 def _round_up(value: float) -> float:
-    """To one digit."""
+    """Return a value rounded up to one digit."""
     size = 10.0 ** math.floor(math.log10(value)) if math.isfinite(value) else 1.0
     return float(f"{min(math.ceil(value / size - CLOSE) * size, 1.0):.0e}")

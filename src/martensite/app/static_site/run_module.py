@@ -1,7 +1,6 @@
-"""The C of a run as a WebAssembly module: that of `simulate.marching_native`, or of `simulate.native`.
+"""The C of a run as a WebAssembly module, from `simulate.marching_native` or `simulate.native`.
 
-Beside it stands, in C as well, what the first step of a run follows from: heat capacity and loss of
-every element (`simulate.api.longest_step`).
+It includes heat capacity and loss of each element, which determine the first step (`simulate.api.longest_step`).
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from martensite.simulate.marching_native import RANGES, MarchKernel
 from martensite.simulate.native import march_source
 
 WARMER = 50.0
-"""Above the surroundings [K], where `longest_step` looks at the loss."""
+"""Temperature rise at which `longest_step` evaluates the loss [K]."""
 STRING = """#include <stddef.h>
 void *memcpy(void *, const void *, size_t);
 void *memset(void *, int, size_t);
@@ -39,7 +38,7 @@ class RunSource:
     """`adaptive`, `fixed` or `given`."""
     run: str
     first: str
-    """Heat capacities and losses, from which follows the first step."""
+    """Heat capacities and losses, for the first step."""
 
     @property
     def digest(self) -> str:
@@ -56,7 +55,7 @@ class RunSource:
 
 
 def write_source(scenario: Scenario, waves: Sequence[AbstractWaveform]) -> RunSource:
-    """Return the C for a scenario, and all of the same structure."""
+    """Return the C of all scenarios with the structure of this one."""
     system = scenario.whole
     compiled = compile_march(system)
     outputs = tuple(range(len(compiled.outputs)))
@@ -69,7 +68,7 @@ def write_source(scenario: Scenario, waves: Sequence[AbstractWaveform]) -> RunSo
 
 
 def describe_layout(compiled: CompiledMarch, source: RunSource) -> dict[str, Any]:
-    """Return the lengths of what a module reads and writes."""
+    """Return the lengths of a module's arrays."""
     return {
         "march": source.march,
         "size": compiled.size,
@@ -89,18 +88,18 @@ def describe_layout(compiled: CompiledMarch, source: RunSource) -> dict[str, Any
 
 
 def _write_losses(system: AbstractSystem, compiled: CompiledMarch) -> str:
-    """C of heat capacity [J/K] and loss [W/K] of every element."""
+    """Return C of heat capacity [J/K] and loss [W/K] of each element."""
     program = Program()
     numbers = {path: program.parameter(path) for path in compiled.paths}
     traced = system.rebuilt(numbers)
 
     def losses(xp: Any) -> list[Any]:
-        found: list[Any] = []
+        entries: list[Any] = []
         for one in traced.actuators().values():
             warm = one.environment.temperature + WARMER
             lost = one.element.heat_loss(xp, warm, one.environment) / WARMER
-            found += [one.element.heat_capacity_total(), lost]
-        return found
+            entries += [one.element.heat_capacity_total(), lost]
+        return entries
 
     program.add("losses", (), losses)
     text = c_source(program, [program.functions["losses"]])

@@ -9,8 +9,9 @@ from typing import Any
 
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.app.messages import JsonTable
+from martensite.app.static_site.control_map import InputMap
 from martensite.app.static_site.flat_inputs import SEGMENT, TONE
-from martensite.app.static_site.input_map import InputMap, list_numbers
+from martensite.app.static_site.input_map import list_numbers
 from martensite.app.static_site.rounding import describe_rounding, measure_rounding
 from martensite.app.static_site.run_module import RunSource, describe_layout
 from martensite.app.views.page import describe_page
@@ -27,16 +28,15 @@ SPELLINGS = (
     *("m", "mm", "um", "cm", "s", "ms", "min", "kg", "g", "N", "mN", "Pa", "kPa", "MPa", "GPa", "K", "degC", "V", "mV"),
     *("A", "mA", "W", "mW", "Hz", "kHz", "rad", "deg", "ohm", "%", "1", "J/kg", "kJ/kg", "N/m", "N/mm", "MPa/K"),
 )
-"""Units in which numbers are typed."""
+"""Accepted units of typed values."""
 
 
 def describe_static(
     name: str, text: str, made: InputMap, source: RunSource, module: str, *, measured: bool = False
 ) -> JsonTable:
-    """Return everything that the page needs to run a scenario and to draw what comes of it.
+    """Return all data to run and draw a scenario on the page.
 
-    With `measured` it says how equal a run on the page is to one of `martensite run`, where that is not within
-    `rounding.CLOSE`: several runs more.
+    `measured` adds the agreement with `martensite run`, if worse than `rounding.CLOSE`, from several runs.
     """
     scenario = made.scenario
     compiled = compile_march(scenario.whole)
@@ -58,14 +58,14 @@ def describe_static(
 
 
 def order_entries(made: InputMap, compiled: CompiledMarch) -> list[str]:
-    """Return the names of the inputs, in their order: parameters first."""
+    """Return the names of the inputs, parameters first."""
     bounds = range(len(compiled.envelope))
-    found = [f"p:{path}" for path in compiled.paths]
-    found += [*SCALARS, *(f"low:{k}" for k in bounds), *(f"high:{k}" for k in bounds)]
+    ordered = [f"p:{path}" for path in compiled.paths]
+    ordered += [*SCALARS, *(f"low:{k}" for k in bounds), *(f"high:{k}" for k in bounds)]
     for number, shape in enumerate(made.drives):
-        found += [f"drive:{number}.{name}:{k}" for name in SEGMENT for k in range(shape.segments)]
-        found += [f"drive:{number}.{name}:{k}" for name in TONE for k in range(shape.tones)]
-    return found
+        ordered += [f"drive:{number}.{name}:{k}" for name in SEGMENT for k in range(shape.segments)]
+        ordered += [f"drive:{number}.{name}:{k}" for name in TONE for k in range(shape.tones)]
+    return ordered
 
 
 def _write_number(value: float) -> float | str:
@@ -79,8 +79,8 @@ def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int
     for number, (shape, drive) in enumerate(zip(made.drives, system.drives(), strict=True)):
         at = entries.get(f"drive:{number}.start:0", 0)
         own: JsonTable = {"segments": shape.segments, "tones": shape.tones, "at": at, "readings": readings}
-        said = {"name": drive.name, "how": _describe_unit(drive.name, drive.unit), "port": heated.get(drive.name, "")}
-        drives.append({**own, "ahead": bool(drive.ahead), **said})
+        table = {"name": drive.name, "how": _describe_unit(drive.name, drive.unit), "port": heated.get(drive.name, "")}
+        drives.append({**own, "ahead": bool(drive.ahead), **table})
         readings += not shape.segments
     first = len(compiled.paths) + len(SCALARS)
     return {
@@ -100,15 +100,14 @@ def _describe_unit(name: str, unit: str) -> JsonTable:
 
 
 def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
-    """Return the parameters that follow from a control of another path and have a separate control."""
+    """Return the parameters with a control that depend on the control of another path."""
     places, own = made.scenario.places, {node["path"]: node["value"] for node in list_numbers(made.form)}
     moved = {name: control.path for control in made.controls for name in control.terms if name.startswith("p:")}
-    found = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())
-    return [(entries[name], path) for name, path, by in found if path != by and own.get(path) == made.numbers[name]]
+    moves = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())
+    return [(entries[name], path) for name, path, by in moves if path != by and own.get(path) == made.numbers[name]]
 
 
 def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
-    """Return the controls and how inputs follow from them."""
     controls = [
         {
             "path": one.path,
@@ -132,18 +131,18 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
 
 
 def _list_units(made: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
-    """By SI unit the spellings that are read, with size and zero: SI = number · size + zero."""
-    found: dict[str, dict[str, tuple[float, float]]] = {}
+    """Return the spellings by SI unit, with size and zero: SI = number · size + zero."""
+    factors: dict[str, dict[str, tuple[float, float]]] = {}
     for node in (*list_numbers(made.form), *(row.items[0] for row in made.rows)):
         unit = node["unit"] or "1"
-        own = found.setdefault(unit, {})
+        own = factors.setdefault(unit, {})
         for spelling in (*SPELLINGS, node["shown"], unit):
             if spelling and spelling not in own:
                 try:
                     own[spelling] = units.find_conversion(spelling, unit)
                 except MartensiteError:
                     continue
-    return found
+    return factors
 
 
 def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, measured: bool) -> JsonTable:
@@ -170,13 +169,13 @@ def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, measured: boo
 def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
     system = scenario.whole
     places, several = Envelope(system).places, len(system.actuators()) > 1
-    found: list[JsonTable] = []
+    bounds: list[JsonTable] = []
     for place, (port, name) in zip(places, compiled.envelope, strict=True):
         unit = system.outputs()[system.label(port, name)].unit
         how = _describe_unit(name, unit)
         del how["unit"]
         how["shown"] = typeset_unit(how["shown"])
-        found.append(
+        bounds.append(
             {
                 "output": place,
                 "words": f"{WORDS[name]} of `{port}`" if several else WORDS[name],
@@ -186,4 +185,4 @@ def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
                 "name": name,
             }
         )
-    return found
+    return bounds

@@ -1,4 +1,4 @@
-"""Writes the bench as a folder that any file server hands out: `martensite app --static DIR`."""
+"""Writer of the bench as a static folder: `martensite app --static DIR`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ RUNS = "runs"
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Mark of a page without a server."""
 FIRST = "constant_power"
-"""The scenario with which the bench begins."""
+"""First scenario of the bench."""
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,10 @@ class FolderSize:
     size: int
     """Bytes."""
     compressed: int
-    """Bytes, as they go over the wire."""
+    """Compressed bytes."""
 
     def words(self) -> str:
-        """For people."""
+        """Return the sizes as text."""
         return f"{self.files} files, {self.size / 1e6:.1f} MB, {self.compressed / 1e6:.1f} MB compressed"
 
 
@@ -53,13 +53,7 @@ Tell = Callable[[str], None]
 
 
 def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
-    """Write the page with scenarios, texts by name; the first is displayed first.
-
-    Raises:
-        DataError: the folder holds something else, or cannot be written; nothing is left of it.
-        InputError: a compiler for WebAssembly is missing.
-        CompileError: the compiler failed.
-    """
+    """Write the page with scenarios, texts by name; the first is displayed first."""
     find_wasm_compiler()
     with make_site_folder(folder):
         return _fill_folder(folder, texts, tell)
@@ -81,13 +75,13 @@ def _fill_folder(folder: Path, texts: Mapping[str, str], tell: Tell) -> JsonTabl
 
 
 def list_offered() -> dict[str, str]:
-    """Name and text of the scenarios of the package that the page can run, that of the default wire first."""
-    known = {name: text for name, text in list_standalone().items() if can_offer(text)}
-    return {FIRST: known[FIRST], **known}
+    """Return name and text of the packaged scenarios that the page can run, the default wire first."""
+    offered = {name: text for name, text in list_standalone().items() if can_offer(text)}
+    return {FIRST: offered[FIRST], **offered}
 
 
 def can_offer(text: str) -> bool:
-    """Return whether the page can run a scenario: it starts at home and keeps no states."""
+    """Return whether the page can run a scenario: it needs the default initial state and stores none."""
     scenario = build_packaged(text)
     return not (scenario.initial or scenario.restart_at)
 
@@ -104,12 +98,12 @@ def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], 
 
 
 def name_module(source: RunSource) -> str:
-    """Return the file of a module: by what is compiled, so that scenarios of one structure share it."""
+    """Return the file name of a module, a digest, so that scenarios of one structure share it."""
     return f"{source.digest}.wasm"
 
 
 def check_folder(folder: Path) -> None:
-    """Raise `DataError` if a folder holds something else than such a page, or cannot be read."""
+    """Raise `DataError` if a folder has other content, or cannot be read."""
     try:
         other = folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir()))
     except OSError as error:
@@ -120,11 +114,7 @@ def check_folder(folder: Path) -> None:
 
 @contextmanager
 def make_site_folder(folder: Path) -> Generator[None]:
-    """Make the folder of a page; if the page cannot be finished, remove the folders that were made for it.
-
-    Raises:
-        DataError: the folder holds something else, or cannot be written.
-    """
+    """Make the folder of a page; new folders are removed after an error."""
     check_folder(folder)
     runs = folder / RUNS
     made = [one for one in (runs, *runs.parents) if not one.exists()]
@@ -144,14 +134,14 @@ def _describe_failure(folder: Path, error: OSError) -> DataError:
 
 
 def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
-    """Write which scenarios the page has."""
+    """Write the list of scenarios of the page."""
     manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
     (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return manifest
 
 
 def write_studies(folder: Path) -> None:
-    """Write the installed studies with the results that come with them, without data sets missing on this machine."""
+    """Write the installed studies with their shipped results."""
     desk = Desk(folder)
     listed = list_studies({}, desk)["studies"]
     pages = {f"study-{one['name']}": describe_study_page({"name": one["name"]}, desk) for one in listed}
@@ -162,7 +152,7 @@ def write_studies(folder: Path) -> None:
 
 
 def copy_page(folder: Path) -> None:
-    """Copy the page, and mark it as a page without a server."""
+    """Copy the page, marked as a page without a server."""
     for path in STATIC.iterdir():
         if path.name not in (WIDGET, NOTEBOOK):
             shutil.copyfile(path, folder / path.name)
@@ -171,6 +161,6 @@ def copy_page(folder: Path) -> None:
 
 
 def measure_folder(folder: Path) -> FolderSize:
-    """Return the weight of all files in a folder."""
+    """Return the sizes of all files in a folder."""
     files = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()]
     return FolderSize(len(files), sum(map(len, files)), sum(len(compress(one, 9)) for one in files))

@@ -1,4 +1,4 @@
-"""A model for a page that has a server: that of a static page, made when it is asked for."""
+"""A model of a static page, built on request by a server."""
 
 from __future__ import annotations
 
@@ -13,17 +13,12 @@ from martensite.app.static_site.scenario_table import describe_static
 from martensite.export.wasm.module import find_wasm_compiler
 
 KEPT = 8
-"""Models that are kept; one takes some seconds."""
+"""Number of cached models."""
 
 
 @functools.lru_cache(KEPT)
 def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
-    """Return the data of a scenario for the page, and the module of its runs in base 64.
-
-    Raises:
-        InputError: a compiler for WebAssembly is missing.
-        CompileError: the compiler failed.
-    """
+    """Return the data of a scenario for the page, and the module of its runs in base 64."""
     find_wasm_compiler()
     made = measure_map(text, paths)
     source = write_source(made.scenario, list_waveforms(made.scenario))
@@ -33,5 +28,5 @@ def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
 
 @functools.lru_cache(KEPT)
 def _compile_source(source: RunSource) -> str:
-    """Return the module in base 64: compiled once for every structure."""
+    """Return the module in base 64, compiled once per structure."""
     return base64.b64encode(source.compile()).decode()

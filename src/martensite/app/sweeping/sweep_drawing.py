@@ -29,34 +29,34 @@ from martensite.design.sweep.table import SweepColumn, shorten_names
 from martensite.search.free_numbers import FreeNumber
 
 MOST_DRAWN = 20_000
-"""Runs that are drawn of a sweep."""
+"""Largest number of drawn runs."""
 DIGITS = 6
 Rows = NDArray[np.int64]
 LEAST_PAUSE = 0.3
-"""Least time between two notes [s]."""
+"""Smallest time between two notes [s]."""
 MOST_POINTS = 4000
-"""Runs in a note."""
+"""Largest number of runs in a note."""
 
 
 @dataclass(frozen=True)
 class SweepDrawing:
-    """A store as the page sees it."""
+    """Drawing of a store on the page."""
 
     store: Store
 
     @cached_property
     def spec(self) -> JsonTable:
-        """Return the request."""
+        """Return the stored request."""
         return self.store.spec
 
     @cached_property
     def axes(self) -> list[FreeNumber]:
-        """Return the varied axes."""
+        """Return the varied numbers."""
         return read_axes(self.store)
 
     @cached_property
     def levels(self) -> tuple[Any, ...] | None:
-        """Return the levels of every axis of a grid."""
+        """Return the levels of each axis of a grid."""
         return read_levels(self.store, self.axes)
 
     @cached_property
@@ -66,14 +66,14 @@ class SweepDrawing:
 
     @cached_property
     def strides(self) -> list[int]:
-        """Return every how many-th level of each axis of a grid is drawn, or run of a sample."""
+        """Return the stride of drawn levels of each axis of a grid, or of runs of a sample."""
         if self.levels is None:
             return [-(-self.size // MOST_DRAWN)]
         shape = [len(one) for one in self.levels]
-        found = [1] * len(shape)
-        while np.prod(drawn := [-(-n // k) for n, k in zip(shape, found, strict=True)]) > MOST_DRAWN:
-            found[int(np.argmax(drawn))] += 1
-        return found
+        steps = [1] * len(shape)
+        while np.prod(drawn := [-(-n // k) for n, k in zip(shape, steps, strict=True)]) > MOST_DRAWN:
+            steps[int(np.argmax(drawn))] += 1
+        return steps
 
     def kept(self, rows: Rows) -> Rows:
         """Return the drawn ones of some runs."""
@@ -89,17 +89,17 @@ class SweepDrawing:
         return np.arange(chunk * length, min((chunk + 1) * length, self.size))
 
     def points(self, chunks: Iterable[int]) -> JsonTable:
-        """Return the drawn runs of chunks that are there: numbers of runs, status, and columns in SI.
+        """Return the drawn runs of finished chunks: indices, status, and columns in SI.
 
-        Columns of a grid are its measures alone: levels say the rest.
+        A grid has columns of measures only.
         """
-        found: JsonTable = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
+        table: JsonTable = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
         for first, last in _list_stretches(sorted(chunks)):
             rows = np.arange(self.rows(first)[0], self.rows(last)[-1] + 1)
             kept = self.kept(rows)
             if len(kept):
-                self._add(found, rows, kept)
-        return found
+                self._add(table, rows, kept)
+        return table
 
     def _add(self, found: JsonTable, rows: Rows, kept: Rows) -> None:
         region, places = slice(int(rows[0]), int(rows[-1]) + 1), kept - rows[0]
@@ -156,14 +156,14 @@ def _list_stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class ReportingBackend(AbstractBackend):
-    """A backend whose reports are also put on a pile."""
+    """A backend that also collects its reports."""
 
     inner: AbstractBackend
     fresh: list[int]
-    """Chunks made since the last note."""
+    """Finished chunks since the last note."""
 
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """Run the job as the inner backend does, and collect the finished chunks."""
+        """Run the job with the inner backend, and collect the finished chunks."""
         with closing(self.inner.run(job, chunks)) as reports:
             for report in reports:
                 self.fresh.append(report.chunk)
@@ -172,7 +172,7 @@ class ReportingBackend(AbstractBackend):
 
 @dataclass
 class SweepProgress:
-    """One sweep, from its first missing chunk to its end."""
+    """Progress of one sweep."""
 
     begun: PlannedSweep
     key: str
@@ -185,11 +185,7 @@ class SweepProgress:
     _last: float = 0.0
 
     def run(self) -> Progress:
-        """Make what is missing.
-
-        Raises:
-            StoppedError: it was cancelled, or cannot go on; what was made is kept.
-        """
+        """Run the missing chunks."""
         self._before = count_statuses(self.begun.store, 0)[0]
         self._began = time.monotonic()
         heard = replace(self.begun, backend=ReportingBackend(self.begun.backend, self.fresh))
@@ -213,19 +209,19 @@ class SweepProgress:
         return self.desk.stop.is_set()
 
     def _note(self, progress: Progress, elapsed: float) -> None:
-        """Tell how far it is, with the runs since the last note, in pieces if they are many."""
-        found = self.drawing.points(self.fresh)
+        """Send progress and new runs, in several notes if necessary."""
+        points = self.drawing.points(self.fresh)
         self.fresh.clear()
-        for begin in range(0, max(len(found["rows"]), 1), MOST_POINTS):
+        for begin in range(0, max(len(points["rows"]), 1), MOST_POINTS):
             self.number += 1
             piece = slice(begin, begin + MOST_POINTS)
             self.desk.tell(
                 {
                     **self._state(progress, elapsed),
                     "number": self.number,
-                    "rows": found["rows"][piece],
-                    "status": found["status"][piece],
-                    "columns": {name: values[piece] for name, values in found["columns"].items()},
+                    "rows": points["rows"][piece],
+                    "status": points["status"][piece],
+                    "columns": {name: values[piece] for name, values in points["columns"].items()},
                 }
             )
 
@@ -244,5 +240,5 @@ class SweepProgress:
 
 
 def name_statuses(counts: Counter[int]) -> dict[str, int]:
-    """Return the runs by the name of their status."""
+    """Return the number of runs by name of status."""
     return {Status(one).name.lower(): n for one, n in sorted(counts.items()) if n}

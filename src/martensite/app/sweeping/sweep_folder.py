@@ -1,7 +1,6 @@
-"""The sweeps of a server: stores in its folder, by keys that are made here.
+"""The sweeps of a server: stores in its folder, by generated keys.
 
-A name from outside is never a path: a store is found by its key, and what a title leaves in the
-name of its folder has nothing in it that could lead elsewhere.
+A name from outside is never a path: a store is found by its key, and its folder contains a cleaned title.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import JsonTable
+from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.uploads import is_key, make_key
 from martensite.base.errors import DataError, MartensiteError
 from martensite.design.sweep.store import STATUS, Store
@@ -28,7 +27,7 @@ _STORE = re.compile(r"^[a-z0-9-]+-([0-9a-f]{16})\.zarr$")
 
 
 def make_slug(title: str) -> str:
-    """Return the small letters, digits and dashes that are left of a title."""
+    """Return lower-case letters, digits and dashes of a title."""
     short = re.sub(r"[^a-z0-9]+", "-", title.lower())[:LONGEST_SLUG].strip("-")
     return short or "sweep"
 
@@ -46,35 +45,27 @@ class SweepFolder:
         return self.folder / STORES
 
     def new(self, title: str) -> tuple[str, Path]:
-        """Return a new key, and where its store shall be; nothing is made there."""
+        """Return a new key and the path of its future store."""
         key = make_key()
         self.place.mkdir(parents=True, exist_ok=True)
         return key, self.place / f"{make_slug(title)}-{key}.zarr"
 
     def path(self, key: str) -> Path:
-        """Return the store of a key.
-
-        Raises:
-            DataError: there is none.
-        """
-        found = sorted(self.place.glob(f"*-{key}.zarr")) if is_key(key) else []
-        if len(found) != 1:
+        """Return the store of a key."""
+        stores = sorted(self.place.glob(f"*-{key}.zarr")) if is_key(key) else []
+        if len(stores) != 1:
             raise DataError("There is no such sweep in this folder; it may have been deleted.")
-        return found[0]
+        return stores[0]
 
     def all(self) -> dict[str, Path]:
         """Return all stores, the newest first."""
         if not self.place.is_dir():
             return {}
-        found = {m[1]: p for p in self.place.iterdir() if (m := _STORE.match(p.name))}
-        return dict(sorted(found.items(), key=lambda one: -one[1].stat().st_mtime))
+        stores = {m[1]: p for p in self.place.iterdir() if (m := _STORE.match(p.name))}
+        return dict(sorted(stores.items(), key=lambda one: -one[1].stat().st_mtime))
 
     def delete(self, key: str) -> None:
-        """Remove a store.
-
-        Raises:
-            DataError: there is none, or it is being written.
-        """
+        """Remove a store."""
         path = self.path(key)
         with hold_store(path):
             gone = path.with_name(f".{path.name}.gone")
@@ -82,14 +73,16 @@ class SweepFolder:
         shutil.rmtree(gone)
 
 
+def find_store(request: Request, folder: Path) -> Path:
+    """Return the store of the `key` of a request."""
+    return SweepFolder(folder).path(require_entry(request, "key", str))
+
+
 @contextmanager
 def hold_store(path: Path) -> Iterator[None]:
-    """Hold a store while it is written; the hold ends with the process.
+    """Lock a store while it is written, until the process ends.
 
-    On systems without such locks, such as Windows, the store is not held.
-
-    Raises:
-        DataError: another process holds it.
+    Systems without such locks, such as Windows, do not lock.
     """
     if find_spec("fcntl") is None:
         yield
@@ -117,13 +110,13 @@ def is_busy(path: Path) -> bool:
 
 
 def measure_bytes(path: Path) -> int:
-    """Size of a store on disk [B]."""
+    """Return the size of a store on disk [B]."""
     return sum(one.stat().st_size for one in path.rglob("*") if one.is_file())
 
 
 def summarise_store(key: str, path: Path) -> JsonTable:
-    """Return a line about a sweep: `state` is running, done, stopped or unreadable."""
-    told = {"key": key, "path": str(path), "bytes": measure_bytes(path), "made": path.stat().st_mtime}
+    """Return a summary of a sweep: `state` is running, done, stopped or unreadable."""
+    table = {"key": key, "path": str(path), "bytes": measure_bytes(path), "made": path.stat().st_mtime}
     try:
         store = Store(path)
         spec, runs = store.spec, int(store.group[STATUS].shape[0])
@@ -131,10 +124,10 @@ def summarise_store(key: str, path: Path) -> JsonTable:
         done = sum(min(length, runs - chunk * length) for chunk in chunks)
     except (MartensiteError, KeyError, ValueError) as error:
         lost = {"title": path.name, "over": [], "sample": "", "runs": 0, "done": 0}
-        return {**told, **lost, "state": "unreadable", "why": str(error)}
+        return {**table, **lost, "state": "unreadable", "why": str(error)}
     state = "done" if done == runs else "running" if is_busy(path) else "stopped"
     return {
-        **told,
+        **table,
         "title": spec["title"],
         "over": spec["over"],
         "sample": spec["sample"],

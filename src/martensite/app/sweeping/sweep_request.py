@@ -1,10 +1,9 @@
-"""Request for a sweep, in the words of the command; its faults; its time.
+"""Request for a sweep, in the syntax of the command; its errors; its duration.
 
 {"text": TOML, "changes": {…}, "over": ["diameter=0.1..0.5 mm:9"], "sample": "grid",
  "measures": ["stroke"], "seed": 0, "step": "20 ms", "runtime": "c", "workers": 0}
 
-Runs march together in blocks (`martensite.simulate.variants`): a block costs the same however few
-runs are in it. A chunk takes about half a second, so that the picture moves and a cancel is heard.
+A chunk takes about half a second, for smooth progress and quick cancellation.
 """
 
 from __future__ import annotations
@@ -37,18 +36,14 @@ MOST_RUNS = 1_000_000
 MOST_WORDS = 64
 LONGEST_ENTRY = 400
 CHUNK_TIME = 0.4
-"""Time that a chunk shall take [s]."""
+"""Target time of a chunk [s]."""
 MOST_CHUNKS = 500
 _PLAIN = re.compile(r"^[\w./:=,-]+$")
 _QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")
 
 
 def read_wanted(request: Request) -> SweepRequest:
-    """Return the request in the form of the library.
-
-    Raises:
-        InputError: an entry is missing or of another sort, or the step is invalid.
-    """
+    """Return the request in the form of the library."""
     step = str(require_entry(request, "step", str, "")).strip()
     return SweepRequest(
         over=read_texts(request, "over"),
@@ -61,7 +56,7 @@ def read_wanted(request: Request) -> SweepRequest:
 
 
 def read_workers(request: Request) -> SweepExecution:
-    """Who runs it: as many processes as are asked for, or what the library chooses."""
+    """Return the number of processes, 0 for automatic."""
     workers = require_entry(request, "workers", int, 0)
     if not 0 <= workers <= 256:
         raise ParameterError(f"Processes must be between 0 and 256, but are {workers}.")
@@ -69,21 +64,17 @@ def read_workers(request: Request) -> SweepExecution:
 
 
 def parse_step(words: str) -> float | None:
-    """Return a longest step [s]; None if the library shall choose it."""
+    """Return a longest step [s]; None for automatic."""
     if not words:
         return None
-    found = units.parse_quantity(words, "s")
-    if not found > 0.0:
+    quantity = units.parse_quantity(words, "s")
+    if not quantity > 0.0:
         raise ParameterError(f"A step must be above 0, but is {words}.")
-    return found
+    return quantity
 
 
 def require_size(plan: SweepPlan) -> SweepPlan:
-    """Return a plan that is not too large for the page.
-
-    Raises:
-        ParameterError: it is.
-    """
+    """Return the plan."""
     if plan.size > MOST_RUNS:
         raise ParameterError(
             f"This sweep has {plan.size:,} runs; the page starts at most {MOST_RUNS:,}. Use "
@@ -93,11 +84,7 @@ def require_size(plan: SweepPlan) -> SweepPlan:
 
 
 def read_texts(request: Request, name: str, default: Any = ...) -> tuple[str, ...]:
-    """Return a list of texts of a message.
-
-    Raises:
-        BadMessageError: it is missing without a default, or holds something else, or too much.
-    """
+    """Return a list of texts of a message."""
     given = require_entry(request, name, list, default)
     fits = (isinstance(one, str) and len(one) <= LONGEST_ENTRY for one in given)
     if len(given) > MOST_WORDS or not all(fits):
@@ -114,7 +101,7 @@ def _read_sample(words: str) -> str:
 
 
 class FieldFaults(dict[str, str]):
-    """Field of the form -> sentence on what is wrong there."""
+    """Error sentences by field of the form."""
 
     def attempt(self, field: str, action: Callable[[], T]) -> T | None:
         """Return the result of an action; on an error return None, and record the sentence for the field."""
@@ -126,30 +113,31 @@ class FieldFaults(dict[str, str]):
 
 
 def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | None, FieldFaults]:
-    """Return the plan that a request asks for, or what is wrong with it, by field of the form.
+    """Return the plan of a request, or its errors by field of the form.
 
-    Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,
-    `workers`, and `` (the whole).
+    Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`, `workers`, and `` (the whole).
     """
-    found = FieldFaults()
-    found.attempt("step", lambda: parse_step(str(require_entry(request, "step", str, "")).strip()))
-    found.attempt("workers", lambda: read_workers(request))
-    known = found.attempt("", lambda: read_wanted({**request, "step": ""}))
-    if known is None:
-        return None, found
-    found.attempt("runtime", lambda: build_course(scenario, None, known.runtime))
-    _check_measures(scenario, known, found)
-    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: parse_sampling(known.sample, known.seed))
-    _check_axes(scenario, known, chosen, found)
-    if found:
-        return None, found
+    field_faults = FieldFaults()
+    field_faults.attempt("step", lambda: parse_step(str(require_entry(request, "step", str, "")).strip()))
+    field_faults.attempt("workers", lambda: read_workers(request))
+    wanted = field_faults.attempt("", lambda: read_wanted({**request, "step": ""}))
+    if wanted is None:
+        return None, field_faults
+    field_faults.attempt("runtime", lambda: build_course(scenario, None, wanted.runtime))
+    _check_measures(scenario, wanted, field_faults)
+    chosen = field_faults.attempt(
+        "seed" if wanted.seed < 0 else "sample", lambda: parse_sampling(wanted.sample, wanted.seed)
+    )
+    _check_axes(scenario, wanted, chosen, field_faults)
+    if field_faults:
+        return None, field_faults
     step = parse_step(str(request.get("step") or "").strip())
-    plan = found.attempt("", lambda: build_plan(scenario, replace(known, step=step)))
+    plan = field_faults.attempt("", lambda: build_plan(scenario, replace(wanted, step=step)))
     if plan is not None:
-        found.attempt("sample", lambda: require_size(plan))
-    if plan is not None and not found:
-        found.attempt("", lambda: plan.lost(range(1)))
-    return (None if found else plan), found
+        field_faults.attempt("sample", lambda: require_size(plan))
+    if plan is not None and not field_faults:
+        field_faults.attempt("", lambda: plan.lost(range(1)))
+    return (None if field_faults else plan), field_faults
 
 
 def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults) -> None:
@@ -158,7 +146,7 @@ def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults)
 
 
 def _check_axes(scenario: Scenario, known: SweepRequest, chosen: AbstractDesign | None, found: FieldFaults) -> None:
-    """Each axis by itself: its words, its bounds, and its levels if it is one of a grid."""
+    """Check syntax and bounds of each axis, and its levels in a grid."""
     targets = list_targets(scenario)
     for k, words in enumerate(known.over):
         one = found.attempt(f"over.{k}", lambda words=words: parse_axis(words, targets))
@@ -175,19 +163,19 @@ def _check_axis(scenario: Scenario, one: FreeNumber, chosen: AbstractDesign | No
 
 @dataclass(frozen=True)
 class TimedBlock:
-    """A block of runs, and how long it took."""
+    """A block of runs with its duration."""
 
     runs: int
     lanes: int
     seconds: float
 
     def total(self, size: int, workers: int) -> float:
-        """Return the time of so many runs on so many processes [s]."""
+        """Return the duration of `size` runs on `workers` processes [s]."""
         return -(-size // self.lanes) * self.seconds / max(workers or count_cores(), 1)
 
 
 def time_block(plan: SweepPlan) -> TimedBlock:
-    """Time one block of a plan; it is run twice, as the first one compiles."""
+    """Return the timed second run of one block of a plan; the first compiles."""
     lanes = LANES.get(plan.course.runtime, CHUNK)
     rows = range(min(lanes, plan.size))
     plan.compute(rows if plan.course.runtime != "floats" else range(1))
@@ -197,7 +185,7 @@ def time_block(plan: SweepPlan) -> TimedBlock:
 
 
 def choose_chunk(plan: SweepPlan) -> int:
-    """Return the runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
+    """Return the runs in a chunk: whole blocks of about `CHUNK_TIME`, in at most `MOST_CHUNKS` chunks."""
     one = time_block(plan)
     blocks = max(int(CHUNK_TIME / max(one.seconds, 1e-6)), 1)
     usual = min(blocks * one.lanes, CHUNK)
@@ -206,14 +194,14 @@ def choose_chunk(plan: SweepPlan) -> int:
 
 
 def quote_words(words: str) -> str:
-    """Return the words as a shell takes them: in double quotes, which all shells know, where that is safe."""
+    """Return words for a shell, in double quotes, which all shells know, where that is safe."""
     if _PLAIN.match(words):
         return words
     return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
 
 
 def write_command(name: str, asked: SweepRequest, workers: int = 0, step: str = "") -> str:
-    """`martensite sweep …` for a scenario that lies in the folder as `name`.toml."""
+    """Return the command `martensite sweep …` for a scenario in `name`.toml."""
     pieces = ["martensite sweep", quote_words(f"{name}.toml")]
     pieces += [f"--over {quote_words(words)}" for words in asked.over]
     if asked.sample != "grid":

@@ -1,1 +1,1 @@
-"""Drawing of a run on the page: tables of numbers, made from a result."""
+"""Drawing of a run on the page: tables of numbers from a result."""

@@ -1,4 +1,4 @@
-"""Columns over time as the page draws them: thinned out, with names and readable units."""
+"""Columns over time for the page: thinned, with names and readable units."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
 
 MOST_ROWS = 2001
-"""Points that are drawn of a column; more cannot be told apart on a screen."""
+"""Largest number of drawn points of a column."""
 MOST_CORNERS = 400
-"""Points that are drawn of a curve."""
+"""Largest number of drawn points of a curve."""
 
 
 def list_columns(result: Result) -> JsonTable:
     """Return times [s] and columns in SI at samples and accepted steps, with ends and names of the columns.
 
-    `ends` are the lowest and the highest value of every column in the run; the rows may have fewer peaks.
-    `outputs` gives for every column its SI unit, the unit it is shown in with factor and offset
-    (shown = SI · factor + offset), its long name and its symbol.
+    `ends` are the lowest and the highest value of each column in the run. `outputs` gives for each column its SI unit,
+    the displayed unit with factor and offset (shown = SI · factor + offset), its long name and its symbol.
     """
     fine = add_step_rows(result)
     kept = choose_curve_rows(fine)
@@ -35,14 +34,14 @@ def list_columns(result: Result) -> JsonTable:
 
 
 def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
-    """Return the rows, at most so many, first and last among them."""
+    """Return at most `most` rows, including first and last."""
     if count <= most:
         return list(range(count))
     return [round(i * (count - 1) / (most - 1)) for i in range(most)]
 
 
 def choose_curve_rows(result: Result) -> list[int]:
-    """Return the rows of a run that are drawn: evenly chosen ones, and the lowest and highest of every column."""
+    """Return the drawn rows of a run: evenly spaced, and the extremes of each column."""
     kept = choose_rows(len(result.times))
     if len(kept) == len(result.times):
         return kept
@@ -63,14 +62,14 @@ def describe_display(name: str, unit: str) -> JsonTable:
 
 
 def describe_difference(name: str, unit: str) -> JsonTable:
-    """Return the display of an error or an offset, whose zero is not shifted."""
+    """Return the display of an error or an offset, without a shift of zero."""
     spelling = units.of_column(name, unit)
     spelling = spelling if spelling == "%" else choose_difference_unit(unit)[0]
     return {**describe_conversion(unit, spelling), "offset": 0.0}
 
 
 def describe_conversion(unit: str, spelling: str) -> JsonTable:
-    """Return a SI unit, the unit it is shown in, and how: shown = SI · factor + offset."""
+    """Return SI unit, displayed unit, and conversion: shown = SI · factor + offset."""
     offset = units.from_si(0.0, spelling, unit)
     return {
         "unit": unit,
@@ -86,7 +85,7 @@ def round_digits(value: float, digits: int = 5) -> float:
 
 
 def find_envelope(numbers: Sequence[float], most: int = MOST_CORNERS) -> list[int]:
-    """Return the rows of a long column that keep its lows and highs."""
+    """Return the rows of a long column that keep its extremes."""
     import numpy as np
 
     count = len(numbers)
@@ -95,17 +94,17 @@ def find_envelope(numbers: Sequence[float], most: int = MOST_CORNERS) -> list[in
     values = np.asarray(numbers, float)
     rows = {0, count - 1}
     for part in np.array_split(np.arange(count), most // 2):
-        seen = part[np.isfinite(values[part])]
-        if len(seen):
-            rows |= {int(seen[values[seen].argmin()]), int(seen[values[seen].argmax()])}
+        finite = part[np.isfinite(values[part])]
+        if len(finite):
+            rows |= {int(finite[values[finite].argmin()]), int(finite[values[finite].argmax()])}
     return sorted(rows)
 
 
 def find_corners(times: Sequence[float], values: Sequence[float], most: int = 150) -> list[int]:
-    """Return the rows between which straight lines come nearest to a curve (Douglas and Peucker, 1973).
+    """Return the corners of a piecewise linear approximation (Douglas and Peucker, 1973).
 
-    The row that is farthest from the lines so far is added until `most` are kept, or all others
-    are nearer than a thousandth of the range.
+    The row farthest from the lines so far is added until `most` are kept, or all others are nearer than a thousandth of
+    the range.
     """
     import numpy as np
 
@@ -123,7 +122,7 @@ def find_corners(times: Sequence[float], values: Sequence[float], most: int = 15
 
 
 def _find_farthest(t: Any, y: Any, first: int, last: int) -> tuple[float, int, int, int]:
-    """Return the distance and row of what is farthest from the line between two rows."""
+    """Return distance and index of the row farthest from the line between two rows."""
     import numpy as np
 
     inside = slice(first, last + 1)

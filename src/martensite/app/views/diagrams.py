@@ -1,8 +1,7 @@
 """The phase diagram of a run, and its energies over time.
 
-`{"diagrams": [{"bands": […], "highest": Pa, "sentence": ""}], "ports": {port: {diagram, x, y}}}`
-with the number of the diagram of a port and the columns of its path. Energies are those of
-`martensite.simulate.energy`:
+`{"diagrams": [{"bands": […], "highest": Pa, "sentence": ""}], "ports": {port: {diagram, x, y}}}` with the index of the
+diagram of a port and the columns of its path. Energies are those of `martensite.simulate.energy`:
 
     E = ∫ P dt,   Q = ∫ Q̇ dt,   stored E − Q,   W = ∫ F dx where an element pulls
 """
@@ -31,16 +30,16 @@ PRESCRIBED = "A prescribed temperature has no energy balance."
 NO_ELEMENT = "No element is heated, so there is no energy balance."
 NO_WORK = "The work is unknown: this element does not report its elongation."
 HEADROOM = 1.12
-"""The diagram reaches so far beyond the highest stress of the run."""
+"""Upper end of the diagram, relative to the highest stress of the run."""
 STRESSES, TEMPERATURES = 100e6, 10.0
-"""Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
+"""Steps of the rounded limits [Pa], [K], so that a slider reuses diagrams."""
 COLDER = 15.0
 """Margin of a diagram below the finish of the transformation [K]."""
 NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
 def describe_energy(result: Result) -> JsonTable:
-    """Return the courses of the energies, efficiency over time, and what is not known, in a sentence."""
+    """Return energies and efficiency over time, or a sentence without them."""
     actuators = result.system.actuators()
     if not actuators:
         return _describe_missing(NO_ELEMENT)
@@ -48,18 +47,18 @@ def describe_energy(result: Result) -> JsonTable:
         return _describe_missing(PRESCRIBED)
     result = add_step_rows(result)
     ways = find_ways(result)
-    found = integrate_energies(result, ways or [])
+    energies = integrate_energies(result, ways or [])
     kept = choose_curve_rows(result)
-    stored = found.electrical - found.lost
+    stored = energies.electrical - energies.lost
     named: list[tuple[str, str, str, str, float, Any]] = [
-        ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
-        ("lost", "Q", "heat lost to the ambient", "J", 1.0, found.lost),
+        ("electrical", "E", "electrical energy in", "J", 1.0, energies.electrical),
+        ("lost", "Q", "heat lost to the ambient", "J", 1.0, energies.lost),
         ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
     ]
     if ways is not None:
         named += [
-            ("work", "W", "work during contraction", "mJ", 1e3, found.work),
-            ("returned", "W_b", "work returned during extension", "mJ", 1e3, found.returned),
+            ("work", "W", "work during contraction", "mJ", 1e3, energies.work),
+            ("returned", "W_b", "work returned during extension", "mJ", 1e3, energies.returned),
         ]
     courses = [
         {
@@ -72,7 +71,7 @@ def describe_energy(result: Result) -> JsonTable:
         }
         for key, symbol, words, unit, factor, values in named
     ]
-    efficiency = None if ways is None else found.efficiency[kept].tolist()
+    efficiency = None if ways is None else energies.efficiency[kept].tolist()
     return {"courses": courses, "efficiency": efficiency, "sentence": NO_WORK if ways is None else ""}
 
 
@@ -92,11 +91,11 @@ def _find_limits(result: Result) -> tuple[float, float]:
 
 def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> JsonTable:
     try:
-        found = _find_bands(law, highest, coldest)
+        bands = _find_bands(law, highest, coldest)
     except MartensiteError as error:
         return {"bands": [], "highest": highest, "sentence": str(error)}
-    said = "" if found else NO_LINES
-    return {"bands": [asdict(band) for band in found], "highest": highest, "sentence": said}
+    remark = "" if bands else NO_LINES
+    return {"bands": [asdict(band) for band in bands], "highest": highest, "sentence": remark}
 
 
 @lru_cache(maxsize=64)
@@ -105,16 +104,16 @@ def _find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
 
 
 def _find_finish(law: AbstractLaw) -> float:
-    """M_f [K]: of its numbers, or else as an isobar shows it."""
-    known = {leaf.path: leaf.value for leaf in law.leaves()}
-    return known["M_f"] if "M_f" in known else find_isobar(law).M_f
+    """Return M_f [K], a parameter or from an isobar."""
+    leaves = {leaf.path: leaf.value for leaf in law.leaves()}
+    return leaves["M_f"] if "M_f" in leaves else find_isobar(law).M_f
 
 
 def describe_lines(whole: AbstractSystem, result: Result) -> JsonTable:
-    """Return the description of the lines of the law at every port.
+    """Return the description of the lines of the law at each port.
 
-    `numbers` are formulas of the parameters of the law, by name. Of a `kind` strips or detwinning they give the lines;
-    other lines were found by driving the law, and hold for the `values` that they were found with.
+    `numbers` are formulas of the parameters of the law, by name. For the `kind` strips or detwinning they give the
+    lines; other lines come from simulated isobars for the given `values`.
     """
     table = Formulas()
     recorded = rebuild_recorded(whole, table).actuators()
@@ -143,6 +142,6 @@ def _find_kind(law: AbstractLaw, values: dict[str, float]) -> str:
     try:
         if all(name in values for name in SHIFTED) and confirm_lines(law, values):
             return "detwinning" if all(name in values for name in CRITICAL) else "strips"
-    except MartensiteError:  # the diagram says it
+    except MartensiteError:  # the diagram shows it
         pass
     return "driven"

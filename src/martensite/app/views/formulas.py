@@ -1,13 +1,13 @@
-"""Formulas for the page: what a function does with numbers, recorded once and computed by the browser.
+"""Formulas for the page: operations of a function, recorded once and evaluated by the browser.
 
-`RecordedNumber` numbers have a value, so that a function runs as on floats, and a row in a table of what they
-follow from. A choice that the function makes by a value is noted too: what was recorded holds for as long
-as all choices come out the same, which the browser checks (`web/src/views/formulas.ts`).
+A `RecordedNumber` has a value, so that a function runs as on floats, and a row in a table of operations. Branches on
+values are recorded: a recording is valid while all choices have the same outcome, which the browser checks
+(`web/src/views/formulas.ts`).
 
 A row is one of
 
     ["p", path]     a parameter          ["y", column]       a column, over time
-    ["c", number]   a constant           ["first", column]   the first number of a column
+    ["c", number]   a constant           ["first", column]   the first value of a column
     [operation, row, row, …]
 """
 
@@ -28,16 +28,16 @@ from martensite.kernels.floats import expand_power, find_whole_exponent, power
 LEAVES = frozenset({"p", "c", "y", "first"})
 """First entry of a row that does not depend on other rows."""
 SAME = frozenset({"detach", "store", "implicit_root"})
-"""Operations that are their first argument."""
+"""Operations that return their first argument."""
 
 
 def write_number(value: float) -> float | str:
-    """Return a number as JavaScript reads it, which knows what is infinite by name."""
+    """Return a number for JavaScript, with names for infinity and NaN."""
     return value if math.isfinite(value) else "NaN" if math.isnan(value) else f"{'-' * (value < 0.0)}Infinity"
 
 
 class Formulas:
-    """A table of rows, equal ones once."""
+    """A table of distinct rows."""
 
     def __init__(self, forced: Sequence[bool] = ()) -> None:
         self.rows: list[list[Any]] = []
@@ -46,11 +46,11 @@ class Formulas:
         self._forced = forced
 
     def leaf(self, kind: str, name: str, value: float) -> RecordedNumber:
-        """Return a parameter or a column, with its value here and now."""
+        """Return a parameter or a column, with its present value."""
         return self._add([kind, name], value)
 
     def constant(self, value: Any) -> RecordedNumber:
-        """Return a number, or true or false, that is known."""
+        """Return a constant number or flag."""
         if isinstance(value, RecordedNumber):
             return value
         number = float(value)
@@ -81,12 +81,12 @@ class Formulas:
     def collect(self, **found: Any) -> JsonTable:
         """Return the data for the page: the needed rows, the choices, and the results with rows for numbers."""
         places = dict.fromkeys(self.choices)
-        told = {name: self._place(one, places) for name, one in found.items()}
+        placed = {name: self._place(one, places) for name, one in found.items()}
         kept = self._list_needed(places)
         numbers = {row: k for k, row in enumerate(kept)}
         rows = [self._renumber(self.rows[row], numbers) for row in kept]
         choices = [[numbers[row], int(outcome)] for row, outcome in self.choices.items()]
-        return {"rows": rows, "choices": choices, **{name: _replace(one, numbers) for name, one in told.items()}}
+        return {"rows": rows, "choices": choices, **{name: _replace(one, numbers) for name, one in placed.items()}}
 
     def _place(self, found: Any, places: dict[int, None]) -> Any:
         """Return the results with `_Row` for numbers."""
@@ -122,7 +122,7 @@ class Formulas:
 
 
 class _Row(int):
-    """The number of a row."""
+    """The index of a row."""
 
 
 def _replace(found: Any, numbers: Mapping[int, int]) -> Any:
@@ -148,7 +148,7 @@ def _find_table(numbers: Sequence[Any]) -> Formulas:
 
 
 class RecordedNumber:
-    """A number with its row; `float` of it is refused, so that nothing is computed beside the table."""
+    """A number with its row; `float` of it is refused, so that each operation is recorded."""
 
     __slots__ = ("row", "table", "value")
 
@@ -156,7 +156,7 @@ class RecordedNumber:
         self.table, self.row, self.value = table, row, value
 
     def record(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
-        """Record a function of `martensite.kernels.recordable_numbers` of this and other numbers."""
+        """Record a function of `martensite.kernels.recordable_numbers`."""
         if name == "power" and isinstance(numbers[1], int):
             return expand_power(*numbers)
         return self.table.apply(name, plain, numbers)
@@ -185,23 +185,23 @@ class RecordedNumber:
         return whole
 
     def __format__(self, form: str) -> str:
-        """Return a place in a text where the browser writes the number."""
+        """Return a placeholder in a text for the number of the browser."""
         return f"\x02{self.row}:{form}\x03"
 
 
 def rebuild_recorded(whole: AbstractSystem, table: Formulas) -> AbstractSystem:
-    """Return a system, of a bench its plant, with recorded numbers for parameters."""
-    found = record_part(whole, "", table)
-    return found.plant if isinstance(found, Bench) else found
+    """Return a system, or the plant of a bench, with recorded parameters."""
+    recorded = record_part(whole, "", table)
+    return recorded.plant if isinstance(recorded, Bench) else recorded
 
 
 def record_part(part: Any, path: str, table: Formulas) -> Any:
-    """Return a part that stands at a path, with a dot behind it, with recorded numbers for parameters."""
+    """Return a part at a path, which ends in a dot, with recorded parameters."""
     return part.rebuilt({leaf.path: table.leaf("p", path + leaf.path, leaf.value) for leaf in part.leaves()})
 
 
 def locate_part(whole: Parametrised, part: object) -> str | None:
-    """Return the path of a part with a dot behind it; None if it is not in the tree."""
+    """Return the path of a part, which ends in a dot; None if it is not in the tree."""
     for name, child in whole.children():
         below = "" if child is part else locate_part(child, part)
         if below is not None:

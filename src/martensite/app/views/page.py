@@ -1,8 +1,7 @@
-"""Data for the drawing of a run on the page: everything that does not follow from the numbers of the run.
+"""Data for the drawing of a run on the page, except for its numbers.
 
-The page has the columns of a run and the parameters by path. Names, titles and kinds are given here. Quantities that
-depend on the sliders (limits, lengths, places of shapes, lines of the phase diagram) are formulas
-(`martensite.app.views.formulas`). `web/src/views` makes the `Run` of the page from both.
+Quantities that depend on the sliders (limits, lengths, positions of shapes, lines of the phase diagram) are formulas
+(`martensite.app.views.formulas`). `web/src/views` makes the `Run` of the page.
 """
 
 from __future__ import annotations
@@ -40,11 +39,11 @@ from martensite.simulate.result import Result
 
 
 def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable:
-    """Return everything that the page draws of a run of a scenario, but for its numbers.
+    """Return all data of a run's drawing, except for its numbers.
 
     Args:
-        scenario: any.
-        result: a run of it, from which choices are taken that formulas make; made here if there is none.
+        scenario: the scenario.
+        result: a run of it, for the choices of formulas; by default a new run.
     """
     result = result or scenario.run(runtime="floats")
     return {
@@ -69,25 +68,24 @@ def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable
 
 
 def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
-    """Return the formulas that the page evaluates for every run: lines of the laws, and the mechanism in space."""
+    """Return the formulas that the page evaluates for each run: lines of the laws, and the mechanism in space."""
     return {"lines": describe_lines(scenario.whole, result), "scene": describe_shapes(scenario.whole, result)}
 
 
 def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | str]:
-    """Return the parameters that some formulas take, by path."""
+    """Return the parameters of formulas, by path."""
     asked = {row[1] for one in views.values() for row in one["rows"] if row[0] == "p"}
     return {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves() if leaf.path in asked}
 
 
 def _describe_elements(scenario: Scenario, result: Result) -> JsonTable:
-    """Return the limits of elements, what their sources reach, and the ways along which they work."""
     table = Formulas()
     system = rebuild_recorded(scenario.whole, table)
     ports = {port: _describe_port(table, system, port, one, result) for port, one in system.actuators().items()}
     supply = system.supply.current_limit if isinstance(system, Machine) and system.supply is not None else None
     alone = len(ports) == 1 and not system.signals()
-    found = table.collect(ports=ports, supply=supply)
-    return found | {"alone": alone, "prefixed": system.label("x", "stress") != "stress"}
+    ranges = table.collect(ports=ports, supply=supply)
+    return ranges | {"alone": alone, "prefixed": system.label("x", "stress") != "stress"}
 
 
 def _describe_port(table: Formulas, system: AbstractSystem, port: str, one: Actuator, result: Result) -> JsonTable:
@@ -108,7 +106,6 @@ def _describe_port(table: Formulas, system: AbstractSystem, port: str, one: Actu
 
 
 def _describe_law(port: str, one: Actuator) -> JsonTable:
-    """Return the data of the law of a run."""
     law = one.element.law
     if not isinstance(law, AbstractLaw):
         return {"port": port, "name": "", "tension": False, "symmetric": False, "loops": 0}
@@ -123,10 +120,10 @@ def _describe_law(port: str, one: Actuator) -> JsonTable:
 
 
 def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTable]:
-    """Return the stress from which its law is doubtful and the sentence, for every outcome of what the law asks."""
-    known = result.system.actuators()[port].element.law
-    path = locate_part(scenario.whole, known)
-    if not isinstance(known, AbstractLaw):
+    """Return the stress limit of the law's validity and its sentence, for all outcomes of choices."""
+    element_law = result.system.actuators()[port].element.law
+    path = locate_part(scenario.whole, element_law)
+    if not isinstance(element_law, AbstractLaw):
         return []
 
     def build(forced: Sequence[bool]) -> tuple[Formulas, Any]:
@@ -134,14 +131,14 @@ def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTabl
         law: AbstractLaw = (
             rebuild_recorded(scenario.whole, table).actuators()[port].element.law
             if path is None
-            else record_part(known, path, table)
+            else record_part(element_law, path, table)
         )
         try:
             return table, law.doubt()
-        except TypeError:  # found on floats alone: known for these numbers
-            for own, leaf in zip(law.leaves(), known.leaves(), strict=True):
+        except TypeError:  # found on floats, valid for these values
+            for own, leaf in zip(law.leaves(), element_law.leaves(), strict=True):
                 table.choose(table.constant(own.value == leaf.value))
-            return table, known.doubt()
+            return table, element_law.doubt()
 
     return [
         table.collect(stress=doubt and doubt.stress, sentence=doubt and doubt.sentence)
@@ -158,7 +155,6 @@ def _describe_guard(result: Result) -> JsonTable | None:
 
 
 def _describe_key(result: Result) -> JsonTable:
-    """Return the strokes and peaks by which runs are compared, and how they are written."""
     judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     strokes: list[JsonTable] = []
     for name, output in result.system.mechanism.outputs().items():

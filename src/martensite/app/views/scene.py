@@ -25,7 +25,7 @@ NOT_RECORDED = (
 
 
 def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
-    """Return the drawing of the mechanism; or a sentence, if it cannot be recorded."""
+    """Return the drawing of the mechanism, or a sentence if it cannot be recorded."""
     table = Formulas()
     system, columns = rebuild_recorded(whole, table), result.columns
     outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}
@@ -38,8 +38,8 @@ def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
     except TypeError:
         sentence = NOT_RECORDED.format(system.mechanism.registered_name)
         return {"rows": [], "choices": [], "shapes": [], "ports": ports, "newton": NEWTON, "sentence": sentence}
-    found = table.collect(shapes=[_record_shape(shape, system) for shape in shapes])
-    return found | {"ports": ports, "newton": NEWTON, "sentence": ""}
+    columns = table.collect(shapes=[_record_shape(shape, system) for shape in shapes])
+    return columns | {"ports": ports, "newton": NEWTON, "sentence": ""}
 
 
 def _record_shape(shape: DrawingShape, system: AbstractSystem) -> JsonTable:

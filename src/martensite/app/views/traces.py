@@ -1,9 +1,7 @@
-"""Which columns are drawn together over time, and which over one another; and when there were alarms.
+"""Panels of columns over time and over one another, and alarms.
 
-A panel holds what belongs together: a coordinate with its reference and its readings, a
-temperature with the hottest place. Columns of an actuator stand under its port, all others
-under the port with the empty name. Margins of alarms are those by which `martensite.simulate.alarms`
-judges, on the same curves.
+A panel has related columns: a coordinate with its reference and its readings, a temperature with the highest
+temperature. Columns of an actuator are listed under its port, all others under the empty port.
 """
 
 from __future__ import annotations
@@ -28,27 +26,27 @@ from martensite.simulate.alarms import Alarm, Numbers, farthest_changes, undeliv
 from martensite.simulate.result import Result
 
 TOGETHER = {"hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power"}
-"""Output of an actuator -> the one in whose panel it stands."""
+"""Output of the common panel by output of an actuator."""
 USUAL = ("temperature", "martensite_fraction", "stress", "drive")
-"""Panels of actuators that are shown until others are chosen."""
+"""Panels of actuators that are displayed by default."""
 LEVELS = ("temperature", "stress")
-"""Kinds whose limit is a level of the column itself."""
+"""Kinds with a limit on the column itself."""
 Span = tuple[float, float]
 MOST_SPANS = 400
-"""Spans that are told; what follows is one."""
+"""Largest number of listed spans; later ones are merged."""
 
 
 @dataclass
 class TracePanel:
-    """Traces that are drawn together."""
+    """Traces of one panel."""
 
     key: str
     title: str
     usual: bool
     includes: tuple[float, ...]
-    """Values that the axis shows in any case [SI]."""
+    """Values that the axis always includes [SI]."""
     ports: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
-    """Columns by port; one that equals an earlier one is left out."""
+    """Columns by port, without repeated ones."""
 
     def add(self, port: str, column: str) -> None:
         """Put a column into the panel."""
@@ -56,7 +54,7 @@ class TracePanel:
 
 
 def list_panels(result: Result, *, repeated: bool = False) -> list[JsonTable]:
-    """Return the panels over time, from top to bottom; with columns that repeat an earlier one only if asked for."""
+    """Return the panels over time, from top to bottom; `repeated` includes columns that repeat another."""
     panels: dict[str, TracePanel] = {}
     homes = _find_homes(result)
     for name in result.columns:
@@ -73,19 +71,19 @@ def list_panels(result: Result, *, repeated: bool = False) -> list[JsonTable]:
 
 
 def _find_homes(result: Result) -> dict[str, tuple[str, str, bool]]:
-    found = dict(_place_mechanism(result))
+    homes = dict(_place_mechanism(result))
     for port, actuator in result.system.actuators().items():
         twice = actuator.source.sets_temperature
         for name in OUTPUTS:
             key = TOGETHER.get(name, name)
             usual = key in USUAL and not (twice and key == "drive")
-            found[result.system.label(port, name)] = port, key, usual
+            homes[result.system.label(port, name)] = port, key, usual
     beside = dict(_place_bench(result)) | dict(_place_estimates(result))
-    return found | {name: found[home] for name, home in beside.items() if home in found}
+    return homes | {name: homes[home] for name, home in beside.items() if home in homes}
 
 
 def _place_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool]]]:
-    """Coordinates of one unit stand together."""
+    """Yield port, panel and default visibility of the mechanism's outputs; outputs of one unit share a panel."""
     first: dict[str, str] = {}
     judged = result.system.mechanism.convergence_scales()
     for name, output in result.system.mechanism.outputs().items():
@@ -118,39 +116,39 @@ def _find_title(result: Result, key: str, name: str) -> str:
 
 
 def _is_repeated(result: Result, panel: TracePanel, port: str, name: str) -> bool:
-    """Return whether the panel shows these numbers already, as that of the only temperature."""
+    """Return whether the panel already has this column, such as the only temperature."""
     base = name.rpartition(".")[-1]
     own = panel.ports.get(port, [])
     return base in TOGETHER and any(np.array_equal(result[name], result[other]) for other in own)
 
 
 def _rank_panel(panel: TracePanel) -> tuple[bool, int]:
-    """Return the mechanism first, then actuators in the usual order, then others; the usual ones first."""
+    """Return a sort key: default panels first; mechanism, then actuators, then others."""
     order = [*USUAL, *(name for name in OUTPUTS if name not in USUAL)]
-    known = panel.key in order
-    return not panel.usual, order.index(panel.key) + 1 if known else 0 if panel.usual else 99
+    listed = panel.key in order
+    return not panel.usual, order.index(panel.key) + 1 if listed else 0 if panel.usual else 99
 
 
 def list_loops(result: Result) -> list[JsonTable]:
     """Return the quantities over one another, by port: `{key, ports: {port: [x, y]}}`.
 
-    The first coordinate over temperature belongs to them if there is but one actuator.
+    They include the first coordinate over temperature for a single actuator.
     """
     system = result.system
     ports = list(system.actuators())
-    found = [
+    entries = [
         {"key": f"{y}-{x}", "ports": {p: [system.label(p, x), system.label(p, y)] for p in ports}} for x, y in LOOPS
     ]
     if len(ports) == 1:
         pair = [system.label(ports[0], "temperature"), result.coordinate]
-        found.append({"key": "stroke", "ports": {ports[0]: pair}})
-    return found if ports else []
+        entries.append({"key": "stroke", "ports": {ports[0]: pair}})
+    return entries if ports else []
 
 
 def list_alarms(result: Result) -> list[JsonTable]:
-    """Return all alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
-    found = [_describe_alarm(result, alarm) for alarm in result.alarms]
-    return [*found, *_list_supervised(result)]
+    """Return all alarms with panel, column, display, and spans [s]; then the alarm of the supervisor."""
+    rows = [_describe_alarm(result, alarm) for alarm in result.alarms]
+    return [*rows, *_list_supervised(result)]
 
 
 def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
@@ -168,7 +166,7 @@ def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
 
 
 def list_margins(result: Result, alarm: Alarm, port: str) -> tuple[Numbers, Numbers]:
-    """Return times [s], and how far beyond its limit the quantity is then, on the curve that alarms are judged by."""
+    """Return times [s] and the excess of a quantity beyond its limit."""
     system, judged = result.system, _name_judged(result, alarm, port)
     names = [judged, system.label(port, "resistance")] if alarm.kind == "supply" else [judged]
     times, columns = result.draw_curves(names, [judged])
@@ -181,7 +179,7 @@ def list_margins(result: Result, alarm: Alarm, port: str) -> tuple[Numbers, Numb
 
 
 def _name_judged(result: Result, alarm: Alarm, port: str) -> str:
-    """Return the column that an alarm is about: of an actuator, or of the supply of all."""
+    """Return the column of an alarm: of an actuator, or of the common supply."""
     return alarm.quantity if alarm.kind == "rig" else result.system.label(port, alarm.quantity)
 
 
