@@ -6,6 +6,7 @@ name a module, the public names of stubs, pairs of files that import each other,
 
 import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -242,3 +243,13 @@ def test_a_name_that_left_a_helper_is_noticed(tmp_path: Path) -> None:
     (tmp_path / "shapes.py").write_text("LENGTH = 1.0\n")
     (tmp_path / "test_shapes.py").write_text("from shapes import LENGTH, WIDTH\n")
     assert find_stale_helpers(tmp_path) == ["test_shapes.py:1 wants `WIDTH` of `shapes`"]
+
+
+SLOW = re.compile(r"^(from|import) scipy\.(signal|stats)\b", re.MULTILINE)
+"""Imports of a second each, which every command would pay whose modules have them at their top."""
+
+
+def test_slow_parts_of_scipy_are_imported_where_they_run() -> None:
+    assert SLOW.search("import os\nfrom scipy.signal import lfilter\n")
+    paths = [path for path in PACKAGE.rglob("*.py") if SLOW.search(path.read_text(encoding="utf-8"))]
+    assert [str(path.relative_to(PACKAGE)) for path in paths] == []

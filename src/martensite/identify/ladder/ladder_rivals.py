@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import lfilter
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.ladder.blocked_records import BlockedRecord, measure_blocks
@@ -49,6 +48,8 @@ def run_lag(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
 
 def _filter_inputs(one: BlockedRecord, lag: float) -> Numbers:
     """Return the inputs behind a lag [s] that begins at rest, and a column of ones."""
+    from scipy.signal import lfilter
+
     u = one.record.inputs
     keep = np.exp(-one.record.interval / lag) if lag > 0.0 else 0.0
     slow = u[:1] + lfilter([1.0 - keep], [1.0, -keep], u - u[:1], axis=0)
