@@ -184,7 +184,7 @@ class AbstractMarch:
         self.convergence_scales = len(plan.compiled.convergence_scales)
         judged, (low, high) = self.seen[: self.convergence_scales], plan.extremes
         self.low, self.high = list(map(min, judged, low or judged)), list(map(max, judged, high or judged))
-        self.sample = 1
+        self.sample: int = 1
         self.found = Marched([functions["observe"](*self.state, *signals)])
         self.record_piece(START, self.time, self.time, (), self.state)
         self.check_envelope()
