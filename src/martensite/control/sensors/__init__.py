@@ -1,1 +1,1 @@
-"""Sensors: what is measured of what is true."""
+"""Sensors: readings of the true signals of a plant."""

@@ -1,1 +1,1 @@
-"""Supervisors: who has the last word on a bench."""
+"""Supervisors, which limit or cut the signals of controllers."""

@@ -32,7 +32,7 @@ class AbstractComposite(AbstractBlock):
 
     @abstractmethod
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Return every block adapted to what reaches it."""
+        """Return every block adapted to its signals."""
 
     def numbers(self) -> tuple[str, ...]:
         return tuple(f"{place}.{n}" for place, b in self._place_blocks for n in b.numbers())

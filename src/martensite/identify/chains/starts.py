@@ -216,7 +216,7 @@ def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> 
     """Return the chain with numbers that imitate a given one.
 
     Raises:
-        InputError: the given one has another number of blocks, or of signals between them.
+        InputError: the given chain has another number of blocks, or of signals between them.
     """
     _check_blocks(chain, given)
     dt = chain.interval

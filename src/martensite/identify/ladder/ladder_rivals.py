@@ -47,7 +47,7 @@ def run_lag(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
 
 
 def _filter_inputs(one: BlockedRecord, lag: float) -> Numbers:
-    """Return the inputs behind a lag [s] that begins at rest, and a column of ones."""
+    """Return the inputs behind a lag [s] that begins in the steady state, and a column of ones."""
     from scipy.signal import lfilter
 
     u = one.record.inputs
