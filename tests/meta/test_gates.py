@@ -36,7 +36,6 @@ COMPLEX = {
     "logs/cells.py:find_style",
     "logs/column_meanings.py:_guess_column",
     "logs/lab_files.py:interpret_table",
-    "logs/raw_table.py:find_table",
     "logs/table_headings.py:find_headings",
     "logs/value_guess.py:_guess_loop",
     "logs/value_guess.py:guess_unit",

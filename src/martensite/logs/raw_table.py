@@ -128,11 +128,12 @@ def find_table(
     sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]])
     headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
     body, again = _choose_block(rows, body, headings, where)
-    inside = [] if 0 in places else body[:40]
-    said = collect_said(rows[: body[0]]) | collect_said([rows[k] for k in inside]) | _select_texts(units)
+    table = [rows[k] for k in body]
+    inside = [] if 0 in places else table[:40]
+    said = collect_said(rows[: body[0]]) | collect_said(inside) | _select_texts(units)
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
     left, above = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
-    columns = _read_columns([rows[k] for k in body], headings, channels | units, style, places)
+    columns = _read_columns(table, headings, channels | units, style, places)
     doubt = ("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.",) * style.unsure
     return RawTable(
         path.name,
@@ -140,8 +141,8 @@ def find_table(
         separator,
         any(headings),
         columns,
-        [rows[k][0] for k in body],
-        [[cell[:60] for cell in rows[k][1]] for k in body[:20]],
+        [number for number, _ in table],
+        [[cell[:60] for cell in row] for _, row in table[:20]],
         left,
         said,
         again + doubt,
