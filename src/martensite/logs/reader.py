@@ -167,7 +167,7 @@ def read_table(
     Args:
         source: file, also of a result, or `data:<data set>/<file>`.
         columns: headings such as `temperature [degC]`, which replace those of the file; `-` skips a column.
-        interval: time between rows [s] of a file without a time column; by default 1 s.
+        interval: time between rows [s] of a file without a time column, by default 1 s.
         separator: `auto`, `comma`, `semicolon`, `tab` or `whitespace`.
         drop: leave out rows that are unreadable or repeat the time before, and count them in `Record.dropped`. A
             truncated
@@ -204,10 +204,10 @@ def read_exact(
 
     Args:
         source: file, or `data:<data set>/<file>`.
-        layout: layout of a text file; by default that of a published file.
+        layout: layout of a text file, by default that of a published file.
         interval: time between rows [s] of a file without times.
         gaps: whether samples may be missing.
-        names: arrays to read besides the time; by default all.
+        names: arrays to read besides the time, by default all.
         units: units of arrays without a unit in the file, by name.
 
     Raises:

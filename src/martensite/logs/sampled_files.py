@@ -33,7 +33,7 @@ def read_sampled(
         path: file, or `data:<data set>/<file>`.
         inputs: input columns.
         outputs: output columns.
-        interval: sample time [s]; by default that of the rows. For a file without times, the time between rows.
+        interval: sample time [s], by default as in the rows. For a file without times, the time between rows.
         units: units of columns, such as `{"position": "mm"}`; by default readable units.
 
     Raises:

@@ -16,7 +16,7 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
     Args:
         value: number in the SI `unit`.
         unit: SI unit.
-        digits: significant digits of the written unit; by default as many as the value needs.
+        digits: significant digits of the written unit, by default as many as the value needs.
     """
     spelling = choose_familiar_unit(value, unit)
     if digits is not None:

@@ -139,12 +139,12 @@ def identify_log(
         output: output column, or several with commas.
         validation: logs for the choice, instead of blocks of the first.
         other: held-out logs, instead of the last block.
-        interval: sample time [s]; by default that of the log.
+        interval: sample time [s], by default as in the log.
         units: units of columns, such as `{"duty": "%"}`.
         named: meaning of columns without a telling heading (`read_lab_file`).
         options: estimation of the best structure of each rung.
         time_box: processor time [s].
-        watch: called with a sentence and the used share of the time.
+        watch: called with a sentence and the used fraction of the time.
         keep: called with every better model.
 
     Raises:

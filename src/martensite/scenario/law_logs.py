@@ -84,13 +84,13 @@ def compare_laws_with_log(
     Args:
         names: laws; their numbers come from the material and the settings, as for `martensite law`.
         log: a file, `data:SET/FILE`, or a record with `strain` [-], `temperature` [K] and `stress` [Pa].
-        material: source of the numbers; by default the first material that has all of them.
+        material: source of the numbers, by default the first material that has all of them.
         settings: values by parameter, or by law and parameter.
         named: meaning of the columns, as in `read_lab_file`.
         stress: constant stress [Pa] of a log without one.
         temperature: constant temperature [K] of a log without one.
-        fractions: phase state at the first row; by default after cooling under the first stress.
-        tolerance: accepted change on halving the steps, as a share of range.
+        fractions: phase state at the first row, by default after cooling under the first stress.
+        tolerance: accepted change on halving the steps, as a fraction of range.
         runtime: `floats` or `c`.
 
     Raises:

@@ -49,20 +49,20 @@ def run(
     Args:
         what: path of a scenario file, a scenario, or a `System`, a `Machine` or a bench. A system needs a `drive` and a
         `duration`, a bench with built-in signals only a `duration`.
-        drive: waveform in the unit of the source, or several by name; replaces that of a scenario.
-        duration: end of the run, in seconds from 0 or as text with a unit; replaces that of a scenario.
+        drive: waveform in the unit of the source, or several by name; replaces the one of the scenario.
+        duration: end of the run, in seconds from 0 or as text with a unit; replaces the one of the scenario.
         over: variants of a batch: equally many values per parameter path (or unique ending), in SI or as text.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates, as a share of their
-        ranges; by default 1e-4 or that of the scenario.
+        ranges; by default 1e-4 or as in the scenario.
         step: longest step [s]; steps are then equal and no error is estimated.
-        samples: number of equidistant samples, both ends included; by default 1001 or that of the scenario.
-        outputs: returned columns of a batch; by default those whose accuracy is judged.
+        samples: number of equidistant samples, both ends included, by default 1001 or as in the scenario.
+        outputs: returned columns of a batch, by default those whose accuracy is judged.
         runtime: `floats`, `c` or `auto`, the fastest available; also `cuda` for a batch.
         budget: CPU time [s] after which a single run is given up.
-        tell: called repeatedly with the current activity and the finished share.
-        initial: initial state as in [initial]; by default equilibrium or that of the scenario.
+        tell: called repeatedly with the current activity and the finished fraction.
+        initial: initial state as in [initial], by default equilibrium or as in the scenario.
         start: result of the same system, or its file, from which the run continues at its own time.
-        at: time of that restart, in seconds or as text; by default the end.
+        at: time of that restart, in seconds or as text, by default the end.
         restart_at: further times at which the result keeps a state.
 
     Raises:

@@ -208,10 +208,10 @@ class Scenario:
         """Simulate the scenario.
 
         Args:
-            tolerance: replaces that of the scenario; ignored on a bench.
-            runtime: `auto`, `floats` or `c`; by default `auto`, or on a bench `c` with a compiler.
+            tolerance: replaces the value of the scenario; ignored on a bench.
+            runtime: `auto`, `floats` or `c`, by default `auto`, or on a bench `c` with a compiler.
             budget: CPU time [s] after which the run is given up.
-            tell: called with the current activity and the finished share; not on a bench.
+            tell: called with the current activity and the finished fraction; not on a bench.
         """
         if self.bench is not None:
             return self._run_bench(self.bench, runtime, budget)
