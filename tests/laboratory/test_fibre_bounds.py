@@ -43,18 +43,18 @@ def test_sample_of_a_step_that_is_not_solved_lies_between_states_that_are(monkey
     nodes: list[tuple[float, ...]] = []
     aside = AdaptiveMarch._step_aside
 
-    def fail(march: Any, trial: Any, time: float) -> Any:
+    def fail(march: Any, step: Any, time: float, hair: float) -> Any:
         kept = march.functions
         march.functions = {**kept, "solve": lambda *_: (*[1e9] * march.size, 1.0)}
-        found = aside(march, trial, time)
+        found = aside(march, step, time, hair)
         march.functions = kept
-        for low, value, high in zip(*_bounds((march.state, trial.half, trial.full), found), strict=True):
+        for low, value, high in zip(*_bounds((step.state, step.trial.half, step.trial.full), found), strict=True):
             assert low <= value <= high
         nodes.append(found)
         return found
 
     monkeypatch.setattr(AdaptiveMarch, "_step_aside", fail)
-    monkeypatch.setattr(AdaptiveMarch, "_is_smooth", lambda *_: False)
+    monkeypatch.setattr(AdaptiveMarch, "_find_smooth", lambda *_: [False, False])
     few = load(TORSION, {"element.fibres": "5", "run.duration": "3 s", "run.samples": 61})
     run(few, runtime="floats", tolerance=1e-2)
     assert len(nodes) > 20
