@@ -1,9 +1,10 @@
-"""Writes the page's types of forms from the tables that Python declares: src/form/types.ts.
+"""Write the TypeScript that follows from Python: types of forms, and constants of the time integration.
 
-    python write_types.py            writes it
-    python write_types.py --check    exits with 1 if it is not the newest
+    python write_types.py            write src/form/types.ts and src/engine/constants.ts
+    python write_types.py --check    exit with 1 if one of them is not up to date
 
-Every `TypedDict` of the files below is an interface, every alias of several a type.
+Each `TypedDict` of the sources becomes an interface, each alias of several types a type. Each listed constant becomes
+an exported constant of the same name, so that runs in the page have the error bounds of runs in Python.
 """
 
 from __future__ import annotations
@@ -16,8 +17,12 @@ from pathlib import Path
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 SOURCES = (ROOT / "src/martensite/scenario/catalogue.py", ROOT / "src/martensite/app/forms/form_types.py")
-TARGET = HERE / "src" / "form" / "types.ts"
-HEAD = "// Written by write_types.py from what Python declares; do not edit.\n"
+ACCURACY = ("LOCAL", "ERROR_SAFETY", "FLOOR", "FINER", "MOST_PASSES", "FEW", "LEAST_ACCURACY")
+CONSTANTS = {
+    ROOT / "src/martensite/simulate/accuracy.py": ACCURACY,
+    ROOT / "src/martensite/simulate/marching.py": ("SHORTEST", "FINEST", "ROUGHNESS"),
+}
+HEAD = "// Written by write_types.py from declarations in Python; do not edit.\n"
 PLAIN = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "Any": "unknown"}
 
 
@@ -25,6 +30,42 @@ def write_types() -> str:
     """The whole file."""
     blocks = [block for path in SOURCES for block in list_blocks(ast.parse(path.read_text("utf-8")))]
     return "\n".join([HEAD, *blocks])
+
+
+def write_constants() -> str:
+    """Return the file of constants.
+
+    Raises:
+        KeyError: a constant is no longer assigned in its file.
+    """
+    lines = [HEAD]
+    for path, names in CONSTANTS.items():
+        values = dict(list_assignments(ast.parse(path.read_text("utf-8"))))
+        lines += [f"export const {name} = {write_value(values[name])};" for name in names]
+    return "\n".join([*lines, ""])
+
+
+def list_assignments(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the names that a module assigns, with their values."""
+    for node in tree.body:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                yield name, value
+            case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=values)):
+                yield from ((ast.unparse(name), value) for name, value in zip(names, values, strict=True))
+
+
+def write_value(value: ast.expr) -> str:
+    """Return a number, or a table of numbers, in TypeScript."""
+    match ast.literal_eval(value):
+        case dict() as table:
+            entries = ", ".join(f"{key}: {number:g}" for key, number in table.items())
+            return f"{{ {entries} }} as const"
+        case number:
+            return f"{number:g}"
+
+
+TARGETS = {HERE / "src/form/types.ts": write_types, HERE / "src/engine/constants.ts": write_constants}
 
 
 def list_blocks(tree: ast.Module) -> Iterator[str]:
@@ -92,12 +133,13 @@ def convert_type(kind: ast.expr) -> str:
 
 
 def main() -> None:
-    """Write the file, or say that it is old."""
-    made = write_types()
-    if sys.argv[1:] != ["--check"]:
-        TARGET.write_text(made, encoding="utf-8")
-    elif TARGET.read_text("utf-8") != made:
-        sys.exit("src/form/types.ts is not the newest; run `python write_types.py` in web/.")
+    """Write the files, or report a file that is not up to date."""
+    for target, write in TARGETS.items():
+        made = write()
+        if sys.argv[1:] != ["--check"]:
+            target.write_text(made, encoding="utf-8")
+        elif not target.exists() or target.read_text("utf-8") != made:
+            sys.exit(f"{target.relative_to(HERE)} is not the newest; run `python write_types.py` in web/.")
 
 
 if __name__ == "__main__":

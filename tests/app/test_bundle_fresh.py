@@ -28,16 +28,21 @@ def write_types(*arguments: str, folder: Path = WEB) -> subprocess.CompletedProc
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-def test_the_types_of_forms_are_what_python_declares(tmp_path: Path) -> None:
+SOURCES = ("scenario/catalogue.py", "app/forms/form_types.py", "simulate/accuracy.py", "simulate/marching.py")
+
+
+@pytest.mark.parametrize(("old", "new"), [("summary: str", "summary: str | None"), ("FINER = ", "FINER = 1")])
+def test_types_and_constants_of_the_page_are_those_of_python(tmp_path: Path, old: str, new: str) -> None:
     done = write_types("--check")
     assert done.returncode == 0, done.stderr
-    shutil.copytree(WEB / "src" / "form", tmp_path / "web" / "src" / "form")
+    for folder in ("form", "engine"):
+        shutil.copytree(WEB / "src" / folder, tmp_path / "web" / "src" / folder)
     shutil.copy(WEB / "write_types.py", tmp_path / "web")
-    for name in ("src/martensite/scenario/catalogue.py", "src/martensite/app/forms/form_types.py"):
-        place = tmp_path / name
-        place.parent.mkdir(parents=True)
-        text = (WEB.parent / name).read_text("utf-8")
-        place.write_text(text.replace("summary: str", "summary: str | None"))
+    for name in SOURCES:
+        place = tmp_path / "src" / "martensite" / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        text = (WEB.parent / "src" / "martensite" / name).read_text("utf-8")
+        place.write_text(text.replace(old, new))
     done = write_types("--check", folder=tmp_path / "web")
     assert done.returncode == 1
     assert "not the newest" in done.stderr

@@ -26,8 +26,8 @@ from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.result import Result
 
-CLOSE = 1e-8
-"""Difference by rounding, as a fraction of a range. The lengths of steps to kinks amplify it."""
+CLOSE = 1e-6
+"""Difference by rounding, as a fraction of a range. It decides where a sample is interpolated and where a step ends."""
 STATIC = Command("app")
 CHANGES = {"element.diameter": 1.2e-4, "drive.waveform.high": 0.55, "run.duration": 11.0}
 
@@ -163,7 +163,7 @@ def require_run(found: dict[str, Any], scenario: Any) -> None:
     meant = scenario.run(runtime="floats")
     least = dict(compile_march(scenario.whole).convergence_scales)
     assert (found["steps"], found["rejected"], found["status"]) == (meant.steps, meant.rejected, meant.status.name)
-    assert found["accuracy"] == pytest.approx(meant.accuracy)
+    assert found["accuracy"] == pytest.approx(meant.accuracy, rel=1e-2)  # samples may come from other polynomials
     assert list(found["columns"]) == list(meant.columns)
     for name, column in meant.columns.items():
         size = max(float(np.ptp(column)), least.get(name, 0.0))

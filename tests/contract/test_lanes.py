@@ -225,10 +225,10 @@ def test_an_unknown_parameter_is_named_with_the_nearest() -> None:
 
 @pytest.mark.parametrize("shape", [(), (3,), (3, COUNT), (3, 2, COUNT), (3, 1, COUNT + 1)])
 def test_signals_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
-    with pytest.raises(InputError, match=r"\(steps, drives, lanes\)"):
+    with pytest.raises(InputError, match=r"\(steps, drives, batch\)"):
         lanes().advance(np.zeros(shape), DT)
 
 
 def test_signals_of_a_moment_must_spread() -> None:
-    with pytest.raises(InputError, match=r"\(drives, lanes\)"):
+    with pytest.raises(InputError, match=r"\(drives, batch\)"):
         lanes().observe(np.zeros(COUNT + 1))

@@ -73,9 +73,11 @@ static void find_bounds(const block *b, column *low, column *high, long all) {
     }
 }
 
-/* states on it at times; those that overshoot what they go through are no longer smooth */
+/* states on it at times; those that overshoot what they go through are no longer smooth. Observed states count in every
+   lane, the others only in lanes that are `whole`, so that no lane depends on another. */
 static void interpolate(const block *b, const column time, const column *per, const column *low, const column *high,
-                        flags_of_lanes smooth, column *x, long all) {
+                        flags_of_lanes smooth, column *x, const flags_of_lanes whole) {
+    const long all = any(whole);
     column w[5];
     EACH(i) {
         const double t0 = time[i] - b->node_time[0][i], t1 = time[i] - b->node_time[1][i];
@@ -96,7 +98,7 @@ static void interpolate(const block *b, const column time, const column *per, co
             const double least = low[k][i], most = high[k][i];
             const double hair = ROUNDING * (fabs(least) + fabs(most));
             const long inside = (least - hair <= sum) & (sum <= most + hair);
-            smooth[i] = smooth[i] && (inside || !counts);
+            smooth[i] = smooth[i] && (inside || !counts || !(observed[k] || whole[i]));
             x[k][i] = smaller(larger(sum, least), most);
         }
     }
@@ -210,16 +212,18 @@ static const column *find_node(const block *b, long i, double time, double end) 
 static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end,
                          const flags_of_lanes edge) {
     column time, per[5], last, low[SIZE + 1], high[SIZE + 1];
-    flags_of_lanes due, smooth, before, good, other, ends, waits = {0};
+    flags_of_lanes due, smooth, before, good, other, ends, waits = {0}, whole; /* whole: all states are tested */
     long leaving = 0, found = 0;
     EACH(i) {
         last[i] = taken[i] ? end[i] + STEP_TOLERANCE * b->length[i] : -1.0;
         ends[i] = edge[i] | (b->lapse[i] > 0.0) | !(end[i] < m->duration);
+        whole[i] = LANES == 1;
     }
     for (long k = 0; k < ENVELOPE; k++)
         EVERY(i) {
             const long outside = taken[i] & !is_inside(b, b->fine, k, i);
             leaving |= outside;
+            whole[i] |= outside;
             ends[i] |= outside;
         }
     for (;;) {
@@ -230,11 +234,11 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
         if (!any(due)) return;
         if (!found) {
             find_smooth(m, b, smooth, before, per);
-            find_bounds(b, low, high, leaving || LANES == 1);
+            find_bounds(b, low, high, any(whole));
             found = 1;
         }
         EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
-        interpolate(b, time, per, low, high, good, b->x2, leaving || LANES == 1);
+        interpolate(b, time, per, low, high, good, b->x2, whole);
         EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
         SOME(i, any(other)) {
             const column *node = find_node(b, i, time[i], end[i]);

@@ -1,7 +1,7 @@
 """Track of a result, computed when a measure asks for it, and error bounds of measures.
 
-A run to a tolerance is made at least twice. The bound of a measure is twice the difference of the
-measure between the last run and the run before, which is made again for this. It is not less than
+A run to a tolerance is made at least twice. The bound of a measure is the difference of the measure between the last
+run and the run before, times `ERROR_SAFETY`; the run before is repeated for this. It is not less than
 - the change of the measure if every value it reads is off by the accuracy of the run: a fraction of
   the range of the column, or, for integrals, of the value itself if this is less. A crossing or a
   peak may then move to another one that is almost as high;

@@ -2,17 +2,9 @@
 
 import { UNSOLVED, type Marched, type Plan, type RunModule } from "./march.ts";
 import type { Scenario } from "./types.ts";
-
-export const LOCAL = { 2: 0.15, 4: 0.6 } as const;
-const SURE = 2;
-const FLOOR = 0.5;
-export const FINER = 5;
-const MOST = 5;
-const FEW = 201;
-const LEAST = 1e-12;
-const SHORTEST = 1e-12;
-const FINEST = 1e-4;
-const ROUGHNESS = 3e-11;
+import {
+  ERROR_SAFETY, FEW, FINER, FINEST, FLOOR, LEAST_ACCURACY, LOCAL, MOST_PASSES, ROUGHNESS, SHORTEST,
+} from "./constants.ts";
 
 /** A plan but its tolerance; what moves with inertia bounds the shortest step. */
 export type Base = Omit<Plan, "tolerance" | "shortest" | "ranges" | "parted"> & { inertial: number };
@@ -32,7 +24,7 @@ export function marchTo(module: RunModule, scenario: Scenario, base: Base, toler
   let rows = pickJudged(scenario, found, null);
   let accuracy = Infinity;
   const floor = module.layout.shares ? 2 * FLOOR : FLOOR;
-  for (let run = 0; run < MOST; run++) {
+  for (let run = 0; run < MOST_PASSES; run++) {
     local /= FINER;
     const ranges = run || !module.layout.shares ? found.ranges : null;
     found = module.march({ ...planMarch(base, local, ranges, true), recorded: true });
@@ -72,7 +64,7 @@ function boundError(scenario: Scenario, found: Marched, before: number[][], afte
     worst = larger(worst, apart / Math.max(found.ranges[k]!, least));
   });
   const heat = scenario.judged.length ? Math.max(found.ranges[0]!, scenario.judged[0]![1]) : 1;
-  const total = Math.max(SURE * worst + found.ripple / heat, SURE * found.residual, LEAST);
+  const total = Math.max(ERROR_SAFETY * worst + found.ripple / heat, ERROR_SAFETY * found.residual, LEAST_ACCURACY);
   return Number.isFinite(total) ? total : Infinity;
 }
 

@@ -2,7 +2,8 @@
 // at levels and numbers that may change from span to span.
 
 import { Refusal } from "../lib/refusal.ts";
-import { hasFailed, planMarch, LOCAL, FINER, type Base } from "./accuracy.ts";
+import { hasFailed, planMarch, type Base } from "./accuracy.ts";
+import { FINER, LOCAL } from "./constants.ts";
 import type { Changes } from "./inputs.ts";
 import { OUT_OF_ENVELOPE, type Marched, type RunModule } from "./march.ts";
 import { describeExit, planBase, readInputs, type Inputs } from "./run.ts";

@@ -1,4 +1,4 @@
-// Written by write_types.py from what Python declares; do not edit.
+// Written by write_types.py from declarations in Python; do not edit.
 
 /** Declaration of an entry of a part. */
 export interface EntryDescription {

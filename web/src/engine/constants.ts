@@ -1,0 +1,12 @@
+// Written by write_types.py from declarations in Python; do not edit.
+
+export const LOCAL = { 2: 0.25, 4: 1 } as const;
+export const ERROR_SAFETY = 1.25;
+export const FLOOR = 0.5;
+export const FINER = 8;
+export const MOST_PASSES = 5;
+export const FEW = 201;
+export const LEAST_ACCURACY = 1e-12;
+export const SHORTEST = 1e-12;
+export const FINEST = 0.0001;
+export const ROUGHNESS = 3e-11;
