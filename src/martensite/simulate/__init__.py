@@ -1,4 +1,4 @@
-"""The time march, its result and its status."""
+"""Transient simulation with its result and status."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,15 +1,12 @@
-"""Runs to a tolerance, each on the runtime that is done first: plain floats or C.
+"""Simulation to a tolerance, in Python floats or compiled C.
+A run is repeated with local tolerances that are `FINER` times smaller. The difference of two passes times
+`ERROR_SAFETY` bounds the error of the second pass. Passes are repeated until this bound is below the tolerance. For
+random wires, the error is a quarter of the difference in the median and 1.4 times in one of a hundred. The reported
+accuracy is at least half of the tolerance, since two passes may have a common error, for example at a kink.
 
-A run is made twice, the second time to a local tolerance that is `FINER` times smaller. The difference of both, times
-`ERROR_SAFETY`, bounds the error of the second; where it is above the tolerance, a third one follows, and so on. Over
-random wires, the error of the second is a quarter of the difference in the median, and 1.4 times the difference in one
-of a hundred. Half of the tolerance is the least that is claimed, since runs may have an error in common, such as a kink
-that both meet with the same step.
-
-To it comes what the means of drives leave out of ripple, which no run shows. Where steps could be no shorter although
-their error was above the tolerance, two runs hardly differ: the sum of those errors, times `ERROR_SAFETY`, is a bound.
-Between edges of a drive that cut all steps two runs may take the same ones: hence all but the first
-split the last of them.
+The bound also includes the ripple that drive means neglect. If a step at minimum length exceeds its tolerance, two
+passes hardly differ. The sum of these errors times `ERROR_SAFETY` is then added. All passes but the first split the
+last step before a drive edge, so that two passes do not take identical steps.
 """
 
 from __future__ import annotations
@@ -35,41 +32,43 @@ from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.track import Numbers, Observe, observe_on_floats
 
 Tell = Callable[[str, float], None]
-"""Told what is being done, and which share of it is."""
+"""Callback with the current activity and the completed fraction."""
 PATIENCE = 0.5
-"""CPU time [s] for which a run is tried on floats before a compiler is started."""
+"""CPU time [s] on floats before a compiler is started."""
 LOADING_PATIENCE = 0.1
-"""CPU time [s] of a run that pays for loading code that is compiled already."""
+"""CPU time [s] of a run that justifies loading a compiled library."""
 NATIVE = "martensite.simulate.marching_native"
-"""Module that a run which is over soon does not import."""
+"""Module that short runs do not import."""
 RARELY = 8
-"""Steps on floats between two looks at the clock."""
+"""Steps on floats between two clock readings."""
 OFTEN = 0.1
-"""Time [s] between two calls of what watches."""
+"""Time [s] between two calls of the progress callback."""
 LOCAL = {2: 0.25, 4: 1.0}
-"""Accepted error of a step of the first run, as a share of the tolerance, by the order of a step:
-one of order four takes the solution of order four, and its error is that of order three."""
+"""Accepted step error of the first run, as a fraction of the tolerance, by order.
+
+A step of order four is estimated with order three.
+"""
 ERROR_SAFETY = 1.25
-"""Bound on an error over the difference of two runs by which it is seen."""
+"""Ratio of the error bound to the difference of two runs."""
 FLOOR = 0.5
 """Smallest accuracy that is reported, as a fraction of the tolerance; twice this where many points share a stress."""
 FINER = 8.0
-"""By what local tolerances go down from run to run."""
+"""Ratio of local tolerances of consecutive passes."""
 MOST_PASSES = 5
-"""Runs after the first one."""
+"""Maximum number of runs after the first."""
 FEW = 201
-"""Samples at which runs are compared."""
+"""Approximate number of compared samples."""
 LEAST_ACCURACY = 1e-12
-"""No accuracy is claimed below this."""
+"""Smallest accuracy that is reported."""
 
 March = Callable[[MarchPlan], Marched]
 _SPENT: WeakKeyDictionary[CompiledMarch, float] = WeakKeyDictionary()
-"""CPU time [s] that runs of a structure took on floats in this process: many short ones earn a compiler, too."""
+"""CPU time [s] on floats in this process, by structure; many short runs also justify a compiler."""
 
 
 @dataclass
 class RunEngine:
-    """Makes runs of a system, on the runtime that was asked for."""
+    """Runner of passes on the requested runtime."""
 
     compiled: CompiledMarch
     values: Sequence[float]
@@ -77,20 +76,20 @@ class RunEngine:
     """`floats`, `c` or `auto`."""
     tell: Tell | None = None
     budget: float | None = None
-    """CPU time [s] for all runs together."""
+    """CPU time [s] for all passes together."""
     used: str = "floats"
     """Runtime of the last pass."""
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
-        """Make a run; `BudgetError` if the budget is spent."""
+        """Run a plan; raise `BudgetError` if the budget is spent."""
         ways = {"auto": self._quickest, "c": self._on_c, "floats": self._on_floats}
         found = ways[self.runtime](plan)
         found.used = self.used
         return found
 
     def _quickest(self, plan: MarchPlan) -> Marched:
-        """On floats if it is over soon, else in C, if there is a compiler."""
+        """Run on floats if the run is short or no compiler is available, else in C."""
         from martensite.kernels.compiler import find_compiler
 
         if find_compiler() is None:
@@ -112,13 +111,13 @@ class RunEngine:
             return self._on_floats(plan)
 
     def _readiness(self, plan: MarchPlan) -> str:
-        """Return how ready the runtime C is."""
+        """Return the state of preparation of the C runtime."""
         from martensite.simulate.marching_native import kernel_of, tell_readiness
 
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 
     def _on_floats(self, plan: MarchPlan, hasty: bool = False) -> Marched:
-        """Return a run on floats; `TimeoutError` if it is `hasty` and C would be done earlier."""
+        """Run on floats; raise `TimeoutError` if `hasty` and C would be faster."""
         self.used = "floats"
         functions = self.compiled.program.bind_floats(*self.values)
         march = FixedMarch if plan.step else AdaptiveMarch
@@ -139,7 +138,7 @@ class RunEngine:
         return march(plan, functions).run(look)
 
     def _on_c(self, plan: MarchPlan) -> Marched:
-        """Return a run in C, compiled if it has to be."""
+        """Run in C and compile if necessary."""
         from martensite.simulate.marching_native import Runs, march_runs
 
         outputs = range(len(self.compiled.outputs))
@@ -150,7 +149,7 @@ class RunEngine:
         return march_runs(runs, self._watch("simulating")).take_run(0, plan.times)
 
     def observe(self, plan: MarchPlan, outputs: Sequence[int], used: str) -> Observe:
-        """Return the function that computes outputs of the states that a run recorded on the runtime `used`."""
+        """Return the function that computes outputs of recorded states on the runtime `used`."""
         if used == "C":
             from martensite.simulate.marching_native import Runs, observe_in_c
 
@@ -160,7 +159,7 @@ class RunEngine:
         return observe_on_floats(self.compiled.program.bind_floats(*self.values)["observe"], outputs)
 
     def _watch(self, doing: str) -> Callable[[float], None]:
-        """Return a function that checks the budget of a run from time to time, and reports progress."""
+        """Return a function that checks the budget and reports progress at intervals."""
         last = 0.0
 
         def watch(share: float) -> None:
@@ -191,7 +190,7 @@ def require_budget(budget: float | None, begin: float, share: float) -> float:
 
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
-    """Return the last run to a tolerance, and how far it may be off, as a share of the range of each judged output."""
+    """Return the last run to a tolerance and its error bounds as fractions of the ranges of judged outputs."""
     compared = choose_samples(len(plan.times), plan.skipped)
     local = LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
@@ -210,30 +209,29 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
 
 
 def find_floor(compiled: CompiledMarch) -> float:
-    """Return the least accuracy that is claimed, as a fraction of the tolerance."""
+    """Return the smallest accuracy that is reported, as a fraction of the tolerance."""
     return 2.0 * FLOOR if shares_stress(compiled) else FLOOR
 
 
 def shares_stress(compiled: CompiledMarch) -> bool:
-    """Return whether fibres or cells of an element put load on each other.
+    """Return whether fibres or cells of an element load each other.
 
-    Stress then amplifies errors of temperature. The second run must be finer from its start: it is judged by ranges as
-    far as they are known, as the first one.
+    Stress then amplifies temperature errors. Both runs must therefore be judged by the known ranges from their start.
     """
     return any(point.weight < 1.0 for point in compiled.points)
 
 
 def choose_rows(rows: Any, places: list[int]) -> Any:
-    """Return the rows at some ascending places, as far as a run reached them."""
+    """Return the rows at ascending places that a run reached."""
     reached = places[: bisect_left(places, len(rows))]
     return rows[reached] if hasattr(rows, "dtype") else [rows[k] for k in reached]
 
 
 @lru_cache(16)
 def choose_samples(count: int, skipped: int = 0) -> list[int]:
-    """Which of so many samples are compared: not many more than `FEW`, both ends among them.
+    """Return the indices of about `FEW` compared samples, both ends included.
 
-    Of a run that goes on where another one had reached the sample `skipped`, those of the whole run.
+    For a run that continues after the sample `skipped`, return indices of the whole run.
     """
     whole = count + skipped
     every = max(1, math.ceil((whole - 1) / (FEW - 1)))
@@ -241,7 +239,7 @@ def choose_samples(count: int, skipped: int = 0) -> list[int]:
 
 
 def measure_gaps(compiled: CompiledMarch, before: Any, after: Any) -> Numbers:
-    """Return the differences of judged outputs between two runs, at samples that both reached, (samples, judged)."""
+    """Return the differences of judged outputs at samples of both runs, (samples, judged)."""
     places = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     count = min(len(before), len(after))
     pair = (np.asarray(rows[:count], float).reshape(count, -1)[:, places] for rows in (before, after))
@@ -249,7 +247,7 @@ def measure_gaps(compiled: CompiledMarch, before: Any, after: Any) -> Numbers:
 
 
 def bound_error(compiled: CompiledMarch, found: Marched) -> float:
-    """Return the largest of the gaps of a run, with what no run shows, as a share of ranges."""
+    """Return the largest gap plus the neglected errors, as a fraction of ranges."""
     gap, scales = found.find_largest_gap(found.gap), compiled.convergence_scales
     ranges = [max(known, least) for known, (_, least) in zip(found.ranges, scales, strict=True)]
     worst = float(np.divide(gap or math.inf, ranges).max(initial=0.0))

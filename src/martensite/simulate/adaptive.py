@@ -1,27 +1,24 @@
-r"""The march with an error control in every step, on plain floats.
+r"""Time integration with step size control, on Python floats.
 
-Every step is made once whole and once in two halves, with what the drives bring in each. Halves and whole differ by
-three times the error of the halves, in the outputs that a user reads: temperature, fraction, stress, coordinates.
-Where a law gives rates a step is one of Rodas4, with the difference to its inner solution of order three
-(`martensite.physics.laws.rosenbrock`). A step whose error is above the tolerance is made again, shorter. The error of
-the heat in an element, as estimated from the difference, is added in the next step. This makes the march third order
-where it is smooth. The memory of a law is never touched: the two halves are legal steps.
+Every step is computed once as a whole and once in two halves, each half with its drive inputs. The error of the
+halves is a third of the difference in the judged outputs: temperature, fraction, stress and coordinates.
+Rate-dependent laws use Rodas4 with its embedded solution of order three (`martensite.physics.laws.rosenbrock`). A
+step with an error above the tolerance is repeated with a smaller length. The estimated heat error of an element is
+added to the next step, which makes smooth runs third order. The memory of a law remains valid, since both halves
+are regular steps.
 
-A law without rates follows the extremes of temperature and stress, and a step sees its ends only: a
-parabola through both ends and the middle shows a turn between them, and steps end on turns that
-count. They end where a transformation starts or is complete, too, if the difference says that it
-counts; a law says how far that is.
+A rate-independent law depends on extremes of temperature and stress, but a step evaluates only its ends. A parabola
+through both ends and the middle locates a turn between them, and a relevant turn ends the step. Steps also end at
+the start and finish of a transformation if the difference shows a relevant error.
 
-Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the state at a sample,
-if its last term is within the tolerance and it overshoots nothing. Else the sample waits for the next step: the
-polynomial through both may have no kink. If that is not good enough either, a separate step goes from the last point
-before the sample to it.
+Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the state at a
+sample. It is used if its last term is within the tolerance and it does not overshoot. Otherwise the sample waits
+for the next step. If no smooth polynomial fits, a separate step leads from the last point to the sample.
 
-Steps need not end on edges of a drive either, since drives are integrated. The ripple of a drive that jumps or swings
-within a half step is its difference to the mean, and is bounded by the source; where it is above the tolerance, steps
-end on the edges.
+Steps can pass edges of an integrated drive. The source bounds the ripple, which is the difference between the drive
+and its mean within a half step. Steps end on edges if the ripple exceeds the tolerance.
 
-`martensite.simulate.marching_native` is the same march in C.
+`martensite.simulate.marching_native` implements the same algorithm in C.
 """
 
 from __future__ import annotations
@@ -40,47 +37,46 @@ from martensite.simulate.marching import FIRST, SECOND, SHORTEST, STEP_TOLERANCE
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
-"""Smallest and largest ratio of the length of a step to the one before."""
+"""Smallest and largest ratio of consecutive step lengths."""
 FEW = 3
-"""Edges in a step up to which it ends on the first one, unless it may pass them."""
+"""Largest number of edges for which a step ends on the first edge."""
 SWING = 2.0
-"""Largest phase of the fastest tone in a step, in radians: a step of this length resolves the tone."""
+"""Largest phase [rad] of the fastest tone in a step; such a step resolves the tone."""
 PRESCRIBED = 0.8
-"""Largest phase in a step for signals that prescribe a state; these are read and not integrated."""
+"""Largest phase in a step for signals that prescribe a state and are not integrated."""
 BEND = 0.01
-"""Part of the bend of the course in a step that counts as error where a signal prescribes a state: its ends are right
-however long the step is."""
+"""Fraction of the curvature that counts as error if a signal prescribes a state; the ends are always exact."""
 LEAP = 1e-6
-"""Length of a step over a jump of a signal that prescribes a state, as a part of the step that is allowed there."""
+"""Length of a step over a jump of a prescribed state, as a fraction of the allowed step."""
 TURN = 0.1
-"""Error that a step may make at a turn, as a fraction of the tolerance."""
+"""Accepted error at a turn, as a fraction of the tolerance."""
 KINK_MARGIN = 0.03
-"""Share of a step before its start, or its end, in which a kink that is expected lies on it."""
+"""Margin around a kink at the ends of a step, as a fraction of the step."""
 SHORT = 0.99
-"""Part of the way to an expected kink that a step goes."""
+"""Fraction of the distance to an expected kink that a step covers."""
 HIDDEN = 3.0
-"""Error that a step may make at a bend near one of its ends, as a fraction of the tolerance."""
+"""Accepted error at a bend near a step end, as a fraction of the tolerance."""
 EDGE = 0.05
-"""Fraction of a step next to its ends within which a bend hides: the halves miss about the same as the whole."""
+"""Fraction of a step next to its ends within which halves and whole miss a bend alike."""
 BESIDE = 1e-3
-"""Share of a step before its end, or after its start, in which a turn lies on it."""
+"""Margin for a turn at the ends of a step, as a fraction of the step."""
 PER_STRESS = 1.0 / 7e6
-"""Temperature that drives a transformation like a stress [K/Pa], about: where both turn."""
+"""Approximate temperature per stress [K/Pa] with the same effect on a transformation."""
 LEAST_FALL = 1e-9
 """Distance from a kink that counts as zero."""
 BETWEEN = 1.0
-"""Last term of the interpolation as a share of the tolerance."""
+"""Last term of the interpolation as a fraction of the tolerance."""
 TRACED = 0.5
-"""Largest phase of the fastest tone in a half step that five points trace; a term of the fourth order may vanish
-by chance."""
+"""Largest phase of the fastest tone in a half step that five points resolve; a fourth-order term may vanish by chance.
+"""
 ROUNDING = 1e-12
-"""Fraction of a number that counts as rounding."""
+"""Relative rounding error."""
 CUBIC = 0.385
 """Largest value of |x (x² - 1)| between -1 and 1."""
 
 
 class Node(NamedTuple):
-    """A point of the march."""
+    """Point of the time integration."""
 
     time: float
     state: Row
@@ -89,12 +85,12 @@ class Node(NamedTuple):
 
 
 class StepTrial(NamedTuple):
-    """A step made whole and in halves."""
+    """Step computed as a whole and in halves."""
 
     length: float
     """[s]"""
     halves: Sequence[Row]
-    """Inputs of each half from the drives."""
+    """Drive inputs of each half."""
     half: Row
     """State in the middle."""
     full: Row
@@ -102,30 +98,30 @@ class StepTrial(NamedTuple):
     seen: Row
     """Judged outputs at the end."""
     points: tuple[Row, Row]
-    """States of laws without rates, in the middle and at the end."""
+    """States of rate-independent laws, in the middle and at the end."""
     owed: tuple[float, ...]
-    """Heat [J] that the halves fall short of, by drive."""
+    """Heat [J] missing in the halves, by drive."""
     error: float
-    """Share of the tolerance."""
+    """Error as a fraction of the tolerance."""
     ripple: float
     residual: float
     lapse: float
 
 
 class TakenStep(NamedTuple):
-    """A step that was taken."""
+    """Accepted step."""
 
     begin: float
     """[s]"""
     state: Row
     """State at its start."""
     owed: Sequence[float]
-    """Heat [J] of the step before that it made up for, by drive."""
+    """Heat [J] of the previous step that this step corrects, by drive."""
     trial: StepTrial
 
 
 class AdaptiveMarch(AbstractMarch):
-    """A run with error control."""
+    """Run with step size control."""
 
     def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         super().__init__(plan, functions)
@@ -164,7 +160,7 @@ class AdaptiveMarch(AbstractMarch):
     # ---------------------------------------------------------------- one step
 
     def advance(self) -> None:
-        """Take one step, however often it has to be tried."""
+        """Take one step, with as many trials as necessary."""
         try:
             self._advance()
         except ArithmeticError:
@@ -198,7 +194,7 @@ class AdaptiveMarch(AbstractMarch):
         self._accept(trial, most, planned)
 
     def _allow_length(self, length: float) -> float:
-        """Return a length that no signal which prescribes a state makes too long."""
+        """Return a length that is short enough for signals that prescribe a state."""
         end = self.duration - self.time
         for reader in self.prescribing:
             if reader.fastest > 0.0:
@@ -208,7 +204,7 @@ class AdaptiveMarch(AbstractMarch):
         return stretch_length(length, end)
 
     def _before_kink(self, length: float) -> float:
-        """Return a length to the next kink of a law, if all goes on as in the last half step."""
+        """Return the length to the next expected kink, extrapolated from the last half step."""
         least, at = max(KINK_MARGIN * length, self.shortest), 0
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
@@ -220,7 +216,7 @@ class AdaptiveMarch(AbstractMarch):
         return length
 
     def _resolve_length(self, length: float) -> tuple[float, list[Row]]:
-        """Return a length over which the mean of no drive leaves out too much, and what they bring."""
+        """Return a length over which drive means are accurate enough, and the drive inputs."""
         whole = False
         for reader in self.heating:
             edges = reader.edges(self.time + self.hair, self.time + (1.0 + STEP_TOLERANCE) * length)
@@ -241,7 +237,7 @@ class AdaptiveMarch(AbstractMarch):
             length = shorter
 
     def _to_edge(self, length: float) -> float:
-        """Return a shorter length: to the first edge of a drive that heats, or what resolves its tones."""
+        """Return a shorter length: to the first edge of a heating drive, or resolving its tones."""
         for reader in self.heating:
             edges = reader.edges(self.time + self.hair, self.time + (1.0 - STEP_TOLERANCE) * length)
             if edges:
@@ -251,21 +247,21 @@ class AdaptiveMarch(AbstractMarch):
         return length
 
     def _collect_inputs(self, begin: float, end: float) -> list[Moments | float]:
-        """Return the inputs from the drives in an interval: moments, or the value before its end."""
+        """Return the drive inputs of an interval: moments, or the value before its end."""
         return [
             reader.moments(begin, end) if width > 1 else reader.before(end)
             for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True)
         ]
 
     def _feed_step(self, brought: Sequence[Moments | float], owed: Sequence[float] = ()) -> Row:
-        """Return the inputs of a step; heat that the step before owes, if any, goes into its first half."""
+        """Return the inputs of a step; missing heat of the previous step is added to the first half."""
         found: list[float] = []
         for one, heat in zip_longest(brought, owed, fillvalue=0.0):
             found += feed_step(one, heat) if isinstance(one, Moments) else (one,)
         return tuple(found)
 
     def _whole(self, halves: Sequence[Row], length: float) -> Row:
-        """Return the inputs of the whole step from those of its halves."""
+        """Return the inputs of the whole step from the inputs of its halves."""
         found: list[float] = []
         at = 0
         for width in self.plan.compiled.widths:
@@ -307,7 +303,7 @@ class AdaptiveMarch(AbstractMarch):
         )
 
     def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
-        """Return the middle and end of a step in two halves, its end as a whole, and the worst residual."""
+        """Return the middle and end by two halves, the end as a whole, and the largest residual."""
         step, size, plan = self.functions["solve"], self.size, self.plan
         one = step(*self._extrapolate_state(self.state, self.rates, length), *halves[0], 0.5 * length)
         guessed = self._extrapolate_state(one[:size], [self.state[k] for k in plan.compiled.rates], length)
@@ -318,16 +314,15 @@ class AdaptiveMarch(AbstractMarch):
         return one[:size], two[:size], whole[:size], residual
 
     def _solve_rosenbrock(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
-        """Return the middle and end of a step where laws give rates, and its end to a lower order."""
+        """Return the middle and end with rate-dependent laws, and the end with a lower order."""
         size, inputs = self.size, self._whole(halves, length)
         ends = self.functions["rosenbrock"](*self.state, *inputs, length)
         return ends[size : 2 * size], ends[:size], ends[2 * size :], 0.0
 
     def _check_middle(self, length: float, halves: Sequence[Row], middle: Row) -> tuple[Row, float]:
-        """Return the middle of a step by one of half its length, and what the two differ by.
+        """Return the middle from a step of half the length, and the difference to the given middle.
 
-        Behind an edge of a drive rates may die out within a part of a step, which no error estimate
-        of that step sees.
+        Rates may decay within a fraction of a step after a drive edge, which the error estimate of the step misses.
         """
         signals, judge = self.signals(self.time + 0.5 * length), self.functions["judge"]
         found = self.functions["rosenbrock"](*self.state, *halves[0], 0.5 * length)[: self.size]
@@ -336,9 +331,9 @@ class AdaptiveMarch(AbstractMarch):
         return found, max(apart, default=0.0)
 
     def _find_bend(self, length: float, half: Row, fine: Row) -> float:
-        """Return how far the middle of a step is from the mean of its ends, as a part of ranges that counts as error.
+        """Return the distance of the middle from the mean of the ends, as an error in ranges.
 
-        It is 0 where no signal prescribes a state, and in a step that begins with a jump of one that does.
+        It is 0 if no signal prescribes a state, or if such a signal jumps at the start of the step.
         """
         signals = self.signals(self.time)
         if not self.plan.compiled.follows or self.leaps:
@@ -349,11 +344,11 @@ class AdaptiveMarch(AbstractMarch):
         return BEND * max(bends, default=0.0)
 
     def _jumps(self) -> bool:
-        """Return whether a signal that prescribes a state jumps here."""
+        """Return whether a signal that prescribes a state jumps at the current time."""
         return any(reader.value(self.time) != reader.before(self.time) for reader in self.prescribing)
 
     def _extrapolate_state(self, state: Row, before: Sequence[float], length: float) -> Row:
-        """Return a state whose rates go on as they changed over two half steps."""
+        """Return the state extrapolated with the change of rates over two half steps."""
         gap = 0.5 * (self.last_half + 0.5 * length)
         first = state is self.state
         ratio = gap / self.last_half if first else 0.5 * length / gap
@@ -368,7 +363,7 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _measure(self, length: float, halves: Sequence[Row], half: Row) -> tuple[float, float]:
-        """Return the largest lapse of a drive, and its temperature error [K]."""
+        """Return the largest lapse of a drive and its temperature error [K]."""
         at, lapse = 0, 0.0
         for width in self.plan.compiled.widths:
             if width > 1:
@@ -382,12 +377,11 @@ class AdaptiveMarch(AbstractMarch):
         return lapse, max(ripples)
 
     def _find_kink(self, trial: StepTrial) -> float:
-        """Return the share of a step at which a law without rates turns or bends, if that counts; else 1.
+        """Return the place of a relevant turn or bend of a rate-independent law in a step; else 1.
 
-        It misses the height of a turn over the points that it sees, times how its fractions go with
-        what drives them about here. A turn that may just reach a kink which no point has reached
-        counts, since no error shows it. A bend counts if the error is not small, or if it is near an
-        end of the step and a slope changes by much: the error does not show that one.
+        The error at a turn is its height above the computed points, times the local sensitivity of the fractions. A
+        turn that may reach an unseen kink always counts. A bend counts if the error is not small. It also counts if
+        it is near a step end and a derivative changes strongly, since the error estimate misses this case.
         """
         first, at = 1.0, 0
         for fraction, weight, size in self.plan.compiled.points:
@@ -408,7 +402,7 @@ class AdaptiveMarch(AbstractMarch):
         return first
 
     def _find_bends(self, trial: StepTrial, rows: Sequence[Row], allowed: float) -> Iterator[float]:
-        """Yield the fractions of a step at which a law bends, if that counts."""
+        """Yield the fractions of a step at which a law has a relevant bend."""
         ratio = 0.5 * trial.length / self.last_half
         for k in range(4, len(rows[0])):
             share = find_fall(ratio * (rows[0][k] - rows[1][k]), *(row[k] for row in rows[1:]))
@@ -416,7 +410,7 @@ class AdaptiveMarch(AbstractMarch):
                 yield share
 
     def _shorten_step(self, trial: StepTrial) -> float:
-        """Return the next length to try after one that was too long."""
+        """Return the next trial length after a rejected step."""
         if trial.error == math.inf:
             return 0.25 * trial.length
         shorter = trial.length * max(LEAST_CHANGE, min(self._change(trial), SAFETY))
@@ -425,21 +419,20 @@ class AdaptiveMarch(AbstractMarch):
         return shorter
 
     def _change(self, trial: StepTrial) -> float:
-        """By what the length of a step is to be changed for the tolerance."""
+        """Return the factor on the step length for the tolerance."""
         return SAFETY * max(trial.error, 1e-9) ** (-1.0 / self.exponent)
 
     def _trend(self, trial: StepTrial) -> float:
-        """By what the next step is to be shorter if errors go on to grow as they just did."""
+        """Return the reduction of the next step for errors that keep growing at the last rate."""
         power = self.exponent
         rough = max(trial.error, 1e-9) / trial.length**power
         last, self.rough = self.rough, 0.0 if self.at_edge or self.at_kink else rough
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
 
     def _keep_ledger(self, trial: StepTrial) -> None:
-        """Add the heat and the work of a step to the ledger; inputs are means over both ends of a half.
+        """Add the heat and work of a step to the ledger, with mean inputs over each half.
 
-        It evaluates the laws of heating and cooling at the computed states. It is separate from the step, which
-        linearises these laws.
+        Heating and cooling laws are evaluated at the computed states, whereas the step linearises these laws.
         """
         flows, entries = self.functions["flows"], self.functions["entries"]
         one, two = trial.halves
@@ -470,7 +463,7 @@ class AdaptiveMarch(AbstractMarch):
         found.steps += parts
         found.longest = max(found.longest, length / parts)
         found.ripple = max(found.ripple, trial.ripple)
-        missed = self.plan.tolerance * trial.error if trial.error > 1.0 else 0.0  # no step is shorter
+        missed = self.plan.tolerance * trial.error if trial.error > 1.0 else 0.0  # minimum step length
         found.residual = max(found.residual, trial.residual) + missed
         middle = self.time + 0.5 * length
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
@@ -504,7 +497,7 @@ class AdaptiveMarch(AbstractMarch):
         return [Node(half, trial.half, middle), Node(end, trial.full, trial.seen)]
 
     def _keep_samples(self, end: float, step: TakenStep, nodes: Sequence[Node]) -> None:
-        """Keep the samples up to the end of a step [s], but for those that wait for the next step."""
+        """Store the samples up to the end of a step [s], except those that wait for the next step."""
         times, trial = self.plan.times, step.trial
         hair = STEP_TOLERANCE * trial.length
         ends = self._is_last(end, trial)
@@ -523,7 +516,7 @@ class AdaptiveMarch(AbstractMarch):
             self._keep_row(state, time)
 
     def _keep_waiting(self) -> None:
-        """Keep the samples that wait for a step which cannot be taken."""
+        """Store the samples that wait for a step which cannot be taken."""
         times = self.plan.times
         while self.taken and self.sample < len(times) and times[self.sample] <= self.time:
             time = times[self.sample]
@@ -534,15 +527,15 @@ class AdaptiveMarch(AbstractMarch):
         self.sample += 1
 
     def _is_last(self, end: float, trial: StepTrial) -> bool:
-        """Return whether no polynomial goes on from a step: to an edge, a jump, the end of the run or the envelope."""
+        """Return whether no polynomial continues after a step: at an edge, a jump or the end of the run."""
         if self.at_edge or trial.lapse > 0.0 or end >= self.duration:
             return True
         return self.plan.limits.find_exit(trial.seen[self.convergence_scales :]) is not None
 
     def _find_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> list[bool]:
-        """Return whether the polynomial through five points is good enough in a step, and in the one before.
+        """Return whether the polynomial through five points is accurate in a step and in the previous step.
 
-        Its own last term is small enough, or, where a sixth point is known, the one that would come next.
+        The criterion is its last term, or the next term if a sixth point is known.
         """
         half, last = 0.5 * trial.length, self.last_half
         traced = all(reader.fastest * max(half, last) <= TRACED for reader in self.readers)
@@ -555,7 +548,7 @@ class AdaptiveMarch(AbstractMarch):
         return [self._is_flat(nodes[-5:], far) or (six and self._is_flat(nodes, far * way)) for far in reached]
 
     def _is_flat(self, nodes: Sequence[Node], reached: float) -> bool:
-        """Return whether the last term of the polynomial through some points is within the tolerance."""
+        """Return whether the last term of the polynomial through the points is within the tolerance."""
         times = [node.time for node in nodes]
         for k in range(self.convergence_scales):
             last = divided_difference(times, [node.seen[k] for node in nodes])
@@ -564,7 +557,7 @@ class AdaptiveMarch(AbstractMarch):
         return True
 
     def _between(self, nodes: Sequence[Node], time: float) -> Row | None:
-        """Return the state on that polynomial; None where it overshoots what it goes through."""
+        """Return the interpolated state; None if the polynomial overshoots its points."""
         found = list(interpolate_state(nodes, time))
         for k, column in enumerate(zip(*(node.state for node in nodes), strict=True)):
             low, high = min(column), max(column)
@@ -575,7 +568,7 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _step_aside(self, step: TakenStep, time: float, hair: float) -> Row:
-        """Return the state after a step from the last half step, or this state itself within a hair [s]."""
+        """Return the state after a step from the last half step, or this state within a hair [s]."""
         trial, middle = step.trial, step.begin + 0.5 * step.trial.length
         name = "rosenbrock" if self.plan.order == 4 else "solve"
         late = name == "solve" and time >= middle
@@ -583,14 +576,14 @@ class AdaptiveMarch(AbstractMarch):
         if time - begin > hair:
             inputs = self._feed_step(self._collect_inputs(begin, time), () if late else step.owed)
             found = self.functions[name](*state, *inputs, time - begin)
-            if name == "solve" and not found[self.size] <= SOLVED:  # a straight line between states that were solved
+            if name == "solve" and not found[self.size] <= SOLVED:  # a straight line between computed states
                 share, ahead = (time - begin) / (0.5 * trial.length), trial.full if late else trial.half
                 return tuple(a + share * (b - a) for a, b in zip(state, ahead, strict=True))
             state = found[: self.size]
         return state
 
     def _scale(self, k: int, value: float | None = None) -> float:
-        """Return the range of a judged output, as far as it is known."""
+        """Return the known range of a judged output."""
         if not self.convergence_scales:
             return 1.0
         low, high = self.low[k], self.high[k]
@@ -614,14 +607,15 @@ def join_halves(first: Moments, last: Moments, length: float) -> Moments:
 
 
 def stretch_length(length: float, end: float) -> float:
-    """Return a length that reaches an end without a short rest before it."""
+    """Return a length that reaches an end without a short remainder."""
     if length >= (1.0 - STEP_TOLERANCE) * end:
         return end
     return 0.5 * end if length > 0.6 * end else length
 
 
 def find_extreme(first: float, middle: float, last: float) -> tuple[float, float]:
-    """Return the share of a step at which a parabola turns, and how far beyond all three points; 1 if not."""
+    """Return the fraction of a step at which a parabola turns, and its height beyond the points; 1 if it does not turn.
+    """
     one, two = middle - first, last - middle
     bend, rise = two - one, one + two
     if not abs(rise) < 2.0 * abs(bend):
@@ -632,10 +626,10 @@ def find_extreme(first: float, middle: float, last: float) -> tuple[float, float
 
 
 def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
-    """Return the share of a step at which a number falls to 0; else 1.
+    """Return the fraction of a step at which a value falls to 0; else 1.
 
-    Where it would go on as it did: `ahead` is what it falls by in half a step, before the first of
-    its values, which are half steps apart. On the chord if that is not where it falls.
+    The three values are half steps apart, and `ahead` is the extrapolated fall per half step. A chord replaces an
+    inconsistent extrapolation.
     """
     if not (first > LEAST_FALL and min(middle, last) <= 0.0):
         return 1.0
@@ -645,7 +639,7 @@ def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
 
 
 def find_missed(rows: Sequence[Row], ratio: float, share: float) -> float:
-    """Return the change of slope at a bend near an end of a step, times its distance from this end; 0 elsewhere.
+    """Return the change of derivative at a bend near a step end times its distance from that end; else 0.
 
     Args:
         rows: points half a step earlier, at the start, in the middle and at the end.
@@ -660,7 +654,7 @@ def find_missed(rows: Sequence[Row], ratio: float, share: float) -> float:
 
 
 def find_dip(first: float, middle: float, last: float) -> float:
-    """Return the share of a step at which a number turns that may pass 0 there and nowhere else; else 1."""
+    """Return the fraction of a step at which a value turns and passes 0 nowhere else; else 1."""
     share, below = find_extreme(first, middle, last)
     least = min(first, middle, last)
     return share if middle - first < 0.5 * (last - first) and LEAST_FALL < least < 2.0 * below else 1.0
@@ -676,7 +670,7 @@ def divided_difference(times: Sequence[float], values: Sequence[float]) -> float
 
 
 def interpolate_state(nodes: Sequence[Node], time: float) -> Row:
-    """Return the state on the polynomial through some nodes."""
+    """Return the state on the polynomial through the nodes."""
     weights: list[float] = []
     for i, node in enumerate(nodes):
         others = [other.time for j, other in enumerate(nodes) if j != i]

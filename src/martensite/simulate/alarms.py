@@ -1,18 +1,17 @@
 """Alarms: exceeded limits, with the first time, the duration and the amount.
 
-Alarms come from the accepted steps of a run (`martensite.simulate.track`), which a column follows
-on straight lines between the points of its curve. A short pulse in a long run is judged as it was
-computed.
+Alarms are computed from the accepted steps of a run (`martensite.simulate.track`), with straight lines between
+points. Short pulses in long runs are therefore included.
 
-| kind | beyond the limit when | limit |
+| kind | condition | limit |
 | --- | --- | --- |
-| temperature | the hottest place of the element is too hot | `temperature_limit` |
+| temperature | the hottest point of the element is too hot | `temperature_limit` |
 | stress | the stress is too high | `stress_limit` |
-| strain | the strain is too far from the farthest value that it had before | `strain_limit` |
-| slack | the element, once under force, has none | 0 N |
-| supply | the drive asks for more (or less) than the source can deliver | `reach` of the source |
-| rig | several sources ask a supply that they share for more current | its `current_limit` |
-| drift | another share of the martensite is oriented after the first cycle | at the start |
+| strain | the strain differs too much from its farthest earlier value | `strain_limit` |
+| slack | the element loses its tension | 0 N |
+| supply | the demand of the drive is outside the range of the source | `reach` of the source |
+| rig | several sources exceed the current of a common supply | its `current_limit` |
+| drift | the oriented fraction changes in the first cycle | at the start |
 """
 
 from __future__ import annotations
@@ -37,60 +36,60 @@ if TYPE_CHECKING:
 Numbers: TypeAlias = NDArray[np.float64]
 Values: TypeAlias = Sequence[float] | Numbers
 Columns = Mapping[str, Any]
-"""Points of outputs by name, in SI."""
+"""Values of outputs by name, in SI."""
 FRACTIONS = ("martensite_fraction", "oriented_fraction")
 SUPPLY = ("supply_demand", "supply_voltage")
 JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance", *FRACTIONS, *SUPPLY)
-"""Outputs that alarms are about, of an actuator and of a supply that several share."""
+"""Judged outputs of an actuator and of a common supply."""
 EXACT = ("drive", "resistance", *FRACTIONS)
-"""Outputs that go no farther between the rows of a track than at them."""
+"""Outputs with extremes at the rows of a track."""
 WIDENED = 1.1
-"""Factor of changes above which a curve between rows is looked at."""
+"""Factor on changes above which the curve between rows is evaluated."""
 ROUNDING = 1e-9
-"""Share of a demand by which it may exceed what can be delivered."""
+"""Tolerance of a demand above the reach, as a fraction of the demand."""
 DRIFT = 0.05
-"""Change of the oriented fraction in a first cycle that counts as zero."""
+"""Change of the oriented fraction in the first cycle that counts as zero."""
 CYCLE = 0.5
-"""Martensite fraction that a cycle loses and regains."""
+"""Change of the martensite fraction that counts as a cycle."""
 RETURNED = 0.01
 """Martensite fraction that may be missing after a cycle."""
 DOUBT_FRACTION = 0.8
-"""Share of a stress from which a law is doubtful, from which on it is said."""
+"""Fraction of the doubtful stress of a law that triggers a warning."""
 LOADED_ALIKE = 0.2
-"""Difference of two stresses, as a share of the larger, under which orientation is compared."""
+"""Relative difference of two stresses up to which orientation is compared."""
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """One limit that was exceeded; all numbers in SI."""
+    """Exceeded limit, with all numbers in SI."""
 
     kind: str
     """temperature, stress, strain, slack, supply, rig or drift."""
     quantity: str
-    """Output that was judged."""
+    """Judged output."""
     unit: str
     """SI unit of `worst`, `limit` and `excess`."""
     worst: float
-    """Value farthest beyond the limit; of the strain its change; of a supply the demand."""
+    """Value farthest beyond the limit; the change of a strain, or the demand on a supply."""
     limit: float
-    """Limit at that time; for a supply the largest that it could deliver."""
+    """Limit at that time; the largest deliverable value of a supply."""
     excess: float
-    """Distance of the two."""
+    """Distance of both."""
     first: float
     """Time at which the limit was first exceeded [s]."""
     duration: float
-    """Time spent beyond the limit in all [s]."""
+    """Total time beyond the limit [s]."""
     worst_time: float
     """Time of the worst value [s]."""
     sentence: str
-    """Alarm in words."""
+    """Alarm message."""
     port: str = ""
-    """Which of several actuators it is about."""
+    """Actuator of the alarm."""
 
 
 @dataclass(frozen=True)
 class RunWarnings:
-    """Alarms of a run, and sentences on them and on what its laws leave in doubt."""
+    """Alarms of a run, and warnings on alarms and on laws outside their range."""
 
     alarms: Sequence[Alarm] = ()
     sentences: Sequence[str] = ()
@@ -98,12 +97,12 @@ class RunWarnings:
 
 @dataclass(frozen=True)
 class Excursion:
-    """When a margin was above zero."""
+    """Interval in which a margin is above zero."""
 
     first: float
     duration: float
     worst: int
-    """Place of the largest margin."""
+    """Index of the largest margin."""
 
     def words(self) -> str:
         """Return the first time and duration in words."""
@@ -111,7 +110,7 @@ class Excursion:
 
 
 def find_excursion(times: Values, margins: Values) -> Excursion | None:
-    """Return when a margin was above zero, on straight lines between its points; None if never."""
+    """Return the time in which a margin is above zero, linear between its points; None if never."""
     time, margin = np.asarray(times, float), np.asarray(margins, float)
     worst = int(margin.argmax())
     if not margin[worst] > 0.0:
@@ -139,7 +138,7 @@ def alarms_of(system: AbstractSystem, times: Values, columns: Columns) -> list[A
 
 
 def _watch_supply(system: AbstractSystem, times: Numbers, columns: Columns) -> list[Alarm]:
-    """Return the alarm of a shared supply that cannot give what all sources ask for together."""
+    """Return the alarm of a common supply that the sources overload."""
     plant = system.plant if isinstance(system, AbstractSystemAround) else system
     if not isinstance(plant, Machine) or plant.supply is None:
         return []
@@ -218,13 +217,13 @@ def _watch_strain(times: Numbers, strain: Numbers, limit: float) -> Alarm | None
 
 
 def farthest_changes(strain: Values) -> Numbers:
-    """Return the distance of every value of the strain from the farthest value before it."""
+    """Return the distance of every strain from its farthest earlier value."""
     values = np.asarray(strain, float)
     return np.maximum(np.maximum.accumulate(values) - values, values - np.minimum.accumulate(values))
 
 
 def _watch_slack(times: Numbers, force: Numbers) -> Alarm | None:
-    """Return the alarm of an element without force that had some; it has no size, since a slack wire has no stress."""
+    """Return the alarm of an element that loses its tension; slack has no magnitude."""
     slack = force <= 0.0
     if not slack.any() or slack[0]:
         return None
@@ -237,10 +236,10 @@ def _watch_slack(times: Numbers, force: Numbers) -> Alarm | None:
 
 
 def _watch_first_cycle(times: Numbers, columns: Columns, alone: bool) -> Alarm | None:
-    """Return the alarm of an orientation after the first cycle that differs from that at the start.
+    """Return the alarm of an oriented fraction that changed in the first cycle.
 
-    Compared at much the same stress; for an element that is alone on what nothing else drives, at whatever stress that
-    leaves, which differs because of the drift.
+    Fractions are compared at similar stress. For a single free element they are compared at any stress, since the
+    drift changes the stress.
     """
     fraction, oriented = (columns[name] for name in FRACTIONS)
     at = _find_return(fraction, columns["stress"], alone)
@@ -262,7 +261,7 @@ def _watch_first_cycle(times: Numbers, columns: Columns, alone: bool) -> Alarm |
 
 
 def _find_return(fraction: Numbers, stress: Numbers, alone: bool) -> int | None:
-    """Return where after a first cycle the stress is most like the stress at the start; None if nowhere."""
+    """Return the point after a first cycle with the stress nearest to the initial stress; None if none fits."""
     full, hot = fraction[0] - RETURNED, fraction[0] - CYCLE
     below = fraction < hot
     if hot < 0.0 or not below.any():
@@ -279,7 +278,7 @@ def _find_return(fraction: Numbers, stress: Numbers, alone: bool) -> int | None:
 
 
 def find_undelivered(source: AbstractSource, times: Values, drive: Values, resistance: Values) -> Alarm | None:
-    """Return the alarm of a source that is asked for more than it can deliver; None if it never is."""
+    """Return the alarm of a source whose demand exceeds its range; None if it never does."""
     time, demand = np.asarray(times, float), np.asarray(drive, float)
     when = find_excursion(time, undelivered_margins(source, demand, resistance))
     if when is None:
@@ -297,14 +296,14 @@ def find_undelivered(source: AbstractSource, times: Values, drive: Values, resis
 
 
 def undelivered_margins(source: AbstractSource, drive: Values, resistance: Values) -> Numbers:
-    """Return how far each demand is beyond the reach of the source, in its unit."""
+    """Return the excess of each demand over the reach of the source, in its unit."""
     demand = np.asarray(drive, float)
     reached = source.reach(np.asarray(resistance, float))  # type: ignore[arg-type] # the reach of every point at once
     return np.maximum(demand - reached.most, reached.least - demand) - ROUNDING * np.abs(demand)
 
 
 def judge_limits(result: Result) -> RunWarnings:
-    """Return the alarms of a run with their sentences, from its track, or from its samples if it has none."""
+    """Return the alarms of a run and their messages, from its track or else its samples."""
     system, alarms = result.system, list[Alarm]()
     if system.actuators():
         names = [name for name in system.outputs() if name.rpartition(".")[2] in JUDGED]
@@ -320,12 +319,12 @@ def judge_limits(result: Result) -> RunWarnings:
 
 
 def _widen(name: str, column: Numbers) -> Numbers:
-    """Return a column with larger changes, so that a limit which is nearly reached between its rows counts."""
+    """Return a column with enlarged changes, so that near misses between rows are evaluated."""
     return column if name.rpartition(".")[2] in EXACT else column[0] + WIDENED * (column - column[0])
 
 
 def _describe_doubts(result: Result, columns: Columns) -> list[str]:
-    """Return warnings for laws whose stress comes near to the range where they are doubtful."""
+    """Return warnings for stresses near the validity limit of a law."""
     found: list[str] = []
     for port, one in result.system.actuators().items():
         law, name = one.element.law, result.system.label(port, "stress")

@@ -1,4 +1,4 @@
-"""`simulate`: one run, to a tolerance, with a bound on the error that is left."""
+"""`simulate`: one run to a tolerance, with a bound on the remaining error."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from martensite.simulate.stops import end_at_envelope
 from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
 
 LOOKS = 50
-"""Number of times that a run in discrete time with a budget looks at the CPU time."""
+"""Number of clock readings in a discrete-time run with a budget."""
 RUNTIMES = ("auto", "floats", "c")
 
 
@@ -50,14 +50,14 @@ def simulate(
     start: Restart = HOME,
     restart_at: Sequence[float] = (),
 ) -> Result:
-    """Run a system under a waveform until `duration` [s], by default from its initial state at rest.
+    """Simulate a system under a waveform up to `duration` [s], by default from equilibrium.
 
-    Drives are integrated over every step, and an error control makes every step as short as it has to be
-    (`martensite.simulate.adaptive`). The run is made at least twice, to different local tolerances; `Result.accuracy`
-    bounds the remaining error. A system in discrete time has fixed steps: waveforms are read at their starts.
+    Drives are integrated over every step, and the step size is controlled (`martensite.simulate.adaptive`). The run
+    is repeated with different local tolerances; `Result.accuracy` bounds the remaining error. A system in discrete
+    time has fixed steps and reads waveforms at their starts.
 
-    A run that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE. Its columns, its
-    balances and its sentence end at the same time.
+    A run that leaves the physical envelope stops with the status OUT_OF_ENVELOPE. Its columns and balances end at
+    that time.
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
@@ -65,8 +65,8 @@ def simulate(
             table of them by name.
         duration: end of the run [s], counted from 0 also if it starts later.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
-            as a share of the range of each, or of the least range that counts (1 K, 0.01, 1 MPa,
-            and what the mechanism says).
+            as a fraction of the range of each, or of the least range that counts (1 K, 0.01, 1 MPa,
+            and what the mechanism declares).
         step: longest step [s]; if given, one run is made with equal steps between samples and
             edges, and nothing is estimated.
         samples: number of equidistant samples returned, both ends included; of a run that starts later
@@ -74,14 +74,14 @@ def simulate(
         runtime: `floats`, `c` (compiled on the spot), or `auto`: floats for what is over
             before a compiler would have started, else C, if there is a compiler.
         budget: CPU time [s] after which the run is given up; none by default.
-        tell: called now and then with what is being done and which share of it.
+        tell: called now and then with what is being done and the completed fraction.
         start: time and state in which it starts (`martensite.simulate.restarts`).
         restart_at: times [s] at which a state is kept with the result, as at the end; a step ends there,
             and the march forgets its history.
 
     Raises:
         InputError: an argument is out of range.
-        SolveError: the run failed, or its budget is spent; the sentence says when and what to try.
+        SolveError: the run failed, or its budget is spent; the message gives when and a remedy.
     """
     check_run(duration, tolerance, step, samples)
     if runtime == "cuda":
@@ -175,7 +175,7 @@ def _in_discrete_time(
 def _march_grid(
     system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str, start: Row = ()
 ) -> Marched:
-    """Return a run on given steps; on floats if it fails elsewhere, since these say when, and where."""
+    """Run on given steps; repeat a failed run on floats, which report time and place."""
     found: Marched | None = None
     limits = envelope_of(system)
     if runtime == "c":
@@ -189,24 +189,24 @@ def _march_grid(
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
-    """Return a first guess of the step [s]: the longest one that is sensible, or a sample."""
+    """Return a first guess of the step [s]: the longest sensible step or a sample."""
     return min(longest_step(system), duration / (samples - 1))
 
 
 def inertial_step(system: AbstractSystem) -> float:
-    """Return the first step of what moves with inertia [s]; 0 if nothing does."""
+    """Return the first step of a system with inertia [s]; 0 without inertia."""
     first = system.mechanism.first_step()
     return first if math.isfinite(first) else 0.0
 
 
 def steps_in(system: AbstractSystem, time: float) -> int:
-    """Return the steps into which a time [s] is cut so that none is longer than is sensible; 1 at least."""
+    """Return the number of sensible steps in a time [s], at least 1."""
     return max(1, math.ceil(time / longest_step(system) - 1e-9))
 
 
 @remember
 def longest_step(system: AbstractSystem) -> float:
-    """Return a tenth of the least thermal time constant [s], or what the mechanism can bear."""
+    """Return a tenth of the smallest thermal time constant [s], or the limit of the mechanism."""
     constants: list[float] = []
     for one in system.actuators().values():
         warm = one.environment.temperature + 50.0
@@ -217,7 +217,7 @@ def longest_step(system: AbstractSystem) -> float:
 
 
 class _RunContext(NamedTuple):
-    """Parts of a result that do not come from its march."""
+    """Parts of a result that do not depend on the time integration."""
 
     waveform: Waveforms
     trace: AbstractTrace | None
@@ -262,7 +262,7 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, conte
 
 
 def _warn_of_residuals(balances: Mapping[str, HeatBalance | WorkBalance | None], tolerance: float) -> list[str]:
-    """Return a warning for each balance of which too much is missing."""
+    """Return a warning for each balance with a large residual."""
     residuals = {words: one.residual for words, one in balances.items() if one is not None}
     return [
         f"Warning: {residual:.1e} of the {words} is not accounted for, more than the tolerance of {tolerance:.1e}."
@@ -272,7 +272,7 @@ def _warn_of_residuals(balances: Mapping[str, HeatBalance | WorkBalance | None],
 
 
 def check_run(duration: float, tolerance: float, step: float | None, samples: int) -> None:
-    """Raise `ParameterError` where an argument of a run is out of range."""
+    """Raise `ParameterError` for an argument out of range."""
     for name, value in (("duration", duration), ("tolerance", tolerance), ("step", step)):
         if value is not None and not (0.0 < value < math.inf):
             raise ParameterError(f"Argument `{name}` must be above 0, but is {value}.")

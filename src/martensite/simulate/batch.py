@@ -30,18 +30,18 @@ from martensite.simulate.variants import NAMES, RUNTIMES, VariantSetup
 
 @dataclass(frozen=True)
 class OutputSensitivity:
-    """One output over time and its derivatives with respect to parameters."""
+    """Output over time and its derivatives with respect to parameters."""
 
     times: Any
     column: Any
-    """The output, (samples,), in SI units; (runs, samples) of a batch, in which a run that failed has no numbers."""
+    """Output in SI, (samples,); (runs, samples) for a batch, NaN for failed runs."""
     slopes: dict[str, Any]
     """d(output)/d(parameter) by full parameter path, of the same shape."""
     status: tuple[Status, ...] = (Status.OK,)
     """Status at the end of every run."""
 
     def of_range(self) -> dict[str, Any]:
-        """Return the derivative of the output's range (for the position: of the stroke); of a batch, (runs,)."""
+        """Return the derivative of the range of the output (stroke for a position); for a batch, (runs,)."""
         ends = [np.expand_dims(find(self.column, -1), -1) for find in (np.argmax, np.argmin)]
         return {p: np.subtract(*(np.take_along_axis(s, k, -1) for k in ends)).sum(-1) for p, s in self.slopes.items()}
 
@@ -61,11 +61,10 @@ def simulate_batch(
     precision: str = "float64",
     devices: int | None = 1,
 ) -> Result:
-    """Run variants of a system that differ in the parameters named in `over`.
+    """Simulate variants of a system that differ in the parameters named in `over`.
 
-    Every run has a separate error control and a bound on the remaining error, as in `simulate`; runs do not influence
-    each other. A run that leaves the envelope, or fails, keeps the samples computed before. With `step` given, runs use
-    equal steps, and no error is estimated.
+    Every run has its own step size control and error bound, as in `simulate`. A run that fails or leaves the
+    envelope keeps its earlier samples. With `step` given, runs use equal steps without error estimation.
 
     Args:
         system: the system at its nominal parameters.
@@ -73,7 +72,7 @@ def simulate_batch(
         duration: length of the runs [s].
         over: parameter path (or unique ending) -> one value per variant, in SI.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
-            as a share of the range of each, or of the least range that counts.
+            as a fraction of the range of each, or of the least range that counts.
         step: longest of equal steps [s]; if given, nothing is estimated.
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
@@ -128,7 +127,7 @@ def _build_result(
     controlled: bool,
     runtime: str,
 ) -> Result:
-    """Build the result of a batch, with a warning if runs did not reach their end."""
+    """Build the result of a batch, with a warning for incomplete runs."""
     status = [Status(one) for one in ran.status.tolist()]
     measured = (name for name in ran.columns if name in system.outputs())
     ends = {name: (ran.numbers[2 * k], ran.numbers[2 * k + 1]) for k, name in enumerate(measured)}
@@ -183,7 +182,7 @@ def compute_sensitivity(
         step: longest of equal steps [s].
         output: name of the column whose derivatives are wanted.
         samples: number of equidistant samples, both ends included.
-        runtime: `c`, `cuda` (a GPU of NVIDIA, one run a thread), or `auto`, which is C.
+        runtime: `c`, `cuda` (a GPU of NVIDIA, one run per thread), or `auto`, which is C.
         over: parameter path (or unique ending) -> one value per run of a batch, in SI.
 
     Raises:
@@ -228,7 +227,7 @@ def compute_sensitivity(
 def _differentiate_in_c(
     compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
 ) -> tuple[Any, Any, float]:
-    """Return a column, its derivatives by some parameters, and the worst residual, in C."""
+    """Return an output, its derivatives and the largest residual, in C."""
     seeds = np.zeros((len(values), len(rows)))
     seeds[rows, range(len(rows))] = 1.0
     found = march_slopes(compiled, values, seeds, grid, [place])

@@ -1,9 +1,9 @@
-"""How far a curve may be from the straight lines through its nodes.
+"""Distance between a curve and the straight lines through its nodes.
 
-A step has the nodes 1, 2, 3; the nodes 0 and 4 are half a step before and after it. Between two nodes a curve may have
-a corner, as at the start of a transformation. The lines through the pairs of nodes on both sides of the gap go on
-to where they meet: this is the height of the corner, and twice to four times the height of a smooth curve. If one of
-the pairs is missing, or the lines do not meet within the gap, the curve is a parabola of twice the height.
+A step has the nodes 1, 2, 3; the nodes 0 and 4 are half a step before and after it. The curve may have a corner
+between two nodes, as at the start of a transformation. The lines through the node pairs on both sides intersect at
+the corner. Their height is two to four times the height of a smooth curve. Without an intersection in the gap, a
+parabola of twice the height is used.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Flags = NDArray[np.bool_]
 
 
 def bend_chords(times: Numbers, values: Numbers, joined: Flags, shares: Numbers) -> Numbers:
-    """Return how far a curve may be from the lines between the nodes 1, 2 and 3.
+    """Return the distance of a curve from the lines between the nodes 1, 2 and 3.
 
     Args:
         times: of the nodes [s], (steps, 5).

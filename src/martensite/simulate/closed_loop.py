@@ -1,14 +1,12 @@
-"""The march in a loop: at the start of every period a drive measures, and sets the signal.
+"""Closed-loop simulation: a drive measures at the start of every period and sets the signal.
 
-The signal is held for the period. With `pulses` it is a duty, and the source is on for that
-share of the period, from its start, and off for the rest. Steps end where pulses end.
+The signal is held for the period. With `pulses` the signal is a duty cycle, and the pulse is at the start of the
+period. Steps end at pulse ends.
 
-What is measured at the start of a period is the state then. Electrical outputs are those at the
-end of the last pulse, since nothing can be measured on an open switch; without a pulse in the
-last period they are those of an earlier one. The first ones are measured under the signal
-`probe` before anything moves.
+Measurements are taken at the start of a period. Electrical outputs are taken at the end of the last pulse, since an
+open switch permits no measurement. The first electrical outputs are measured under the signal `probe`.
 
-A waveform is a drive that ignores what is measured; a controller uses it.
+A waveform is a drive without measurement; a controller uses measurements.
 """
 
 from __future__ import annotations
@@ -45,7 +43,7 @@ ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
 
 @dataclass(frozen=True)
 class LoopPlan:
-    """Everything about a loop but its numbers of iterations."""
+    """Settings of a loop except its number of iterations."""
 
     system: System
     drive: AbstractDrive
@@ -59,11 +57,11 @@ class LoopPlan:
     """Longest step [s]."""
 
     def start(self, k: int) -> float:
-        """Start of a period [s], just as waveforms reckon it."""
+        """Return the start of a period [s], with the rounding of waveforms."""
         return k / (1.0 / self.period)
 
     def pieces(self, signal: float) -> list[tuple[float, float]]:
-        """Return the signal and length [s] of what a period consists of."""
+        """Return the signals and lengths [s] of the parts of a period."""
         if not self.pulses:
             return [(signal, self.period)]
         share = limit_duty(signal, self.shortest / self.period)
@@ -71,7 +69,7 @@ class LoopPlan:
         return [(level, length) for level, length in both if length > 0.0]
 
     def waveform(self, signals: Sequence[float]) -> AbstractWaveform:
-        """Return the played signals as a waveform."""
+        """Return the applied signals as a waveform."""
         frequency = 1.0 / self.period
         held = Held(values=tuple(signals), frequency=frequency)
         if not self.pulses:
@@ -80,7 +78,7 @@ class LoopPlan:
 
 
 def whole_periods(duration: float, period: float) -> int:
-    """Return the number of periods of a run; raise `ParameterError` if it is not a whole number."""
+    """Return the number of periods of a run; raise `ParameterError` if it is not an integer."""
     for name, value in (("duration", duration), ("period", period)):
         if not 0.0 < value < math.inf:
             raise ParameterError(f"Argument `{name}` must be above 0 s, but is {value}.")
@@ -93,7 +91,7 @@ def whole_periods(duration: float, period: float) -> int:
 
 
 def check_loop(system: System, pulses: bool, shortest: float, period: float, step: float | None) -> None:
-    """Raise `InputError` if system and arguments do not fit each other."""
+    """Raise `InputError` for arguments that are inconsistent with the system."""
     source = system.source
     if source.sets_temperature:
         raise InputError("A loop needs a drive that heats; `temperature` sets it instead.")
@@ -109,18 +107,18 @@ def check_loop(system: System, pulses: bool, shortest: float, period: float, ste
 
 @dataclass(frozen=True)
 class LoopResult:
-    """A run in a loop, period by period."""
+    """Closed-loop run, by period."""
 
     result: Result
-    """Sampled at the starts of the periods, and at the end."""
+    """Samples at the starts of the periods and at the end."""
     period: float
     """[s]"""
     signals: list[float]
     """Signal of the drive in each period."""
     ends: dict[str, list[float]]
-    """Outputs at the end of each signal: of the pulse, or of the period; of whole periods."""
+    """Outputs at the end of the pulse or the period, for complete periods."""
     means: dict[str, list[float]]
-    """Outputs averaged over each period; of the drive the share that is on, or the signal."""
+    """Mean outputs of each period; mean duty cycle or signal for the drive."""
 
 
 def simulate_loop(
@@ -134,12 +132,11 @@ def simulate_loop(
     probe: float | None = None,
     step: float | None = None,
 ) -> LoopResult:
-    """Run a system from rest under a drive that is called at the start of every period.
+    """Simulate a system from equilibrium under a drive that is called at the start of every period.
 
-    The drive gets the time [s], all outputs in SI by name, and its own memory, and answers with
-    the signal of the period. Runs on plain floats; no accuracy is estimated, so compare with a
-    run in half the step. A run that comes to where no wire can be stops there, with the status
-    OUT_OF_ENVELOPE; what is returned ends with the start of the period in which it did.
+    The drive receives the time [s], all outputs in SI by name, and its own memory, and returns the signal of the
+    period. Runs use plain floats without error estimation, so compare with a run at half the step. A run that
+    leaves the envelope stops with the status OUT_OF_ENVELOPE, at the start of that period.
 
     Args:
         system: element, environment, source and mechanism.
@@ -154,7 +151,7 @@ def simulate_loop(
 
     Raises:
         InputError: an argument is out of range, or the source sets the temperature.
-        SolveError: the run failed, or the drive answered with no number.
+        SolveError: the run failed, or the drive returned no number.
     """
     periods = whole_periods(duration, period)
     check_loop(system, pulses, shortest, period, step)
@@ -187,7 +184,7 @@ class _Walk:
         """Outputs when the source was last on."""
 
     def run(self) -> Marched:
-        """Run all periods; failures are a status. Of a period that leaves the envelope only the start is kept."""
+        """Run all periods; failures set the status. Of a period that leaves the envelope only the start is kept."""
         memory: Any = self.plan.drive.init()
         try:
             for k in range(self.plan.periods):
@@ -199,7 +196,7 @@ class _Walk:
             else:
                 last = self.plan.pieces(self.signals[-1])[0][0]
                 self.rows.append(self.observe(*self.walk.state, last))
-        except ArithmeticError:  # a division by zero or an overflow
+        except ArithmeticError:  # division by zero or overflow
             self.walk.note(math.inf, 0.0)
         return self.walk.finish(self.rows, lambda k: self.times[k] if k < len(self.times) else self.left)
 
@@ -226,7 +223,7 @@ class _Walk:
         return memory
 
     def _piece(self, time: float, level: float, length: float) -> Row:
-        """Go on under one signal; its outputs at the end."""
+        """Continue under one signal and return the outputs at the end."""
         steps = max(1, math.ceil(length / self.plan.step - 1e-9))
         dt = length / steps
         self.longest = max(self.longest, dt)
@@ -268,7 +265,7 @@ class _Walk:
         return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 
     def _trace(self) -> AbstractTrace:
-        """Return the outputs at both ends of all steps, with what the drive asked for."""
+        """Return the outputs at both ends of all steps, with the demand of the drive."""
         rows = [row for _, row in self.passed]
         kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
         times, place = [time for time, _ in self.passed[: len(kept)]], self.names.index("drive")

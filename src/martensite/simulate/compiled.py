@@ -1,7 +1,6 @@
-"""Tracing a system: its kernels as a program over flat states, cached by structure.
+"""Tracing of a system to a program over flat states, cached by structure.
 
-Numbers never enter the trace: a changed value reuses the program, a changed law, option or
-mechanism makes a new one.
+The program is independent of parameter values. A different law, option or mechanism needs a new trace.
 """
 
 from __future__ import annotations
@@ -27,19 +26,19 @@ from martensite.simulate.ledger import EMPTY, Book
 REPORT = StepReport._fields[:2]
 """Names of the reports of a step under constant signals."""
 ENVELOPE = ("hottest", "stress", "strain")
-"""Outputs of an element that a run must not take beyond what can be."""
+"""Outputs of an element that define the envelope."""
 FED = (*Moments._fields, "owed")
-"""Names of the inputs of a step for the drive of an element."""
+"""Names of the inputs of a step from a heating drive."""
 Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A traced system; functions `init`, `step` and `observe` over flat states."""
+    """Traced system with the functions `init`, `step` and `observe` over flat states."""
 
     program: Program
     paths: tuple[str, ...]
-    """Parameter paths in the order in which the program takes them."""
+    """Parameter paths in program order."""
     size: int
     """Number of state variables."""
     drives: int
@@ -49,7 +48,7 @@ class Compiled:
     report: tuple[str, ...] = REPORT
 
     def values(self, system: AbstractSystem) -> list[float]:
-        """Return the parameter values of a system of this structure, in order."""
+        """Return the parameter values of a system of this structure, in program order."""
         return values_at(system, self.paths)
 
 
@@ -60,48 +59,49 @@ def name_outputs(system: AbstractSystem) -> tuple[str, ...]:
 
 
 def compile_system(system: AbstractSystem) -> Compiled:
-    """Trace a system, or return the program of an earlier one of the same structure."""
+    """Return the traced program of a system, cached by structure."""
     return _compile_keyed(Keyed(system))
 
 
 class LawPoint(NamedTuple):
-    """Place of a law without rates among the outputs."""
+    """Position of a rate-independent law among the outputs."""
 
     fraction: int
-    """Index of the judged output that contains its martensite fraction."""
+    """Index of the judged output with its martensite fraction."""
     weight: float
-    """Fraction of that output."""
+    """Weight of the law in that output."""
     size: int
     """Number of values at the point: temperature, stress, two fractions, then kinks of the law."""
 
 
 @dataclass(frozen=True, eq=False)
 class CompiledMarch(Compiled):
-    """A system traced for a march: `step` takes what the drives bring, `judge` is new.
+    """System traced for time integration; `step` takes drive inputs.
 
-    `judge` returns the outputs whose convergence is judged, those of the envelope, and the heat
-    that the elements hold; `points` what laws without rates follow, from a state; `entries` what
-    the ledgers keep, and `flows` the power that drives bring, and that which they
-    let out if they do.
+    The functions return:
+    - `judge`: judged outputs, envelope outputs and the heat of the elements.
+    - `points`: temperature, stress and fractions at rate-independent laws.
+    - `entries`: energies for the ledgers.
+    - `flows`: power into and, if known, out of the drives.
     """
 
     widths: tuple[int, ...] = ()
     """Number of inputs of `step` by drive: all of `FED`, or one."""
     convergence_scales: tuple[tuple[str, float], ...] = ()
-    """Outputs that are judged, and the least range that counts."""
+    """Judged outputs with their smallest relevant ranges."""
     envelope: tuple[tuple[str, str], ...] = ()
-    """Port and output of what must not leave the envelope."""
+    """Port and output of each envelope bound."""
     heated: tuple[int, ...] = ()
-    """The drives whose elements hold a known heat."""
+    """Drives of elements with a known heat content."""
     points: tuple[LawPoint, ...] = ()
-    """Layout of the values that `points` returns, one after the other."""
+    """Layout of the values that `points` returns."""
     book: Book = EMPTY
     """Layout of the values that `entries` returns."""
     rates: tuple[int, ...] = ()
-    """Places in the state of numbers that only tell a solve where to look."""
+    """Indices of states that only serve as initial guesses of a solve."""
 
     follows: bool = False
-    """True if a signal prescribes a state without rates or inertia: then no error of a step shows its course."""
+    """True if a signal prescribes a state without rates or inertia, so that the step error misses its shape."""
 
     @property
     def order(self) -> int:
@@ -110,15 +110,15 @@ class CompiledMarch(Compiled):
 
     @property
     def inputs(self) -> int:
-        """Return the inputs of `step` that come from the drives."""
+        """Return the number of drive inputs of `step`."""
         return sum(self.widths)
 
     def signals_in_step(self) -> list[int]:
-        """Return the places of the signals of all drives, or of their means, among the inputs of `step`."""
+        """Return the indices of all drive signals, or their means, among the inputs of `step`."""
         return [sum(self.widths[:k]) for k in range(self.drives)]
 
     def asks_for_signals(self, name: str, outputs: Sequence[int] | None = None) -> bool:
-        """Return whether outputs of a function of state and signals, all if None, depend on signals."""
+        """Return whether outputs (all if None) of a function of state and signals depend on signals."""
         function = self.program.functions[name]
         places = range(len(function.outputs)) if outputs is None else outputs
         found = [function.outputs[i] for i in places]
@@ -130,7 +130,7 @@ class CompiledMarch(Compiled):
         return tuple(self.asks_for_signals("observe", [place]) for place in range(len(self.outputs)))
 
     def states_observed(self, outputs: Sequence[int]) -> list[int]:
-        """Return 1 for every number of the state that some of the outputs depend on, else 0."""
+        """Return 1 for every state variable that affects the outputs, else 0."""
         known = tuple(outputs)
         if known not in self._observed:
             function = self.program.functions["observe"]
@@ -140,30 +140,30 @@ class CompiledMarch(Compiled):
 
     @cached_property
     def _observed(self) -> dict[tuple[int, ...], list[int]]:
-        """Return the answers of `states_observed` so far."""
+        """Return the cache of `states_observed`."""
         return {}
 
 
 @remember
 def compile_march(system: AbstractSystem) -> CompiledMarch:
-    """Trace a system for marches whose drives are integrated over every step."""
+    """Trace a system with drives that are integrated over every step."""
     return _compile_march(Keyed(system))
 
 
 def bind_system(system: AbstractSystem) -> tuple[Functions, int]:
-    """Return the functions of a system on floats, with its numbers, and how many states it has."""
+    """Return the functions of a system on floats with bound parameters, and the number of states."""
     compiled = compile_system(system)
     return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
 
 def bind_march(system: AbstractSystem) -> tuple[Functions, int]:
-    """Bind the functions of a march whose drives are integrated."""
+    """Return the bound functions of a system with integrated drives."""
     compiled = compile_march(system)
     return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
 
 def feed_step(moments: Moments, owed: float = 0.0) -> tuple[float, ...]:
-    """Return the inputs of a step from what a drive brings in it."""
+    """Return the inputs of a step from the drive moments."""
     return (*moments, owed)
 
 
@@ -201,7 +201,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
 
 
 class _Trace:
-    """The kernels of a system, traced over flat states."""
+    """Kernels of a system, traced over flat states."""
 
     def __init__(self, keyed: Keyed[AbstractSystem]) -> None:
         self.program = Program()
@@ -220,7 +220,7 @@ class _Trace:
         self.outputs = (*keyed.part.outputs(), *along)
 
     def add_step(self, feeds: Sequence[bool | None], reports: int) -> None:
-        """The step, under signals or what they bring, and the first numbers of its report."""
+        """Add the step under signals or drive inputs, with the first values of its report."""
         parts = [FED if feed else ("",) for feed in feeds]
         inputs = [
             f"{signal}_{name}" if name else signal
@@ -229,7 +229,7 @@ class _Trace:
         ]
 
         def brought(numbers: Sequence[Any]) -> tuple[Any, list[Any]]:
-            """Return the state, and what the drives bring."""
+            """Return the state and the drive inputs."""
             rest = iter(numbers[self.size :])
             rows = [[next(rest) for _ in names] for names in parts]
             drives = [Feed(Moments(*row[:-1]), row[-1]) if row[1:] else row[0] for row in rows]
@@ -262,7 +262,7 @@ class _Trace:
         self.program.functions["ripple"] = replace(made, name="ripple", outputs=made.outputs[-1:])
 
     def add_judge(self, outputs: Sequence[str], feeds: Sequence[bool]) -> tuple[int, ...]:
-        """Return some outputs, and the heat that fed elements hold; the drives of which it is known."""
+        """Add the judged outputs and the heat of fed elements; return the drives with known heat."""
         places = [self.outputs.index(name) for name in outputs]
         known: list[int] = []
 
@@ -294,7 +294,7 @@ class _Trace:
         return books[-1]
 
     def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[LawPoint, ...]:
-        """Add the function for the points of laws without rates: temperature, stress and fractions."""
+        """Add the points of rate-independent laws: temperature, stress and fractions."""
         names, places = [name for name, _ in judged], list[LawPoint]()
 
         def points(xp: Any, *state: Any) -> list[Any]:
@@ -309,7 +309,7 @@ class _Trace:
         return tuple(places)
 
     def rates(self) -> tuple[int, ...]:
-        """Return the places in the state of numbers that only tell a solve where to look."""
+        """Return the indices of states that only serve as initial guesses of a solve."""
         places = [float(i) for i in range(self.size)]
         return tuple(int(i) for i in self.system.rates(self.shape.rebuild(places)))
 

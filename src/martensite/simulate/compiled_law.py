@@ -33,26 +33,26 @@ ROW = ("martensite", "oriented", "strain", "stress", "residual")
 """Values that every function returns after the memory: [-], [-], [-], [Pa], [-]."""
 AUSTENITE = Fractions(0.0, 0.0)
 FORGOTTEN = 1e-6
-"""Change of a fraction by forgotten loops of which nothing is said."""
+"""Smallest reported change of a fraction by forgotten loops."""
 
 
 @dataclass(frozen=True, eq=False)
 class CompiledLaw:
-    """A traced law; functions `init`, `stress_step` and `strain_step` over flat memories."""
+    """Traced law with functions `init`, `stress_step` and `strain_step` over flat memories."""
 
     program: Program
     paths: tuple[str, ...]
-    """Parameter paths in the order in which the program takes them."""
+    """Parameter paths in program order."""
     size: int
     """Number of memory variables."""
 
     def values(self, law: AbstractLaw) -> list[float]:
-        """Return the parameter values of a law of this structure, in order."""
+        """Return the parameter values of a law of this structure, in program order."""
         return values_at(law, self.paths)
 
 
 def compile_law(law: AbstractLaw, *, tension_only: bool = True) -> CompiledLaw:
-    """Trace a law, or return the program of an earlier one of the same structure.
+    """Return the traced program of a law, cached by structure.
 
     With `tension_only` a strain-driven point goes slack instead of being compressed.
     """
@@ -110,11 +110,11 @@ def _strain_step(law: AbstractLaw, shape: NestedShape, tension_only: bool) -> Ca
 
 
 NOTICEABLE = 5e6
-"""Compression [Pa] from which on it is said that a law knows tension only."""
+"""Smallest reported compression [Pa]."""
 
 
 def describe_compression(law: AbstractLaw, stress: Sequence[float]) -> list[str]:
-    """Return a caution where compression meets a law that knows tension only."""
+    """Return a warning for compression with a law for tension only."""
     least = float(min(stress))
     if not law.tension_only or least > -NOTICEABLE:
         return []
@@ -132,9 +132,9 @@ def describe_forgotten_loops(
     martensite: Sequence[float],
     oriented: Sequence[float],
 ) -> list[str]:
-    """Describe in a sentence whether a law of bounded memory forgot loops on a sampled path.
+    """Return a warning if a law of bounded memory forgot loops on a sampled path.
 
-    It is driven again, from one turning point of the martensite fraction to the next.
+    The path is repeated between the turning points of the martensite fraction.
 
     Args:
         law: any law.

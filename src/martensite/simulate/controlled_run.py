@@ -1,8 +1,7 @@
-"""A run in which controllers set signals, each called at the start of every period.
+"""Simulation with controllers that are called at the start of every period.
 
-Any number of drives: a waveform goes its course from step to step, a controller measures at the
-start of a period and its signal is held until the next. What is measured is every output of
-the system, in SI by name, in the state then and under the signals of the period before.
+Waveforms continue from step to step. Controllers measure at the start of a period and hold their signals.
+Measurements are all outputs in SI by name, under the signals of the previous period.
 """
 
 from __future__ import annotations
@@ -49,11 +48,10 @@ def simulate_controlled(
     every: int = 1,
     watch: Callable[[float], None] | None = None,
 ) -> Result:
-    """Run a system from rest under controllers and waveforms.
+    """Simulate a system from equilibrium under controllers and waveforms.
 
-    Runs on plain floats; no accuracy is estimated, so compare with a run in half the step. A run
-    that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE; the result
-    ends with the last sample before.
+    Runs use plain floats without error estimation, so compare with a run at half the step. A run that leaves the
+    envelope stops with the status OUT_OF_ENVELOPE and ends with the last sample inside.
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
@@ -61,13 +59,13 @@ def simulate_controlled(
             with one drive. What is not named gets 0; a temperature must be named.
         duration: length of the run [s], a whole number of periods.
         period: time between two calls of a controller [s].
-        step: longest step [s]; by default that of a first run of `simulate`.
+        step: longest step [s]; by default as in the first run of `simulate`.
         every: periods per sample of the result.
-        watch: called after every period with the share of the run that is done.
+        watch: called after every period with the fraction of the run that is done.
 
     Raises:
         InputError: a name, a unit or an argument does not fit.
-        SolveError: the run failed, or a controller answered with no number.
+        SolveError: the run failed, or a controller returned no number.
     """
     periods = whole_periods(duration, period)
     interval = system.sample_time()
@@ -119,7 +117,7 @@ class _ControlledWalk:
         """Time [s] and outputs at the ends of steps, on both sides of a change of signals."""
 
     def run(self, tell: Callable[[float], None] | None) -> Marched:
-        """Return all periods; failures are a status."""
+        """Return all periods; failures set the status."""
         plan, walk = self.plan, self.walk
         try:
             for k in range(plan.periods):
@@ -130,7 +128,7 @@ class _ControlledWalk:
                     tell((k + 1) / plan.periods)
             else:
                 self.rows.append(self.observe(*walk.state, *self.now))
-        except ArithmeticError:  # a division by zero or an overflow
+        except ArithmeticError:  # division by zero or overflow
             walk.note(math.inf, 0.0)
         return walk.finish(self.rows, lambda k: k * plan.period / plan.pieces)
 
@@ -157,7 +155,7 @@ class _ControlledWalk:
                 return
 
     def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
-        """Return the signal of every drive at the start of a period; controllers are at rest before the first."""
+        """Return the signals of all drives at the start of a period."""
         found: list[float] = []
         for i, drive in enumerate(self.plan.drives):
             if isinstance(drive, AbstractWaveform):
@@ -170,7 +168,7 @@ class _ControlledWalk:
         return tuple(found)
 
     def _collect_inputs(self, time: float, dt: float) -> tuple[float, ...]:
-        """Return the inputs of a step from the drives: waveforms continue, controllers hold."""
+        """Return the drive inputs of a step: waveforms continue, controllers hold."""
         found: list[float] = []
         for i, (drive, held) in enumerate(zip(self.plan.drives, self.now, strict=True)):
             reader, heats = self.readers[i], self.widths[i] > 1

@@ -1,4 +1,4 @@
-"""Rows for curves: the samples of a run together with its accepted steps, so that no peak is left out."""
+"""Rows for curves: samples and accepted steps of a run, with all peaks."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from martensite.simulate.result import Result
 
 
 def add_step_rows(result: Result) -> Result:
-    """Return a single run with rows at its accepted steps, on both sides of jumps, among the samples.
+    """Return a single run with additional rows at its accepted steps, on both sides of jumps.
 
-    Columns that are no outputs of the system, and profiles, are on straight lines between samples.
+    Other columns and profiles are interpolated linearly between samples.
     """
     if result.track is None or result.variants is not None:
         return result

@@ -1,4 +1,4 @@
-"""Compute the energy of every cycle of a run, by `martensite.simulate.energy`."""
+"""Energies of every cycle of a run (`martensite.simulate.energy`)."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ class CycleEnergies(EnergyCourses):
 
     @property
     def net_work(self) -> Numbers:
-        """Return the work less what was returned."""
+        """Return the work less the returned work."""
         return self.work - self.returned
 
     @property
     def kept(self) -> Numbers:
-        """Return the electrical energy less the heat loss: the energy left in the elements at the end of a cycle."""
+        """Return the electrical energy less the heat loss: the energy stored in the elements after a cycle."""
         return self.electrical - self.lost
 
 

@@ -1,4 +1,4 @@
-"""Which waveform drives what: one for a system of one drive, or a table of them by name."""
+"""Assignment of waveforms to drives: one waveform, or a table by drive name."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from martensite.signals.constant import Constant
 from martensite.simulate.grid import TimeGrid, build_grid, grid_of_samples, require_unit
 
 Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
-"""A waveform, or waveforms by the name of what they drive; what is not named gets none (0)."""
+"""Waveform, or waveforms by drive name; other drives get 0."""
 
 Kind = TypeVar("Kind", bound=AbstractDrive)
 
 
 def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[str, Kind]:
-    """Return the given waveforms by the name of the drive.
+    """Return the waveforms by drive name.
 
     Raises:
         InputError: a named drive does not exist, or one waveform is given for several drives.
@@ -40,7 +40,7 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
 
 
 def _require_drive(given: Any) -> None:
-    """Raise `InputError` if the object given as a drive is not a waveform; the sentence shows how to make one."""
+    """Raise `InputError` with an example if a drive is not a waveform."""
     if isinstance(given, AbstractDrive):
         return
     kind, remedy = f"`{type(given).__name__}`", "write for example `ms.Step(high=0.6, at=1.0)`"
@@ -56,7 +56,7 @@ def _require_drive(given: Any) -> None:
 
 
 def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[Kind | Constant]:
-    """Return the waveform of each drive of a system, in their order; a drive that is not named gets 0.
+    """Return the waveforms of all drives in order; a drive without a waveform gets 0.
 
     Raises:
         InputError: a name or a unit does not fit, or a temperature is prescribed by nothing.
@@ -76,9 +76,9 @@ def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) 
 def grid_of(
     system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float, *, every: bool = False
 ) -> TimeGrid:
-    """Return the time grid of a run; a system in discrete time has its own steps, whatever `step`.
+    """Return the time grid of a run; a system in discrete time has its own steps.
 
-    With `every`, outputs are kept at the ends of steps, for measures.
+    With `every`, outputs are stored at the ends of steps, for measures.
     """
     waves, interval = arrange_waveforms(system, waveform), system.sample_time()
     if interval:

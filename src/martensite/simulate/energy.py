@@ -1,16 +1,14 @@
-"""Energies of a run: electrical, mechanical, and what is lost as heat.
+"""Energies of a run: electrical energy, mechanical work and heat loss.
 
-    E = ∫ P dt      Q = ∫ Q̇ dt      W = ∫ F dx where x grows, W_back = −∫ F dx where it does not
+E = ∫ P dt      Q = ∫ Q̇ dt      W = ∫ F dx for dx > 0, W_back = −∫ F dx for dx < 0
 
-with F the force of an element and x the coordinate along which it pulls. A spring gives back what
-it was given and a weight is lowered again, so the net work of a cycle is small, and the efficiency
-counts what the element gave: η = W/E. What E − Q leaves is in the element, as heat, as latent heat
-or as work; over a cycle that repeats it is 0 but for the net work, which these heat balances leave
-out (see the documentation of the heat balance).
+F is the force of an element and x the coordinate along its pull. Springs and weights return work, so the net work
+of a cycle is small. The efficiency therefore uses the delivered work: η = W/E. The difference E − Q is stored in
+the element as sensible heat, latent heat or work. Over a repeated cycle it equals the net work, which the heat
+balance neglects (see the documentation of the heat balance).
 
-Powers of a system in discrete time hold for a period. Powers of other systems are integrated over
-the accepted steps of the run, or by trapezoids over the samples where only samples are known. Work
-is integrated by trapezoids over both.
+Powers of a system in discrete time are constant in a period. Other powers are integrated over the accepted steps,
+or by trapezoids over the samples. Work is integrated by trapezoids.
 """
 
 from __future__ import annotations
@@ -33,26 +31,25 @@ class EnergyCourses:
     """Energies from the start of a run to every sample, shape (samples,) [J]."""
 
     electrical: Numbers
-    """Into all elements."""
+    """Electrical energy into all elements."""
     lost: Numbers
-    """Heat loss to the surroundings."""
+    """Heat loss to ambient."""
     work: Numbers
-    """Work that the elements gave while they pulled."""
+    """Work delivered by pulling elements."""
     returned: Numbers
-    """Work that the elements took while they were stretched again."""
+    """Work returned to the elements."""
 
     @property
     def efficiency(self) -> Numbers:
-        """Return the work over electrical energy; NaN without any."""
+        """Return the work over electrical energy; NaN without electrical energy."""
         nothing = np.full(len(self.work), np.nan)
         return np.divide(self.work, self.electrical, where=self.electrical > 0.0, out=nothing)
 
 
 def find_ways(result: Result) -> list[tuple[Numbers, Numbers]] | None:
-    """Return the force [N] and way [m] of every element, for `integrate_energies`; None if one is not known.
+    """Return the force [N] and stroke [m] of every element; None if one is unknown.
 
-    An element that is a straight wire, or several, pulls by its own shortening −ε ℓ; others need a
-    mechanism with one coordinate on a line.
+    Straight wires pull by their own shortening −ε ℓ. Other elements need a mechanism with one linear coordinate.
     """
     system, found = result.system, list[tuple[Numbers, Numbers]]()
     on_line = isinstance(system.mechanism, AbstractLoadLine)

@@ -1,8 +1,7 @@
-"""Ensembles: many runs of one system to a tolerance, with a bound on the error of each.
+"""Ensembles: many runs of one system to a tolerance, each with an error bound.
 
-Every run is made at least twice, and its error is bounded, as in `martensite.simulate.accuracy`.
-In C runs march in lanes (`martensite.simulate.marching_native`); without a compiler one after
-another.
+Errors are bounded as in `martensite.simulate.accuracy`. Runs are batched in C
+(`martensite.simulate.marching_native`), or made one by one without a compiler.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 RIPPLE, RESIDUAL = 7, 8
 TOTALLED = (Largest, Smallest, Stroke, Change, Integral, ElectricalEnergy, Mean)
-"""Measures for which lowest and highest values and integrals are enough."""
+"""Measures that need only extremes and integrals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,21 +51,21 @@ class Ensemble:
     """Results of some runs of one system."""
 
     columns: dict[str, Numbers]
-    """One array (runs, samples) per output, in SI units; NaN for runs that were refused, and after
-    the end of runs that stopped."""
+    """Outputs in SI by name, (runs, samples); NaN for refused runs and after the end of a run."""
     status: NDArray[np.int8]
     """Worst status of every run, (runs,)."""
     ended: Numbers
-    """Time [s] at which every run ended, (runs,); NaN where that is not known."""
+    """End time of every run [s], (runs,); NaN where unknown."""
     accuracy: Numbers
-    """Bound on the error of the judged outputs, as a fraction of their ranges, (runs,); NaN where no error is
-    estimated, or a run failed otherwise than by leaving the envelope."""
+    """Error bound of judged outputs as a fraction of their ranges, (runs,). NaN without an estimate, or for runs that
+    failed inside the envelope.
+    """
     numbers: Numbers = field(default_factory=lambda: np.empty((0, 0)))
-    """Measures that were asked for, (measures, runs); NaN for runs that were not made."""
+    """Requested measures, (measures, runs); NaN for runs that were not made."""
 
     @staticmethod
     def empty(names: Iterable[str], runs: int, samples: int, status: Status, measures: int = 0) -> Ensemble:
-        """Return runs of which only a status is known."""
+        """Return runs with a status but without data."""
         columns = {name: np.full((runs, samples), np.nan) for name in names}
         nothing = np.full(runs, np.nan)
         numbers = np.full((measures, runs), np.nan)
@@ -76,10 +75,9 @@ class Ensemble:
     def on_steps(
         columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float], solved: float = SOLVED
     ) -> Ensemble:
-        """Runs on given steps: from their worst reports, and when they left the envelope [s].
+        """Return runs on given steps with their status and time of leaving the envelope [s].
 
-        It is infinite for runs that stayed inside; what comes after it is struck out. A residual up to `solved`
-        is none.
+        The time is infinite for runs that stay inside; later values are NaN. Residuals up to `solved` count as zero.
         """
         residual, crossing = reports[:2]
         verdicts = {Status.NOT_FINITE: ~np.isfinite(residual), Status.UNSOLVED: residual > solved}
@@ -95,14 +93,14 @@ class Ensemble:
         return Ensemble(kept, status, ended, np.full(len(left), np.nan), np.empty((0, len(left))))
 
     def struck_out(self, bad: Flags) -> Ensemble:
-        """With nothing of some runs but that they were refused."""
+        """Return the ensemble with the data of the given runs removed."""
         columns = {name: np.where(bad[:, None], np.nan, c) for name, c in self.columns.items()}
         status = np.where(bad, np.int8(Status.REFUSED), self.status)
         numbers = np.where(bad, np.nan, self.numbers)
         return Ensemble(columns, status, np.where(bad, np.nan, self.ended), self.accuracy, numbers)
 
     def place_runs(self, places: Any, made: Ensemble) -> None:
-        """Put other runs to their places."""
+        """Copy other runs to the given indices."""
         for name, column in made.columns.items():
             self.columns[name][places] = column
         self.status[places], self.ended[places] = made.status, made.ended
@@ -110,7 +108,7 @@ class Ensemble:
 
     @staticmethod
     def concatenate(pieces: Sequence[Ensemble]) -> Ensemble:
-        """Return some after others."""
+        """Return several ensembles in one."""
         names = pieces[0].columns
         columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
         status, ended, accuracy = (
@@ -121,16 +119,16 @@ class Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Measuring:
-    """Measures of runs, and where the outputs are that they read."""
+    """Measures of runs, with the indices of their outputs."""
 
     measures: Sequence[AbstractMeasure] = ()
     columns: Sequence[Sequence[int]] = ()
-    """Places among the outputs of the runs, by measure."""
+    """Indices of outputs by measure."""
 
     def measure_track(self, track: Track, runs: int) -> Numbers:
-        """Return all measures of all runs from their accepted steps, (measures, runs)."""
+        """Return all measures from the accepted steps, (measures, runs)."""
         found = np.empty((len(self.measures), runs))
-        with np.errstate(all="ignore"):  # of failed runs
+        with np.errstate(all="ignore"):  # failed runs
             for row, one, columns in zip(found, self.measures, self.columns, strict=True):
                 row[:] = one.value(tabulate_track(track, columns, runs, one.follows_curve))
         return found
@@ -149,8 +147,8 @@ class Measuring:
         return all(type(one) in TOTALLED for one in self.measures)
 
     def measure_march(self, runs: Runs, made: MarchRows) -> Numbers:
-        """Return all measures of runs in C, (measures, runs); from samples if a GPU kept nothing else."""
-        with np.errstate(all="ignore"):  # of failed runs
+        """Return all measures of runs in C, (measures, runs), from a track or from samples."""
+        with np.errstate(all="ignore"):  # failed runs
             if not self.measures:
                 return np.empty((0, runs.count))
             if runs.plan.totalled:
@@ -171,7 +169,7 @@ class Measuring:
         return found
 
     def measure_record(self, runs: Runs, made: MarchRows) -> Numbers:
-        """Return all measures of runs in C, (measures, runs)."""
+        """Return all measures of runs in C from their records, (measures, runs)."""
         order = np.argsort(made.record[:, 0].astype(np.int32), kind="stable")
         gone = made.numbers[:, 0] == Status.OUT_OF_ENVELOPE
         if gone.any():
@@ -194,7 +192,7 @@ def march_in_lanes(
     march: Callable[[Runs], MarchRows] = march_runs,
     measuring: Measuring = NO_MEASURES,
 ) -> Ensemble:
-    """Make runs in C, each to a tolerance, as a share of ranges; the tolerance of their plan does not count."""
+    """Simulate runs in C to a relative tolerance, which replaces the tolerance of their plan."""
     plan, compiled = runs.plan, runs.plan.compiled
     judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
@@ -227,7 +225,7 @@ def march_in_lanes(
 
 
 def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> Numbers:
-    """Return bounds on the errors of runs, from the differences of two passes of each, (runs, samples, judged)."""
+    """Return error bounds of runs from the differences of two passes, (runs, samples, judged)."""
     least = np.array([least for _, least in compiled.convergence_scales])
     scales = np.maximum(made.numbers[:, RANGES:], least)
     known = np.isfinite(apart)
@@ -241,7 +239,7 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> N
 def _judge_runs(
     made: MarchRows, names: Sequence[str], accuracy: Numbers, measured: Numbers, times: Sequence[float]
 ) -> Ensemble:
-    """Return runs with a status that is right about their numbers."""
+    """Return the runs with a status that matches their data."""
     outputs = made.outputs[:, :, : len(names)]
     status = made.numbers[:, 0].astype(np.int8)
     lost = (status < Status.UNSOLVED) & ~np.isfinite(outputs).all(axis=(1, 2))
@@ -255,7 +253,7 @@ def _judge_runs(
 
 
 def _bound_end(ended: float, kept: int, times: Sequence[float]) -> float:
-    """Return the end [s] of a run that left the envelope: not later than the first sample that it does not have."""
+    """Return the end [s] of a run that left the envelope, at most the first missing sample."""
     return min(ended, times[min(kept, len(times) - 1)])
 
 
@@ -267,7 +265,7 @@ def march_one_by_one(
     tolerance: float,
     measuring: Measuring,
 ) -> Ensemble:
-    """Make runs on plain floats, each to a tolerance, as a share of ranges."""
+    """Simulate runs on plain floats to a relative tolerance."""
     found = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE, len(measuring.measures))
     places = [plan.compiled.outputs.index(name) for name in names]
     found.ended[:] = 0.0
@@ -276,7 +274,7 @@ def march_one_by_one(
         try:
             functions = plan.compiled.program.bind_floats(*plan.compiled.values(system))
             one, accuracy = march_to(lambda p, f=functions: AdaptiveMarch(p, f).run(), own, tolerance)
-        except ArithmeticError:  # a value that depends on parameters alone is not a number
+        except ArithmeticError:  # a value that depends on parameters alone is not finite
             continue
         rows = np.asarray(list(rows_inside(system, one.rows)))
         for name, column in found.columns.items():

@@ -1,9 +1,8 @@
-"""The envelope: what no run leaves, whatever its parameters say.
+"""Envelope: physical limits of every run.
 
-No wire is hotter than where NiTi melts, colder than absolute zero, bears 3 GPa or is stretched by a
-fifth, and a user may declare tighter bounds (`martensite.actuators.elements.limits`). A run that
-gets there
-stops, and says when, where and how far.
+The limits are the melting point of NiTi, absolute zero, a stress of 3 GPa and a strain of 20 %. Users can declare
+tighter limits (`martensite.actuators.elements.limits`). A run stops at the envelope and reports time, place and
+value.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from martensite.simulate.marching import Exit, Row, RunLimits
 from martensite.simulate.track import Track
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
-"""Numbers of an element that bound it more tightly."""
+"""Parameters of an element with tighter limits."""
 WORDS = {"hottest": "temperature", "stress": "stress", "strain": "strain"}
 BEYOND = {
     "hottest": "the melting point of NiTi or `temperature_stop`",
@@ -32,7 +31,7 @@ BEYOND = {
 
 @remember
 def envelope_of(system: AbstractSystem) -> RunLimits:
-    """Return the bounds of what `CompiledMarch.envelope` names."""
+    """Return the bounds of `CompiledMarch.envelope`."""
     low: list[float] = []
     high: list[float] = []
     for actuator in system.actuators().values():
@@ -49,7 +48,7 @@ def varied_stops(paths: Iterable[str]) -> list[str]:
 
 
 class Envelope:
-    """The envelope of a system, as rows of its outputs show it."""
+    """Envelope of a system for rows of its outputs."""
 
     def __init__(self, system: AbstractSystem) -> None:
         names = list(system.outputs())
@@ -58,12 +57,12 @@ class Envelope:
         self.limits = envelope_of(system)
 
     def find_exit(self, row: Row, finite: bool = False) -> Exit | None:
-        """Return where a row of outputs leaves the limits; None if it is inside."""
+        """Return the first limit that a row of outputs exceeds; None if it is inside."""
         return self.limits.find_exit([row[place] for place in self.places], finite)
 
 
 def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:
-    """Yield the rows of outputs before the first one that is outside; the first row of all stays."""
+    """Yield the rows of outputs before the first row outside; always yield the first row."""
     envelope = Envelope(system)
     for k, row in enumerate(rows):
         if k and envelope.find_exit(row) is not None:
@@ -72,7 +71,7 @@ def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:
 
 
 def cut_outside(system: AbstractSystem, track: Track) -> Track:
-    """Return the rows of a track of one run before the first one that is outside."""
+    """Return the rows of a single-run track before the first row outside."""
     envelope = Envelope(system)
     rows: list[list[float]] = track.values[:, envelope.places].tolist()
     gone = (k for k, row in enumerate(rows) if k and envelope.limits.find_exit(row) is not None)
@@ -80,7 +79,7 @@ def cut_outside(system: AbstractSystem, track: Track) -> Track:
 
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:
-    """When [s], where and how far a run left the envelope."""
+    """Describe the time [s], place and value at which a run left the envelope."""
     return f"The run stopped at t = {time:.6g} s: {describe_bound(system, place, value)}"
 
 

@@ -29,7 +29,8 @@ THINNED = 0.02
 """Time between samples of a longer run, as a fraction of the time since the last jump."""
 JUST_AFTER = 1e-9
 """Place in a sample of a system in discrete time at which signals are read, as a fraction of the sample: after a jump
-at its start, in spite of rounding of the times."""
+at its start, in spite of rounding of the times.
+"""
 Signals = tuple[float, ...]
 """One number per drive of a system, or what all of them bring in a step."""
 
@@ -110,7 +111,7 @@ class TimeGrid:
         """Return the part from one sample to another.
 
         Raises:
-            InputError: no sample lies at one of these times [s]; the sentence names the nearest.
+            InputError: no sample lies at one of these times [s]; the message gives the nearest.
         """
         near = [bisect_left(self.times, time) for time in (begin, end)]
         places = [
@@ -135,22 +136,22 @@ class TimeGrid:
 
 @dataclass(frozen=True)
 class LaneGrid:
-    """Sample times, and the steps between them by lane: for variants of a waveform.
+    """Sample times, and the steps between them by batch element: for variants of a waveform.
 
-    All lanes have the same samples, and between two of them as many steps as the one that needs most:
-    the others end with steps of no length, which keep the state. So every lane marches through exactly
+    All batch elements have the same samples, and between two of them as many steps as the one that needs most:
+    the others end with steps of no length, which keep the state. So every batch element marches through exactly
     the steps that it would take alone.
     """
 
     times: list[float]
     sampled: Any
-    """Signals at the sample times, (samples, drives, lanes)."""
+    """Signals at the sample times, (samples, drives, batch elements)."""
     counts: Any
     """Steps in each interval, (intervals,)."""
     drives: Any
-    """Inputs from the drives in every step, (steps, inputs, lanes)."""
+    """Inputs from the drives in every step, (steps, inputs, batch elements)."""
     lengths: Any
-    """Length of every step [s], (steps, lanes); 0 where a lane has none."""
+    """Length of every step [s], (steps, batch elements); 0 where a batch element has none."""
     stored: Any = ...
     """Which of the samples a user asked for."""
 
@@ -166,7 +167,7 @@ class LaneGrid:
         return float(self.lengths.max())
 
     def lane(self, lane: int) -> TimeGrid:
-        """Return the grid of one lane, without the steps of no length."""
+        """Return the grid of one batch element, without the steps of no length."""
         import numpy as np
 
         lengths = self.lengths[:, lane]
@@ -188,7 +189,7 @@ def is_jump(before: Signals, after: Signals) -> bool:
 
 
 def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
-    """Merge the grids of all lanes into one; the grids must have the same samples."""
+    """Merge the grids of all batch elements into one; the grids must have the same samples."""
     import numpy as np
 
     counts = np.array([grid.counts for grid in grids], np.int_)
@@ -221,7 +222,7 @@ def just_after(ahead: bool) -> float:
 
 
 BEFORE = 1.0 - 1e-9
-"""Just before the end of a step, as a share of it."""
+"""Just before the end of a step, as a fraction of it."""
 
 
 def place_signal(at_end: bool) -> float:

@@ -123,7 +123,7 @@ class HeatBalance:
     put_in: float
     """By the drives."""
     lost: float
-    """To the surroundings."""
+    """To the ambient."""
     sensible: float
     """More in the end than in the beginning, by temperature."""
     latent: float

@@ -17,7 +17,7 @@ from martensite.simulate.compiled import CompiledMarch, Functions
 
 Row = tuple[float, ...]
 SHORTEST = 1e-12
-"""Length of a step, as a share of the run, that is taken whatever its error: a jump lies in it."""
+"""Length of a step, as a fraction of the run, that is taken whatever its error: a jump lies in it."""
 FINEST, ROUGHNESS = 1e-4, 3e-11
 """Fraction of the first step of a motion with inertia that is the shortest step: at most, and per tolerance."""
 STEP_TOLERANCE = 1e-9
@@ -59,7 +59,7 @@ class MarchPlan:
     times: Sequence[float]
     """Samples [s], ascending from where the run begins, to where it ends."""
     tolerance: float
-    """Accepted error of a step, as a share of the range of each judged output."""
+    """Accepted error of a step, as a fraction of the range of each judged output."""
     first: float
     """Length of the first step [s]."""
     limits: RunLimits
@@ -73,7 +73,8 @@ class MarchPlan:
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
     parted: bool = False
     """True if the last step before every edge of a drive is split. Two runs with steps cut at the same places would
-    have the same errors."""
+    have the same errors.
+    """
     inertial: float = 0.0
     """First step [s] of what moves with inertia; 0 if nothing does."""
     skipped: int = 0
@@ -81,7 +82,7 @@ class MarchPlan:
     start: Row = ()
     """State at the first of the times; as assembled, at rest, if none."""
     extremes: tuple[Row, Row] = ((), ())
-    """Lowest and highest of what is judged before."""
+    """Minimum and maximum of the judged outputs before."""
     drives: dict[float, list[Any]] = field(default_factory=dict[float, list[Any]], repr=False)
     """End of the run, or of its last leg [s] -> segments of its drives as C takes them; shared by all passes."""
 
@@ -125,7 +126,7 @@ class Marched:
     put_in: float = 0.0
     """Heat [J] that came into elements whose heat is known; without a meaning on given steps."""
     lost: float = 0.0
-    """Heat [J] that they lost to the surroundings."""
+    """Heat [J] that they lost to the ambient."""
     accounts: tuple[float, ...] = (0.0,) * len(ACCOUNTS)
     """Energies [J], see `assembly.ledger.ACCOUNTS`: more held than in the beginning, or work."""
     record: Any = field(default_factory=list[Row])
@@ -133,7 +134,7 @@ class Marched:
     state: Row = ()
     """In the end."""
     extremes: tuple[Row, Row] = ((), ())
-    """Lowest and highest of what is judged, since the run of which this is a part began."""
+    """Minimum and maximum of the judged outputs, since the run of which this is a part began."""
     gap: Row = ()
     """Largest difference of the judged outputs to the pass before, until this leg began; empty for the first pass."""
     gaps: Any = ()
@@ -194,7 +195,7 @@ class AbstractMarch:
         """Take one step, or some."""
 
     def run(self, watch: Callable[[float], None] | None = None) -> Marched:
-        """To the end, or to where it cannot go on; `watch` is told the share that is done."""
+        """To the end, or to where it cannot go on; `watch` is told the completed fraction."""
         found = self.found
         try:
             while self.time < self.duration and not found.status.failed:

@@ -1,8 +1,8 @@
-"""Marches in C: one run, or many in the lanes of a block, each with separate steps.
+"""Time integration in C: one run, or a batch of runs with individual steps.
 
-One run is a batch of one lane: the C is the same, `marching.c` with `adaptive.c` or `fixed.c`. Memory holds the
-results and, for one run, a window of the drives: it does not grow with the number of steps. Lanes of a batch are at
-different times, and hold their complete drives; runs with too long drives are made one by one.
+A single run is a batch with one element. Both use `marching.c` with `adaptive.c` or `fixed.c`. Memory holds the
+results and, for a single run, a window of the drives, independent of the number of steps. Batch elements are at
+different times and hold their complete drives; runs with too many segments are made one by one.
 """
 
 from __future__ import annotations
@@ -35,27 +35,28 @@ from martensite.simulate.track import Observe, record_width
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)
 ROUNDS = 4096
-"""Rounds of all lanes between two looks from Python."""
+"""Rounds of all batch elements between two checks from Python."""
 FIRST_WINDOW, WINDOW = 256, 65_536
-"""Segments of a drive that are known at once: at first, and at most."""
+"""Initial and maximum number of stored segments of a drive."""
 WHOLE = 4096
-"""Segments of a drive up to which all are known at once, for all passes of a run."""
+"""Number of segments up to which a drive is stored for all passes of a run."""
 MOST_SEGMENTS = 1 << 21
-"""Segments of drives that runs in lanes know, at most."""
+"""Maximum number of drive segments in a batch."""
 FIRST_RECORD = 4096
 EXPECTED = 512
-"""Steps of a run in lanes for which there is room in the record at first."""
+"""Initial capacity of the record of a batch, in steps."""
 RANGES = 11 + len(ACCOUNTS)
-"""Numbers of a run before the ranges of what is judged."""
+"""Numbers of a run before the ranges of judged outputs."""
 SHARED = (
     *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
     *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
     *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL", "TRACED"),
 )
-"""Numbers of the march on floats, which the same march in C has under the same names."""
+"""Constants shared with the implementation on floats, under the same names."""
 FUSED = ("-ffp-contract=fast",)
-"""Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
-given steps round as they do on floats."""
+"""Compiler flags for runs with step size control: products and sums may be fused. Runs on given steps round as on
+floats.
+"""
 
 
 class _Drive(ctypes.Structure):
@@ -87,7 +88,7 @@ class _March(ctypes.Structure):
 
 
 class _Window:
-    """A drive as far as C knows it."""
+    """Stored segments of a drive in C."""
 
     def __init__(self, waveform: AbstractWaveform, until: float, whole: Numbers | None = None) -> None:
         self._coming = _list_segments(waveform, until)
@@ -100,7 +101,7 @@ class _Window:
         self._size = FIRST_WINDOW
 
     def extend(self, since: float) -> None:
-        """Know more, and forget what lies before `since` [s]."""
+        """Add segments, and discard segments before `since` [s]."""
         if self._ended:
             return
         place = max(0, int(np.searchsorted(self._columns[0], since, side="right")) - 2)
@@ -110,18 +111,18 @@ class _Window:
         self._columns = np.concatenate([self._columns[:, place:], more], axis=1)
 
     def extend_to_end(self, most: int) -> int:
-        """Know all, if that is not many more than so many segments; how many are known."""
+        """Store up to `most` further segments and return their number."""
         self.extend(0.0)
         while not self._ended and self._columns.shape[1] < most:
             self.extend(0.0)
         return self._columns.shape[1]
 
     def known_until(self) -> float:
-        """Return the time [s] up to which it is known."""
+        """Return the end time [s] of the stored segments."""
         return np.inf if self._ended else float(self._columns[0, -1])
 
     def fill(self, into: _Drive, locate: Callable[[NDArray[Any]], int]) -> None:
-        """Tell C."""
+        """Write the segments to the C structure."""
         columns, tones = map(locate, self._columns), map(locate, self._tones)
         into.count, into.tones = self._columns.shape[1], self.tones
         into.start, into.level, into.slope, into.bend = columns
@@ -139,7 +140,7 @@ def _tabulate_segments(segments: Iterable[Segment]) -> Numbers:
 
 
 def _list_drives(plan: MarchPlan) -> list[Numbers | None]:
-    """Return the segments of every drive of a plan up to its end, made once for all passes; None where too many."""
+    """Return the segments of every drive up to the end, cached for all passes; None if too many."""
     end, kept = plan.times[-1], plan.drives
     if end not in kept:
         kept.clear()  # another leg of the run
@@ -150,19 +151,19 @@ def _list_drives(plan: MarchPlan) -> list[Numbers | None]:
 
 @dataclass(frozen=True, eq=False)
 class Runs:
-    """Runs of one system: what differs between them, and what they have in common."""
+    """Runs of one system: common settings and individual values."""
 
     plan: MarchPlan
-    """Waveforms of all runs; `own` ones replace them."""
+    """Waveforms of all runs, unless replaced by `own`."""
     values: Sequence[Any]
-    """Parameters in order, each a number or (runs,)."""
+    """Parameters in order, each a scalar or (runs,)."""
     count: int
     outputs: tuple[int, ...]
-    """Places of the outputs that are kept."""
+    """Indices of stored outputs."""
     lanes: int
-    """A multiple of `BLOCK`, or 1, as for runs on given steps."""
+    """Batch size: a multiple of `BLOCK`, or 1."""
     first: Any = None
-    """First step of every run [s]; that of the plan if None."""
+    """First step of every run [s]; the first step of the plan if None."""
     own: Sequence[Sequence[AbstractWaveform]] | None = None
     """Waveforms of every run."""
     ranges: Any = None
@@ -171,7 +172,7 @@ class Runs:
     """Limits that end a run, low and high, (2, envelope, runs); the limits of the plan if None."""
 
     def choose(self, places: Any, ranges: Any) -> Runs:
-        """Return some of them, with known ranges of their judged outputs, (runs, judged)."""
+        """Return selected runs, with known ranges of judged outputs, (runs, judged)."""
         return replace(
             self,
             values=[np.asarray(v)[places] if np.ndim(v) else v for v in self.values],
@@ -191,7 +192,8 @@ class MarchRows:
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
     """(runs, RANGES + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`."""
+    residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`.
+    """
     record: Numbers
     """Pieces of accepted steps, in the layout of `martensite.simulate.track`; none if they were not recorded."""
     totals: Numbers
@@ -199,10 +201,10 @@ class MarchRows:
     states: Numbers
     """States at the ends of runs, (runs, states)."""
     extremes: Numbers
-    """Lowest and highest of what is judged, (runs, 2, judged)."""
+    """Minimum and maximum of judged outputs, (runs, 2, judged)."""
 
     def choose(self, places: NDArray[np.intp]) -> MarchRows:
-        """Return some of the runs, in the order of their places."""
+        """Return selected runs in the given order."""
         if len(places) == len(self.outputs):
             return self
         at = np.full(len(self.outputs), -1)
@@ -214,7 +216,7 @@ class MarchRows:
         return MarchRows(self.outputs[places], self.numbers[places], record, totals, *kept)
 
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
-        """One of them."""
+        """Return one run."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, *more = numbers
         accounts, ranges = tuple(more[5 : 5 + len(ACCOUNTS)]), tuple(more[5 + len(ACCOUNTS) :])
@@ -230,7 +232,7 @@ class MarchRows:
 
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
-    """March runs to their ends; `watch` is told the share that is done, now and then."""
+    """Simulate runs to their ends; call `watch` with the completed fraction at intervals."""
     marching = _Marching(runs)
     if runs.lanes == 1 or marching.knows_all():
         return marching.go(watch)
@@ -244,7 +246,7 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
 
 
 class MarchArrays:
-    """Arrays that the C of a march reads and fills; drives of runs in lanes are stored completely if not too long."""
+    """Arrays that the C code reads and fills, including drives."""
 
     def __init__(self, runs: Runs) -> None:
         plan, compiled = runs.plan, runs.plan.compiled
@@ -283,7 +285,7 @@ class MarchArrays:
                     window.extend(plan.times[0])
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
-        """Return the structure that is passed to C, with the address of each array."""
+        """Return the C structure with the address of each array."""
         plan = self.plan
         places = ("p", "first", "times", "limits", "ranges", "rows", "numbers", "record", "states", "extremes")
         self.fill_drives(locate)
@@ -309,7 +311,7 @@ class MarchArrays:
         return all(window.known_until() == np.inf for row in self.windows for window in row)
 
     def fill_drives(self, locate: Callable[[NDArray[Any]], int]) -> None:
-        """Say where segments and tones of every drive lie."""
+        """Write the addresses of segments and tones of every drive."""
         flat = (window for row in self.windows for window in row)
         for window, drive in zip(flat, self.drives, strict=False):
             window.fill(drive, locate)
@@ -323,7 +325,7 @@ class _Marching(MarchArrays):
         self.march = self.describe(_get_address)
 
     def go(self, watch: Callable[[float], None] | None = None) -> MarchRows:
-        """To the end."""
+        """Integrate to the end."""
         begin = 1
         march, block = ctypes.byref(self.march), ctypes.byref(self.block)
         while True:
@@ -341,7 +343,7 @@ class _Marching(MarchArrays):
                 watch(self._done())
 
     def _extend(self) -> None:
-        """Know more of the drives that a run waits for."""
+        """Extend the drives of runs that wait for segments."""
         now = self._time()
         for window in self.windows[0]:
             if window.known_until() < np.inf:
@@ -350,17 +352,17 @@ class _Marching(MarchArrays):
         self.library.forget_cursors(ctypes.byref(self.block))
 
     def _time(self) -> float:
-        """Return the time of one run [s], or the number of runs of a batch that are done."""
+        """Return the time of a single run [s], or the number of completed runs."""
         return self.library.time_of(ctypes.byref(self.block))
 
     def _done(self) -> float:
-        """Return the fraction of the runs that is done."""
+        """Return the completed fraction of the runs."""
         begin, end = (self.plan.times[0], self.plan.times[-1]) if self.runs.lanes == 1 else (0.0, self.runs.count)
         return max(self._time() - begin, 0.0) / (end - begin)
 
 
 def observe_in_c(runs: Runs) -> Observe:
-    """Return the function that computes the kept outputs of recorded states, with the parameters of their runs."""
+    """Return the function that computes stored outputs of recorded states, with the parameters of each run."""
     library = _load_library(kernel_of(runs.plan, runs.outputs, runs.lanes, runs.own))
     count, outputs = runs.count, runs.outputs
     table = spread_column(runs.values, count)
@@ -383,7 +385,7 @@ def _get_address(array: Any) -> int:
 def kernel_of(
     plan: MarchPlan, outputs: Sequence[int], lanes: int = 1, own: Sequence[Sequence[AbstractWaveform]] | None = None
 ) -> MarchKernel:
-    """Return the kernel for runs of a plan; every run may have separate waveforms."""
+    """Return the kernel for runs of a plan, optionally with individual waveforms."""
     rows = [plan.waveforms] if own is None else own
     tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
     fixed = plan.step is not None
@@ -402,22 +404,22 @@ class MarchKernel:
     """Largest number of tones of a drive."""
     order: int = 2
     own: bool = False
-    """True if every run has separate drives."""
+    """True if every run has individual drives."""
     fixed: bool = False
     """True if the steps are given."""
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Return additional flags of the compiler."""
+        """Return additional compiler flags."""
         return () if self.fixed else FUSED
 
     def source(self) -> str:
-        """Return its C."""
+        """Return the C source."""
         compiled, traced = self.compiled, self.compiled.program.functions
         places = () if self.fixed else compiled.points
         rates = () if self.fixed else compiled.rates
         sizes = [place.size for place in places]
-        book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches tell no balance
+        book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches report no balance
         constants = {
             "LANES": self.lanes,
             "SIMD": '_Pragma("omp simd")' if self.lanes > 1 else "",
@@ -487,7 +489,7 @@ _LOADED: set[MarchKernel] = set()
 
 @cache_answers(4)
 def _write_source(kernel: MarchKernel) -> str:
-    """Return the C of a kernel, which is asked for before it is compiled, too."""
+    """Return the C source of a kernel, cached."""
     return kernel.source()
 
 
@@ -502,7 +504,7 @@ def _load_library(kernel: MarchKernel) -> Any:
 
 
 def tell_readiness(kernel: MarchKernel) -> str:
-    """`loaded`, `compiled` but not loaded in this process yet, or `new`."""
+    """Return `loaded`, `compiled` (not yet loaded in this process) or `new`."""
     if kernel in _LOADED:
         return "loaded"
     return "compiled" if is_compiled(_write_source(kernel), kernel.flags, soon=kernel.lanes == 1) else "new"

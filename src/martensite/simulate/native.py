@@ -1,4 +1,4 @@
-"""The march in C: a loop around the traced kernels, for one run or a batch of lanes."""
+"""Time integration in C around the traced kernels, for one run or a batch."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from martensite.simulate.marching import Marched, RunLimits
 def march_source(
     compiled: CompiledMarch, lanes: int, outputs: Sequence[int], own: bool = False, bounded: bool = False
 ) -> str:
-    """C source of the kernels and the march for a fixed number of lanes.
+    """Return the C source of kernels and time integration for a fixed batch size.
 
-    With signals and steps of their `own` lanes march through a `LaneGrid`. If it is `bounded`, a
-    march looks after every step whether lanes leave an envelope.
+    With `own`, batch elements have individual signals and steps (`LaneGrid`). With `bounded`, the envelope is
+    checked after every step.
     """
     traced = compiled.program.functions
     observe = traced["observe"]
@@ -52,7 +52,7 @@ def march_source(
 
 
 def _write_kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int) -> str:
-    """C of traced functions: over vectors where the lanes fill them."""
+    """Return the C source of traced functions, vectorised for full batches."""
     write = c_source if lanes % BLOCK else lanes_source
     return write(compiled.program, functions)
 
@@ -65,10 +65,12 @@ def _load_library(compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...],
 def march_lanes(
     compiled: CompiledMarch, values: Sequence[Any], grid: TimeGrid | LaneGrid, lanes: int, outputs: Sequence[int]
 ) -> tuple[Any, Any]:
-    """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
+    """Simulate a batch of exactly `lanes` variants; scalars apply to all variants.
 
-    A `LaneGrid` gives every lane separate signals and steps.
-    Returns outputs (samples, outputs, lanes) and the worst reports (3, lanes).
+    A `LaneGrid` gives individual signals and steps.
+
+    Returns:
+        Outputs (samples, outputs, batch elements) and the worst reports (3, batch elements).
     """
     return march_inside(compiled, values, grid, lanes, outputs, None)[:2]
 
@@ -82,12 +84,11 @@ def march_inside(
     limits: Any,
     states: Any = None,
 ) -> tuple[Any, Any, Any]:
-    """March a batch of lanes; return also the time [s] at which each lane left the envelope, (lanes,).
+    """Simulate a batch and return the times [s] of leaving the envelope, (batch elements,), too.
 
-    That time is the end of a step, and infinite for lanes that stay inside. Reports cover the run until then. The
-    limits are low and high, (2, envelope) or (2, envelope, lanes), or None without an envelope. The `states`,
-    (states, lanes), are the initial states, and the final states after the call. If the first number is NaN, the lanes
-    begin at rest.
+    The time is the end of a step, and infinite for variants that stay inside. Reports cover the run until then. The
+    limits are low and high, (2, envelope) or (2, envelope, lanes), or None. The `states`, (states, lanes), are
+    replaced by the final states. If the first value is NaN, variants start in equilibrium.
     """
     bounded = limits is not None and len(compiled.envelope) > 0
     library = _load_library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)
@@ -103,13 +104,13 @@ def march_inside(
 
 
 def spread_limits(limits: Any, runs: int) -> Any:
-    """Return the limits of every run, (2, envelope, runs), from these or from those of all, (2, envelope)."""
+    """Return the limits of every run, (2, envelope, runs), from individual or common limits."""
     given = np.array(limits, float)
     return spread(given if given.ndim == 3 else given[:, :, None], (*given.shape[:2], runs))
 
 
 def spread_column(values: Sequence[Any], runs: int) -> Any:
-    """Return the parameters of all runs, (parameters, runs), from numbers or arrays."""
+    """Return the parameters of all runs, (parameters, runs), from scalars or arrays."""
     found = np.empty((len(values), runs))
     for row, value in enumerate(values):
         found[row] = value
@@ -130,7 +131,7 @@ def march_c(
     limits: RunLimits | None = None,
     start: Sequence[float] = (),
 ) -> Marched:
-    """Make one run on the C runtime, from a start or from rest."""
+    """Simulate one run in C, from a start or from equilibrium."""
     places = range(len(compiled.outputs))
     states = np.array(start or [np.nan] * max(compiled.size, 1), float).reshape(-1, 1)
     rows, worst, left = march_inside(compiled, values, grid, 1, places, limits, states)

@@ -151,13 +151,13 @@ class _RestingLanes:
         self._before = high if direction == "cooling" else None
 
     def signals(self, row: Numbers) -> Numbers:
-        """Return the signals of all drives in all lanes, shape (drives, lanes)."""
+        """Return the signals of all drives in all batch elements, shape (drives, batch elements)."""
         table = np.repeat(self._base[:, None], len(row), axis=1)
         table[self._place] = row
         return table
 
     def settle(self, row: Numbers) -> Lanes:
-        """Return the lanes at rest under the signals of a row."""
+        """Return the batch elements at rest under the signals of a row."""
         lanes = Lanes(self.system, len(row))
         lanes.reset(self._base[:, None])
         if self._before is not None:
@@ -166,7 +166,7 @@ class _RestingLanes:
         return lanes
 
     def point(self, lanes: Lanes, row: Numbers, lane: int) -> SteadyPoint:
-        """Return the state of one lane under the signals of a row."""
+        """Return the state of one batch element under the signals of a row."""
         failed = lanes.status[lane]
         if failed.failed:
             raise SolveError(f"The plant failed before its steady state. {failed.sentence}")
@@ -183,7 +183,7 @@ class _RestingLanes:
 
 
 def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, settled: float = SETTLED) -> None:
-    """Hold signals, (drives, lanes), until what is judged has settled, in stretches that double so often.
+    """Hold signals, (drives, batch elements), until what is judged has settled, in stretches that double so often.
 
     Raises:
         SolveError: that takes too long.

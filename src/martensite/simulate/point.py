@@ -45,7 +45,8 @@ class PathLeg:
     """At its end [-]; not together with `stress`."""
     hold: str | None = None
     """Without stress and strain: which of both is held, `stress` or `strain`; if not given,
-    the one that the leg before prescribed (stress at the beginning)."""
+    the one that the leg before prescribed (stress at the beginning).
+    """
     duration: float = 1.0
     """[s]; matters for laws with rates only."""
     steps: int | None = None
@@ -105,8 +106,9 @@ class PointResult:
     """Largest mismatch of a fraction at the end of a strain-driven step [-]."""
     steps: int
     accuracy: float | None
-    """Largest change on halving the steps, as a share of each column's range; None if only one
-    run was made."""
+    """Largest change on halving the steps, as a fraction of each column's range; None if only one
+    run was made.
+    """
     label: str = ""
     warnings: list[str] = field(default_factory=list[str])
 
@@ -154,7 +156,7 @@ def material_point(
         start: stress [Pa] and temperature [K] where the path begins.
         fractions: martensite and net oriented fraction at the start [-]; austenite by default.
         steps: samples per leg, and its coarsest steps, where the leg does not say.
-        tolerance: accepted change on halving, as a share of range; None for one run with
+        tolerance: accepted change on halving, as a fraction of range; None for one run with
             exactly the given steps.
         tension_only: a strain-driven point goes slack instead of being compressed.
         runtime: floats (default), or c (compiled on the spot; for laws with many variables).
@@ -162,7 +164,7 @@ def material_point(
 
     Raises:
         InputError: an argument is out of range.
-        SolveError: a step could not be solved; the sentence says where and what to try.
+        SolveError: a step could not be solved; the message gives where and a remedy.
     """
     _check_path(legs, start, fractions, steps, tolerance, runtime)
     sections = _fill_sections(legs, steps, start[1])
@@ -250,7 +252,7 @@ def _refine_steps(drive: PathDriver, tolerance: float | None) -> tuple[PointTrac
 
 
 def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
-    """Return the largest difference of the judged columns as a share of their range."""
+    """Return the largest difference of the judged columns as a fraction of their range."""
     if len(coarse.rows) != len(fine.rows):
         return math.inf
     worst = 0.0

@@ -49,7 +49,7 @@ class PathSection(NamedTuple):
         return self._replace(begin=begin, end=begin if self.end is None else self.end)
 
     def at(self, share: float) -> tuple[float, float]:
-        """Return the prescribed quantity and temperature at a share of the way; exact at the end."""
+        """Return the prescribed quantity and temperature at a fraction of the way; exact at the end."""
         end = self.begin if self.end is None else self.end
         if share == 1.0:
             return end, self.last
@@ -162,7 +162,7 @@ class FloatRider:
         return (*last[:-1], max(first[-1], last[-1]))
 
     def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
-        """Along one section, in so many steps between samples."""
+        """Along one section, in the given number of steps between samples."""
         step, size, count = self._functions[f"{section.control}_step"], self._size, section.samples * finer
         dt = section.duration / count
         rows: list[Row] = []
@@ -213,7 +213,7 @@ class NativeRider:
         return tuple(found.tolist())
 
     def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
-        """Along one section, in so many steps between samples."""
+        """Along one section, in the given number of steps between samples."""
         import numpy as np
 
         state, worst = np.array(memory, float), np.empty(1)

@@ -35,7 +35,7 @@ WHERE, AT, PERIOD = "[initial]", "at", "period"
 EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
 """Starts that are searched for, values of the key `at`."""
 SAME = 1e-12
-"""Share of a duration by which two times are the same."""
+"""Fraction of a duration by which two times are the same."""
 
 
 class PassState(NamedTuple):
@@ -120,7 +120,7 @@ def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
     """Return the restart at a time [s]; by default the last.
 
     Raises:
-        InputError: nothing was kept then; the sentence names the nearest time.
+        InputError: nothing was kept then; the message gives the nearest time.
     """
     if not known:
         raise InputError("That run saved no state: it failed, was a batch, or had external controllers.")

@@ -49,7 +49,8 @@ class Variants:
     accuracy: NDArray[np.float64] | None = None
     """Bound on the errors of temperatures, martensite fractions, stresses and coordinates of each variant, as a
     fraction of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the envelope. None for
-    runs on given steps. A value above the tolerance means that the tolerance was not reached."""
+    runs on given steps. A value above the tolerance means that the tolerance was not reached.
+    """
     extremes: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(
         default_factory=dict[str, "tuple[NDArray[np.float64], NDArray[np.float64]]"]
     )
@@ -89,16 +90,19 @@ class Result:
     """Longest step taken [s]."""
     accuracy: float | None = None
     """Bound on the errors of temperatures, martensite fractions, stresses and coordinates, as a fraction of the range
-    of each; None if only one run was made, and for a batch (see `variants.accuracy`)."""
+    of each; None if only one run was made, and for a batch (see `variants.accuracy`).
+    """
     notes: Sequence[str] = ()
     """Sentences of the run itself, with which `warnings` begins."""
     judged: Callable[[Result], RunWarnings] | RunWarnings = field(default_factory=RunWarnings)
     """Returns `alarms` and the rest of `warnings` when one of them is read; or these themselves, of a result from a
-    file and of a batch."""
+    file and of a batch.
+    """
     profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
     """One list per cell and quantity named in `martensite.actuators.assembly.PROFILES`, in SI
     units; empty
-    for an element that is the same all over."""
+    for an element that is the same all over.
+    """
     beside: dict[str, Output] = field(default_factory=dict[str, Output])
     """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
     runtime: str = ""
@@ -107,10 +111,12 @@ class Result:
     """Steps that were made again, shorter."""
     heat: HeatBalance | None = None
     """Heat balance of a run with an error control; None where a temperature is prescribed or an element does not give
-    its stored heat (see `unbalanced`), or steps are given."""
+    its stored heat (see `unbalanced`), or steps are given.
+    """
     work: WorkBalance | None = None
     """Work balance of a run with an error control; None where a mechanism does not give its stored energy, or steps are
-    given."""
+    given.
+    """
     unbalanced: list[str] = field(default_factory=list[str])
     """Reasons for a missing balance of heat or work in a run with an error control, in sentences."""
     ripple: float = 0.0
@@ -125,7 +131,8 @@ class Result:
     """Returns `start`, or is `start` itself in a result from a file."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
     """States from which another run can continue: at the end, and at the requested times; empty if the run stopped
-    early."""
+    early.
+    """
 
     def __post_init__(self) -> None:
         """Hold times and columns as arrays, whatever sequences were given."""

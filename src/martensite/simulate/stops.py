@@ -81,7 +81,7 @@ def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], f
 
 
 def _share_inside(envelope: Envelope, before: Row, after: Row, place: int) -> float:
-    """Return the share of a straight line between two rows that is inside a bound."""
+    """Return the fraction of a straight line between two rows that is inside a bound."""
     first, last = before[envelope.places[place]], after[envelope.places[place]]
     bound = envelope.limits.high[place] if last > first else envelope.limits.low[place]
     return min(max((bound - first) / (last - first), 0.0), 1.0) if last != first else 0.0

@@ -439,7 +439,7 @@ class _Pieces:
         return (own[..., 0] * np.cos(angles)).sum(axis=-1)
 
     def differentiate(self, pieces: Places, share: Numbers, drive: int) -> tuple[Numbers, Numbers]:
-        """Return first and second derivative of a drive by the share of a piece, at places within some pieces."""
+        """Return first and second derivative of a drive by the fraction of a piece, at places within some pieces."""
         own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
         angles = own[..., 1] * (self.begin[pieces] + share * self.length[pieces])[:, None] + own[..., 2]
         swing, rate = own[..., 0], own[..., 1] * self.length[pieces][:, None]

@@ -1,8 +1,7 @@
-"""Runs that are tried: to the step that a scenario needs.
+"""Trial runs for the required step of a scenario.
 
-Fits and exported models run on equal steps: those do not change with the parameters, so that what is
-computed on them is as smooth as the model is, and differentiates exactly. They are halved until a run
-on them agrees with one that has an error control.
+Fits and exported models use equal steps that do not depend on the parameters, so their results are smooth and
+exactly differentiable. The steps are halved until the run agrees with a run with step size control.
 """
 
 from __future__ import annotations
@@ -22,18 +21,18 @@ HALVED = 0.5
 
 
 class EqualStep(NamedTuple):
-    """A longest step, and what a run on it is off by."""
+    """Longest step and error of a run on equal steps."""
 
     step: float
     """[s]"""
     apart: float
-    """Largest difference of what is judged, as a share of its range."""
+    """Largest difference of judged outputs, as a fraction of their ranges."""
 
 
 def find_step(
     system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float, samples: int = 1001
 ) -> EqualStep:
-    """Return the longest step [s] of a row of halved ones with which a run is within a tolerance, as a share of range.
+    """Return the longest step [s], by halving, that keeps a run within a relative tolerance.
 
     Raises:
         SolveError: the run fails.

@@ -2,7 +2,7 @@
 
 Runs are made to a tolerance, with an error control in every step and a bound on the remaining error of each
 (`martensite.simulate.ensembles`), in lanes of C, on a GPU or, without a compiler, one after another on floats. On
-given steps and in discrete time they march on steps that are laid out before: in blocks of lanes in C
+given steps and in discrete time they march on steps that are laid out before: in blocks of batch elements in C
 (`martensite.simulate.native`), on a GPU, or one after another on floats. A run does not depend on which others march
 beside it.
 
@@ -53,7 +53,7 @@ NAMES = {"cuda": "CUDA", "c": "C"}
 LANES = {"c": 64, "floats": 16}
 """Runs that march together on given steps, at most."""
 HELD = 1024
-"""Numbers of the state of all lanes, which the fastest cache holds beside what a step makes of them."""
+"""Numbers of the state of all batch elements, which the fastest cache holds beside what a step makes of them."""
 TOGETHER = 256
 """Number of runs with an error control in one batch; samples are held twice."""
 CLOCKS = 64
@@ -87,7 +87,7 @@ class VariantSetup:
     lanes: int | None = None
     """Runs on given steps that march together; by default what suits the runtime."""
     tolerance: float = 1e-4
-    """Accepted error of what is judged, as a share of its range, if no step is given."""
+    """Accepted error of what is judged, as a fraction of its range, if no step is given."""
     chunk: int | None = None
     """Runs that a GPU marches at a time; by default as many as its memory holds."""
     devices: int | None = 1
@@ -305,7 +305,7 @@ class VariantSetup:
         return list(columns), reports, left
 
     def _grid(self, signals: Mapping[str, Values], rows: Places) -> TimeGrid | LaneGrid:
-        """Return the steps of all, or of every lane where waveforms vary."""
+        """Return the steps of all, or of every batch element where waveforms vary."""
         if not signals:
             return self._common
         known: dict[tuple[float, ...], TimeGrid] = {}

@@ -5,7 +5,7 @@ A waveform is affine in its levels q: its signal is
     u(t) = u_0(t) + Σ_k q_k φ_k(t)
 
 A steered system is driven by u_0 and all φ_k, which are fixed, and has the levels among its
-parameters. So levels differ from lane to lane of a batch, and derivatives with respect to them are
+parameters. So levels differ from batch element to batch element of a batch, and derivatives with respect to them are
 exact like any others. Times of a waveform cannot be steered: they move its edges, on which steps
 end.
 
@@ -36,7 +36,7 @@ PEAK = "peak"
 LOOKED_AT = 2001
 """Times at which the peak of a waveform is looked for, and whether it is affine, beside edges."""
 AFFINE = 1e-9
-"""Largest departure of a signal from what its levels say, as a share of the signal."""
+"""Largest departure of a signal from what its levels say, as a fraction of the signal."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ SHARE = 0.8
 
 
 class DeviceError(MartensiteError, RuntimeError):
-    """The driver, NVRTC or the device answered with an error, whose name is kept."""
+    """The driver, NVRTC or the device returned an error, whose name is kept."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"The GPU failed ({name}); {ELSE}.")
@@ -192,7 +192,7 @@ class DeviceProgram:
         return int(take_answer(self.device.driver.cuModuleGetGlobal(self._module, name.encode()))[0])
 
     def launch(self, name: str, threads: int, arguments: Sequence[ctypes.c_int | ctypes.c_longlong]) -> None:
-        """Run a kernel in so many threads, and wait for it."""
+        """Run a kernel in the given number of threads, and wait for it."""
         driver = self.device.driver
         packed = tuple(one.value for one in arguments), tuple(type(one) for one in arguments)
         take_answer(driver.cuEventRecord(self._clock[0], 0))
@@ -235,7 +235,7 @@ class DeviceMemory:
         return int(SHARE * take_answer(self.device.driver.cuMemGetInfo())[0])
 
     def take(self, size: int, fill: int | None = None) -> int:
-        """Return the address of so many bytes, which are all `fill` if that is given."""
+        """Return the address of the given number of bytes, which are all `fill` if that is given."""
         place = int(take_answer(self.device.driver.cuMemAlloc(max(size, 1))))
         self._taken.append(place)
         if fill is not None and size:

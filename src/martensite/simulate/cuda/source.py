@@ -1,4 +1,4 @@
-"""CUDA C of a traced system and its march on given steps, one run a thread.
+"""CUDA C of a traced system and its march on given steps, one run per thread.
 
 It is printed from the same graph as the C of `martensite.kernels.c99`, and is C but for a few words of CUDA: a C
 compiler that is told what they mean makes the same march for the processor, which is how the tests try it.

@@ -1,4 +1,4 @@
-"""Runs with an error control on a GPU: the very C of `martensite.simulate.marching_native`, one run a thread.
+"""Runs with an error control on a GPU: the very C of `martensite.simulate.marching_native`, one run per thread.
 
 NVRTC compiles it as it stands, for the device by default. A thread keeps its run in local memory, which the compiler
 interleaves so that threads access neighbouring addresses.

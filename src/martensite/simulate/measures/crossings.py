@@ -21,7 +21,7 @@ from martensite.simulate.measures.run_table import Numbers, RunTable
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 LEAST_WAY = 1e-12, 1e-9
-"""Least way, in SI and as a share of the largest sample."""
+"""Least way, in SI and as a fraction of the largest sample."""
 
 
 @MEASURES.register("rise-time")
@@ -65,7 +65,7 @@ class RiseTime(AbstractMeasure):
         return sum(measure_spread(lambda way: self._cross(table, way), table, share, off) for share in levels)
 
     def _crossing(self, table: RunTable, share: float) -> Crossing:
-        """Return the crossing of a share of the way."""
+        """Return the crossing of a fraction of the way."""
         return self._cross(table, ColumnCrossings(table.values, share))
 
     def _cross(self, table: RunTable, way: ColumnCrossings) -> Crossing:
@@ -199,7 +199,7 @@ def measure_spread(cross: Callable[[ColumnCrossings], Crossing], table: RunTable
 
 
 class Crossing:
-    """When a share of the way is crossed, by column and run, in given intervals (−1: never)."""
+    """When a fraction of the way is crossed, by column and run, in given intervals (−1: never)."""
 
     def __init__(self, times: Numbers, way: ColumnCrossings, place: Places) -> None:
         self.way, self.place, self.missing = way, np.maximum(place, 0), (place < 0) | way.none
@@ -224,7 +224,7 @@ class Crossing:
 
 
 class ColumnCrossings:
-    """The way of every column and run, and how far samples are beyond a share of it."""
+    """The way of every column and run, and how far samples are beyond a fraction of it."""
 
     def __init__(self, seen: Numbers, share: float) -> None:
         gone = seen - seen[:, :1]

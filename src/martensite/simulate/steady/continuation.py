@@ -35,7 +35,7 @@ QUICK = 5
 SETTLED, GOOD = 1e-11, 1e-6
 """Length of a Newton step that ends a correction, and below which one may end that no longer gets shorter."""
 RANK = 1e-10
-"""Share of the largest singular value below which a direction counts as one along which nothing changes."""
+"""Fraction of the largest singular value below which a direction counts as one along which nothing changes."""
 CORNER = 1e-3
 """Step below which the curve may turn sharply: a wire that goes taut makes a corner."""
 SHORTEST = 1e-7

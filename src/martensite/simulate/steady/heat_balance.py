@@ -115,7 +115,7 @@ class _HeatedPart:
         return float(self.environment.cooling.film(floats, temperature, ambient, self.shape))
 
     def heat_loss(self, temperature: float) -> float:
-        """Return the heat flow to the surroundings [W]."""
+        """Return the heat flow to the ambient [W]."""
         if self.element is not None:
             return float(self.element.heat_loss(floats, temperature, self.environment))
         surface = math.pi * self.shape.diameter * self.shape.length
@@ -123,7 +123,7 @@ class _HeatedPart:
 
 
 def _find_actuator(subject: Scenario | AbstractSystem | Actuator, port: str | None) -> Actuator:
-    """Return the element in its surroundings."""
+    """Return the element in its ambient."""
     if not isinstance(subject, Actuator):
         system = subject if isinstance(subject, AbstractSystem) else subject.system
         known = system.actuators()

@@ -35,7 +35,7 @@ INERT = 1e-13
 NEUTRAL = 1e-6
 """Largest distance of a neutral Floquet multiplier from the unit circle."""
 LEAST_SIZE = 0.02
-"""Size of a parameter near 0, as a share of how far it is varied."""
+"""Size of a parameter near 0, as a fraction of how far it is varied."""
 
 
 @dataclass(frozen=True)
