@@ -57,8 +57,9 @@ class Ensemble:
     ended: Numbers
     """End time of every run [s], (runs,); NaN where unknown."""
     accuracy: Numbers
-    """Error bound of judged outputs as a fraction of their ranges, (runs,). NaN without an estimate, or for runs that
-    failed inside the envelope.
+    """Error bound of judged outputs as a fraction of their ranges, (runs,).
+
+    It is NaN without an estimate, and for runs that failed inside the envelope.
     """
     numbers: Numbers = field(default_factory=lambda: np.empty((0, 0)))
     """Requested measures, (measures, runs); NaN for runs that were not made."""

@@ -1,7 +1,7 @@
-"""The time grid: samples, and between them steps that never straddle an edge of the input.
+"""Time grid of samples and steps, with steps that end at edges of the input.
 
-A drive that heats is integrated over every step: the grid holds its moments. One that prescribes a
-state, such as a temperature, is read at the end of the step.
+Heating drives are integrated over every step and stored as moments. Drives that prescribe a state are read at the
+end of the step.
 """
 
 from __future__ import annotations
@@ -22,22 +22,20 @@ MOST_STEPS = 20_000_000
 JUMP = 1e-6
 """Relative change of a signal below which it does not jump."""
 MOST_ROWS = 20_000
-"""Steps of a run up to which its outputs are kept at the end of each."""
+"""Largest number of steps with outputs stored at the end of each."""
 MOST_PERIODS = 400_000
 """Largest number of periods of a run in discrete time."""
 THINNED = 0.02
-"""Time between samples of a longer run, as a fraction of the time since the last jump."""
+"""Sample interval of longer runs, as a fraction of the time since the last jump."""
 JUST_AFTER = 1e-9
-"""Place in a sample of a system in discrete time at which signals are read, as a fraction of the sample: after a jump
-at its start, in spite of rounding of the times.
-"""
+"""Relative position in a sample at which a system in discrete time reads signals: just after a jump at the start."""
 Signals = tuple[float, ...]
-"""One number per drive of a system, or what all of them bring in a step."""
+"""One value per drive of a system, or the drive inputs of a step."""
 
 
 @dataclass(frozen=True)
 class TimeGrid:
-    """Sample times, and the steps between them."""
+    """Sample times and the steps between them."""
 
     times: list[float]
     sampled: Any
@@ -47,15 +45,15 @@ class TimeGrid:
     lengths: list[float]
     """Length of every step [s]."""
     drives: Any
-    """Inputs of `CompiledMarch` from the drives in every step: a list of tuples, or an array (steps, inputs)."""
+    """Drive inputs of `CompiledMarch` in every step: a list of tuples, or an array (steps, inputs)."""
     stored: Any = ...
-    """Which of the samples a user asked for; the others are ends of steps, for measures."""
+    """True for requested samples, False for additional step ends."""
 
     def keep_steps(self, waveforms: Sequence[AbstractWaveform]) -> TimeGrid:
-        """Return the grid with a sample at the end of every step, and one on each side of a jump there.
+        """Return the grid with a sample at the end of every step and on each side of a jump.
 
-        In a run of more than `MOST_ROWS` steps, the time between samples grows with the time since the last jump or
-        stored sample, to `THINNED` of it.
+        Above `MOST_ROWS` steps, the sample interval grows to `THINNED` of the time since the last jump or stored
+        sample.
         """
         readers, thin = [Reader(waveform) for waveform in waveforms], len(self.lengths) > MOST_ROWS
         edges = [] if not thin else sorted({edge for wave in waveforms for edge in wave.edges(self.times[-1])})
@@ -86,7 +84,7 @@ class TimeGrid:
 
     @cached_property
     def arrays(self) -> tuple[Any, Any, Any, Any, Any]:
-        """For C: signals at the first sample and at the others, counts, drives, lengths."""
+        """Return signals at the first and at the other samples, counts, drives and lengths, for C."""
         import numpy as np
 
         sampled = np.asarray(self.sampled, float).reshape(len(self.times), -1)
@@ -108,10 +106,10 @@ class TimeGrid:
         return max(self.lengths)
 
     def cut(self, begin: float, end: float) -> TimeGrid:
-        """Return the part from one sample to another.
+        """Return the part between two samples.
 
         Raises:
-            InputError: no sample lies at one of these times [s]; the message gives the nearest.
+            InputError: no sample lies at one of these times [s]; the message names the nearest.
         """
         near = [bisect_left(self.times, time) for time in (begin, end)]
         places = [
@@ -136,11 +134,10 @@ class TimeGrid:
 
 @dataclass(frozen=True)
 class LaneGrid:
-    """Sample times, and the steps between them by batch element: for variants of a waveform.
+    """Sample times, and individual steps for each batch element.
 
-    All batch elements have the same samples, and between two of them as many steps as the one that needs most:
-    the others end with steps of no length, which keep the state. So every batch element marches through exactly
-    the steps that it would take alone.
+    All batch elements have the same samples and the same number of steps between samples. Steps of length 0 at the
+    end of an interval keep the state. Every batch element therefore takes the same steps as in a single run.
     """
 
     times: list[float]
@@ -149,15 +146,15 @@ class LaneGrid:
     counts: Any
     """Steps in each interval, (intervals,)."""
     drives: Any
-    """Inputs from the drives in every step, (steps, inputs, batch elements)."""
+    """Drive inputs in every step, (steps, inputs, batch elements)."""
     lengths: Any
-    """Length of every step [s], (steps, batch elements); 0 where a batch element has none."""
+    """Length of every step [s], (steps, batch elements); 0 for unused steps."""
     stored: Any = ...
-    """Which of the samples a user asked for."""
+    """True for requested samples."""
 
     @cached_property
     def arrays(self) -> tuple[Any, Any, Any, Any, Any]:
-        """For C: signals at the first sample and at the others, counts, drives, lengths."""
+        """Return signals at the first and at the other samples, counts, drives and lengths, for C."""
         first, rest = self.sampled[:1].copy(), self.sampled[1:].copy()
         return first, rest, self.counts, self.drives, self.lengths
 
@@ -167,7 +164,7 @@ class LaneGrid:
         return float(self.lengths.max())
 
     def lane(self, lane: int) -> TimeGrid:
-        """Return the grid of one batch element, without the steps of no length."""
+        """Return the grid of one batch element, without steps of length 0."""
         import numpy as np
 
         lengths = self.lengths[:, lane]
@@ -184,12 +181,12 @@ def _list_rows(rows: Any) -> list[Signals]:
 
 
 def is_jump(before: Signals, after: Signals) -> bool:
-    """Return whether a signal is another on both sides of a time."""
+    """Return whether two signal values differ by a jump."""
     return any(abs(a - b) > JUMP * max(abs(a), abs(b)) for a, b in zip(before, after, strict=True))
 
 
 def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
-    """Merge the grids of all batch elements into one; the grids must have the same samples."""
+    """Return the merged grids of all batch elements, which have the same samples."""
     import numpy as np
 
     counts = np.array([grid.counts for grid in grids], np.int_)
@@ -207,7 +204,7 @@ def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
 
 
 def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str) -> None:
-    """Raise `UnitError` if a waveform of a fixed unit meets a source of another `unit`."""
+    """Raise `UnitError` if the fixed unit of a waveform differs from the `unit` of the source."""
     if waveform.unit not in (None, unit):
         kind = "a plain number" if waveform.unit == "1" else f"in {waveform.unit}"
         raise UnitError(
@@ -217,21 +214,21 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
 
 
 def just_after(ahead: bool) -> float:
-    """Return the place in a sample at which its signal is read, as a fraction: after its start, or its end."""
+    """Return the relative position in a sample at which its signal is read."""
     return JUST_AFTER + (1.0 if ahead else 0.0)
 
 
 BEFORE = 1.0 - 1e-9
-"""Just before the end of a step, as a fraction of it."""
+"""Relative position just before the end of a step."""
 
 
 def place_signal(at_end: bool) -> float:
-    """Return the place in a step at which a constant signal is read, as a fraction of the step."""
+    """Return the relative position in a step at which a constant signal is read."""
     return BEFORE if at_end else 0.5
 
 
 class Steps(NamedTuple):
-    """Times, and the steps between them."""
+    """Times and the steps between them."""
 
     times: Sequence[float]
     counts: list[int]
@@ -239,11 +236,11 @@ class Steps(NamedTuple):
     lengths: list[float]
 
     def ends(self) -> list[float]:
-        """Return the end times [s]: the begin of the next interval, or the last of the times."""
+        """Return the end time of each interval [s]."""
         return [*self.begins[1:], self.times[-1]]
 
     def grid(self, waveforms: Sequence[AbstractWaveform], at_end: Sequence[bool]) -> TimeGrid:
-        """With what waveforms bring; one flag per waveform says whether it prescribes a state."""
+        """Return the grid with waveforms; flags mark waveforms that prescribe a state."""
         count, columns = len(self.lengths), list[Sequence[Signals]]()
         ends = self.ends()
         for waveform, late in zip(waveforms, at_end, strict=True):
@@ -274,11 +271,10 @@ def grid_of_samples(
     ahead: Sequence[bool],
     every: bool = False,
 ) -> TimeGrid:
-    """Return the grid of a system in discrete time: every step is one of its samples, from 0 on.
+    """Return the grid of a system in discrete time, with one step per period.
 
-    Signals are read at the start of a step, or at its end where they are wanted `ahead`. What is
-    returned are as many of its samples as were asked for, or all if there are fewer, as evenly
-    spread as whole steps allow. With `every`, all samples of a run that is not too long are in the grid.
+    Signals are read at the start of a step, or at its end with `ahead`. The requested number of samples is
+    distributed evenly over the steps. With `every`, all steps of a run of moderate length are samples.
 
     Raises:
         InputError: the run has too many steps, or is shorter than one.
@@ -310,16 +306,16 @@ def grid_of_samples(
 
 
 def grid_at(waveforms: Sequence[AbstractWaveform], times: list[float], step: float, at_end: Sequence[bool]) -> TimeGrid:
-    """Cut the time from 0 on at the samples `times` (the first is 0) and at edges.
+    """Return the grid from time 0 with given samples `times` (the first is 0) and edges.
 
-    The pieces are cut into steps of at most `step` [s].
+    Steps are at most `step` [s] long.
     """
     edges = {edge for waveform in waveforms for edge in waveform.edges(times[-1])}
     return cut_steps(edges, times, step).grid(waveforms, at_end)
 
 
 def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> Steps:
-    """Return the steps of at most `step` [s] between samples and edges; `InputError` if there are too many."""
+    """Return the steps of at most `step` [s] between samples and edges; raise `InputError` for too many steps."""
     duration, samples = times[-1], len(times)
     ahead = [*sorted(edges), math.inf]
     if duration / step + len(ahead) + samples > MOST_STEPS:
@@ -348,6 +344,6 @@ def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> St
 
 
 def rows_of(waveforms: Sequence[AbstractWaveform], times: Sequence[float]) -> list[Signals]:
-    """Return a row of signals for every time [s]."""
+    """Return the signals at every time [s]."""
     columns = [wave.signals(times) for wave in waveforms]
     return list(zip(*columns, strict=True)) if columns else [()] * len(times)

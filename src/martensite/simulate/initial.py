@@ -1,12 +1,11 @@
-"""Start of a run: given coordinates, speeds, temperatures and phase states.
+"""Initial state of a run: given coordinates, speeds, temperatures and phase states.
 
-Without numbers, a system starts at home and at rest, in equilibrium at the ambient temperature and the load. It is
-assembled so in any case, which gives the lengths of its elements there. Then its mechanism is
-put where the given coordinates are, every element into the given temperature and phase state, and forces follow: of a
-mechanism with coordinates from how long its elements are there, of a load line from what the element meets. What is
-not given stays as assembled; a phase state that the law would leave at once is refused.
+By default a system starts at home in equilibrium at ambient temperature and load. This assembly also defines the
+lengths of the elements. The mechanism then moves to the given coordinates, and the elements take the given
+temperatures and phase states. Forces follow from the element lengths, or from the load line for a mechanism without
+coordinates. Other quantities remain as assembled. A phase state that the law leaves immediately is refused.
 
-Or it is said to be found, by marching (`martensite.simulate.settling`).
+Alternatively, `martensite.simulate.settling` searches for the initial state.
 """
 
 from __future__ import annotations
@@ -29,18 +28,18 @@ from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.restarts import AT, CYCLE, EQUILIBRIUM, HOME, PERIOD, WHERE, PassState, Restart
 
 OF_ELEMENT = {"temperature": "K", "martensite_fraction": "1", "oriented_fraction": "1"}
-"""Quantities of an element that can be given, with their units."""
+"""Initial quantities of an element, with their units."""
 FITS = 50
-"""Turns in which forces and elements are fitted."""
+"""Maximum iterations between forces and elements."""
 NUDGE, LOST = 0.01, 0.02
-"""Change of temperature [K], and by how much of a fraction a phase state that lasts may answer to it."""
+"""Temperature change [K] for a stability test, and the accepted change of a phase fraction."""
 
 
 def list_initial(system: AbstractSystem) -> dict[str, str]:
-    """Return the quantities that define the start of a system, with their units.
+    """Return the initial quantities of a system, with their units.
 
     Raises:
-        InputError: it has other parts than a mechanism and elements.
+        InputError: the system has other parts than a mechanism and elements.
     """
     if not isinstance(system, AbstractAssembly):
         raise InputError(
@@ -53,10 +52,10 @@ def list_initial(system: AbstractSystem) -> dict[str, str]:
 
 
 def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: bool = False) -> dict[str, Any]:
-    """Return a table [initial] in SI by full name; `with_units` says whether plain numbers are refused, as in a file.
+    """Return a table [initial] in SI by full name; `with_units` refuses plain numbers.
 
     Raises:
-        InputError: a name is not known, a unit does not fit, or numbers are given of what is to be found.
+        InputError: a name is unknown, a unit does not fit, or values conflict with a search.
     """
     known, given = list_initial(system), dict[str, Any]()
     for name, value in table.items():
@@ -72,7 +71,7 @@ def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: b
 
 
 def require_search(given: Mapping[str, Any]) -> None:
-    """Raise `InputError` unless a table says what is to be found, and gives nothing beside it."""
+    """Raise `InputError` unless a table only specifies a search."""
     if given[AT] not in (EQUILIBRIUM, CYCLE):
         raise InputError(f"{WHERE} `at` is not known. {suggest_name(str(given[AT]), (EQUILIBRIUM, CYCLE))}")
     allowed = (AT, PERIOD) if given[AT] == CYCLE else (AT,)
@@ -82,14 +81,14 @@ def require_search(given: Mapping[str, Any]) -> None:
 
 
 def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
-    """Suggest the nearest name; for a machine, a port stands for all quantities of its element."""
+    """Return the nearest name; a port of a machine stands for all quantities of its element."""
     port, _, own = name.rpartition(".")
     ports = [one for one in system.actuators() if system.label(one, AT) != AT]
     return suggest_name(own, OF_ELEMENT) if port in ports else suggest_name(name, {n.partition(".")[0] for n in known})
 
 
 def _convert(name: str, value: Any, unit: str, with_units: bool) -> float:
-    """Return a number in SI."""
+    """Return a value in SI."""
     try:
         if isinstance(value, str):
             return units.parse_quantity(value, unit)
@@ -104,11 +103,11 @@ def _convert(name: str, value: Any, unit: str, with_units: bool) -> float:
 def find_start(
     system: AbstractSystem, waveform: Waveforms, initial: Mapping[str, Any], tolerance: float = 1e-4
 ) -> Restart:
-    """Return the start of a run from the given quantities, or search for it.
+    """Return the start of a run from the given quantities or by a search.
 
     Raises:
-        InputError: the given quantities do not fit the system, or it cannot be in that state.
-        SolveError: a search marched to an impossible state.
+        InputError: the given quantities do not fit the system, or the state is impossible.
+        SolveError: a search reached an impossible state.
     """
     given = read_initial(system, initial)
     if AT in given:
@@ -124,7 +123,7 @@ def find_start(
 
 
 def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: Sequence[float]) -> State:
-    """Return the state with given numbers in SI by full name, under drive signals.
+    """Return the state with given values in SI by full name, under drive signals.
 
     Raises:
         InputError: an element cannot be in that state.
@@ -156,7 +155,7 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
 
 
 def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: float, home: Any, force: float) -> Any:
-    """Return an element in its given temperature and phase state, under a drive signal and a force [N]."""
+    """Return an element with its given temperature and phase state, under a drive signal and a force [N]."""
     element, imposed = one.element, one.source.sets_temperature
     if imposed and "temperature" in own:
         raise InputError(f"{WHERE} The temperature of `{port}` is prescribed by its drive; leave it out.")
@@ -174,7 +173,7 @@ def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: floa
 
 
 def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float], known: Fractions) -> Fractions:
-    """Return the given phase state; martensite of which nothing else is said is oriented as it was."""
+    """Return the given phase state; other martensite keeps its orientation."""
     law, martensite = element.law, own.get("martensite_fraction", known.martensite)
     share = known.oriented / known.martensite if known.martensite else 1.0
     oriented = own.get("oriented_fraction", martensite * share)
@@ -191,7 +190,7 @@ def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float]
 
 
 def _check_phases(system: AbstractSystem, port: str, actuator: Actuator, state: Any) -> None:
-    """Raise `InputError` for a phase state that the law leaves as soon as anything moves."""
+    """Raise `InputError` for a phase state that the law leaves after any small change."""
     element = actuator.element
     if not isinstance(element, AbstractLumped) or not element.uniform or element.law.rate_dependent:
         return
@@ -209,7 +208,7 @@ def _check_phases(system: AbstractSystem, port: str, actuator: Actuator, state: 
 
 
 def _check_envelope(system: AbstractSystem, state: tuple[float, ...], drives: Sequence[float]) -> None:
-    """Raise `InputError` for a state in which no element can be."""
+    """Raise `InputError` for a state outside the envelope."""
     seen = bind_march(system)[0]["judge"](*state, *drives)
     gone = envelope_of(system).find_exit(seen[len(compile_march(system).convergence_scales) :])
     if gone is not None:

@@ -1,7 +1,7 @@
-"""One judgement of a run or a steady state: which limits are exceeded.
+"""Limit checks of a run or a steady state.
 
-`run`, `check`, `steady`, `wire`, `size` and `design` apply the same limits (`martensite.simulate.alarms`) and the same
-envelope (`martensite.simulate.envelope`), so no two of them contradict each other about the same scenario.
+`run`, `check`, `steady`, `wire`, `size` and `design` share these limits (`martensite.simulate.alarms`) and this
+envelope (`martensite.simulate.envelope`), so their results are consistent.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 LIMITS = ("temperature", "stress", "strain", "supply", "rig")
-"""Kinds of alarms that exceed a limit; others, such as slack, are cautions."""
+"""Kinds of alarms that exceed a limit; other kinds, such as slack, are cautions."""
 REMEDIES = {
     "temperature": "To lower the temperature, reduce the drive or its duration, or improve the cooling.",
     "stress": "To lower the stress, reduce the load or use a thicker element.",
@@ -31,21 +31,21 @@ REMEDIES = {
 }
 """Remedies by kind of limit."""
 SHOWN = {"K": "degC", "Pa": "MPa", "1": "%"}
-"""Units in which limits are read, by SI unit."""
+"""Display units of limits, by SI unit."""
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """Limits that a run or a state exceeds."""
+    """Exceeded limits of a run or a state."""
 
     alarms: tuple[Alarm, ...]
     """Exceeded limits only."""
     outside: str
-    """Sentence on the bound of the envelope that is passed; empty inside the envelope."""
+    """Description of the exceeded bound of the envelope; empty inside the envelope."""
 
     @property
     def kept(self) -> bool:
-        """Return True if all limits are kept."""
+        """Return True if the state is within all limits."""
         return not (self.alarms or self.outside)
 
     @property
@@ -55,7 +55,7 @@ class Judgement:
 
     @property
     def verdict(self) -> str:
-        """Return one sentence: all limits are kept, or each exceeded limit with the value and the limit."""
+        """Return one sentence with each exceeded limit and its value, or the confirmation of all limits."""
         if self.kept:
             return "All limits are kept."
         words = [f"STOPPED. {self.outside}"] if self.outside else []
@@ -64,11 +64,11 @@ class Judgement:
         return " ".join(words)
 
     def list_remedies(self) -> list[str]:
-        """Return one sentence for each exceeded limit that names what brings the value below it."""
+        """Return one sentence with a remedy for each exceeded limit."""
         return [REMEDIES[kind] for kind in dict.fromkeys(alarm.kind for alarm in self.alarms)]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the judgement, ready for JSON."""
+        """Return the judgement as data for JSON."""
         return {"kept": self.kept, "outside": self.outside, "exceeded": [asdict(alarm) for alarm in self.alarms]}
 
 
@@ -88,7 +88,7 @@ def describe_excess(alarm: Alarm) -> str:
 
 
 def judge_run(result: Result) -> Judgement:
-    """Return the limits that a run exceeded."""
+    """Return the limits that a run exceeds."""
     left = result.status is Status.OUT_OF_ENVELOPE
     outside = next((words for words in result.warnings if words.startswith("The run stopped")), "") if left else ""
     return Judgement(tuple(alarm for alarm in result.alarms if alarm.kind in LIMITS), outside)
@@ -108,9 +108,9 @@ def judge_state(system: AbstractSystem, outputs: Mapping[str, float], before: Ma
     """Return the limits that a steady state exceeds.
 
     Args:
-        system: what is at rest.
+        system: system in the steady state.
         outputs: outputs of the state, in SI.
-        before: outputs of the state that it came from, in SI; the change of strain counts from there.
+        before: outputs of the previous state, in SI; reference of the strain change.
     """
     times = (0.0, 1.0, 2.0)
     found = judge_columns(system, times, {name: (before[name], value, value) for name, value in outputs.items()})

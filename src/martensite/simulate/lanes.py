@@ -1,12 +1,10 @@
-"""Lanes: many states of one system side by side, taken forward step by step from outside.
+"""Batches of states of one system that are advanced step by step from outside.
 
-A march goes from rest to the end by itself. Lanes are pushed step by step: each has a separate state, which can be
-read, set and copied, and separate signals in every call. A predictive controller tries its plans in them, a filter its
-sigma points, a learner its environments.
+Every batch element has its own state, which you can read, set and copy, and its own signals in every call.
+Applications are plans of a predictive controller, sigma points of a filter and environments of a learner.
 
-In C if there is a compiler: one library per system, for any number of lanes; else on floats.
-Lanes whose step fails are named by `status`, and no error is raised, for lanes are there to try
-things.
+With a compiler, one C library per system serves any batch size; otherwise steps run on floats. Failed steps set
+`status` and raise no error.
 """
 
 from __future__ import annotations
@@ -35,18 +33,18 @@ FUNCTIONS = ("init", "step", "observe")
 
 
 class Lanes:
-    """States of one system side by side; for one thread."""
+    """Batch of states of one system, for one thread."""
 
     def __init__(
         self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None, native: bool | None = None
     ) -> None:
-        """Lanes of a system; `reset` puts them at rest.
+        """Create a batch in equilibrium.
 
         Args:
             system: a system, or a bench.
-            lanes: how many.
-            values: parameters by path that differ from lane to lane, each of shape (lanes,).
-            native: whether to run in C; by default if there is a compiler.
+            lanes: batch size.
+            values: individual parameters by path, each of shape (lanes,).
+            native: True for C; by default if a compiler is available.
         """
         compiled = compile_system(system)
         self._rows = {path: k for k, path in enumerate(compiled.paths)}
@@ -67,40 +65,39 @@ class Lanes:
         return self._engine.worst
 
     def set_values(self, values: Mapping[str, Any]) -> None:
-        """Set other parameters from now on, as if the lanes had been made with them.
+        """Set other parameters from now on.
 
-        States and worst reports stay: `reset` puts the lanes at the rest of their new parameters.
+        States and worst reports remain. Use `reset` for the equilibrium of the new parameters.
 
         Args:
-            values: parameters by path, each a number or of shape (lanes,); what is not named
-                stays as it is.
+            values: parameters by path, each a number or of shape (lanes,); others remain unchanged.
 
         Raises:
-            InputError: the parameter does not exist, or it has another shape.
+            InputError: the parameter does not exist, or its shape is wrong.
         """
         table = self._engine.table.copy()
         self._fill(table, values)
         self._engine.set_table(table)
 
     def reset(self, signals: Any = 0.0) -> None:
-        """All lanes at rest under first signals, shape (drives, lanes) or what spreads to it."""
+        """Reset all elements to equilibrium under signals, broadcast to (drives, lanes)."""
         self.state = self._engine.begin(self._spread(signals))
         self.worst[:] = 0.0
 
     def advance(self, signals: Any, dt: float, *, shown: bool = True) -> Numbers:
-        """Go on through steps of dt [s].
+        """Advance by steps of dt [s].
 
         Args:
             signals: shape (steps, drives, lanes); drives and lanes may be 1 for all of them.
-            dt: length of a step [s]; that of the system in discrete time.
-            shown: whether outputs are wanted.
+            dt: length of a step [s]; the sample time of a system in discrete time.
+            shown: True to return outputs.
 
         Returns:
             Outputs after every step, under its signals, shape (steps, outputs, lanes), in the
-            order of `names`; with no rows if they are not wanted.
+            order of `names`; without rows if `shown` is False.
 
         Raises:
-            InputError: signals of another shape.
+            InputError: the shape of the signals is wrong.
         """
         given = np.asarray(signals, float)
         if given.ndim != 3 or given.shape[1:] != self._shape:
@@ -109,23 +106,23 @@ class Lanes:
         return rows
 
     def observe(self, signals: Any) -> Numbers:
-        """Return the outputs now under signals, shape (outputs, lanes)."""
+        """Return the present outputs under signals, shape (outputs, lanes)."""
         return self._engine.read_outputs(self.state, self._spread(signals))
 
     def copy_from(self, other: Lanes, lane: int = 0) -> None:
-        """Put all lanes into the state of one lane of others of the same system."""
+        """Copy the state of one element of another batch of the same system to all elements."""
         self.state = np.repeat(other.state[:, lane : lane + 1], self.lanes, axis=1)
         self.worst[:] = 0.0
 
     @property
     def status(self) -> list[Status]:
-        """Return the worst status of every lane since the last reset."""
+        """Return the worst status of every batch element since the last reset."""
         lost = [bool(np.isnan(column).any()) for column in self.state.T]
         found = [classify_step(float(r), float(s)) for r, s in self.worst.T]
         return [Status.NOT_FINITE if n else s for n, s in zip(lost, found, strict=True)]
 
     def _fill(self, table: Numbers, values: Mapping[str, Any]) -> None:
-        """Put parameters by path into the rows of a table, shape (parameters, lanes)."""
+        """Write parameters by path into the rows of a table, shape (parameters, lanes)."""
         for path, value in values.items():
             if path not in self._rows:
                 raise InputError(f"There is no parameter `{path}`. {suggest_name(path, self._rows)}")
@@ -137,7 +134,7 @@ class Lanes:
             table[self._rows[path]] = given
 
     def _spread(self, signals: Any) -> Numbers:
-        """Return the signals of one moment, for all drives and lanes."""
+        """Return the signals of one time, for all drives and batch elements."""
         given = np.asarray(signals, float)
         try:
             return np.broadcast_to(given, self._shape)
@@ -147,7 +144,7 @@ class Lanes:
             ) from None
 
     def _require(self, given: Numbers) -> None:
-        """Raise `InputError` unless signals of some steps spread over drives and lanes."""
+        """Raise `InputError` unless the signals fit drives and batch size."""
         fits = given.ndim == 3 and all(a in (1, b) for a, b in zip(given.shape[1:], self._shape, strict=True))
         if not fits:
             raise InputError(
@@ -157,11 +154,10 @@ class Lanes:
 
 
 class NativeLanes:
-    """Lanes in C.
+    """Batch in C.
 
-    What a call needs lies where it lay before, so that a step of one lane takes microseconds:
-    arguments `x` (states, signals, dt) and results `y` of a step, signals and outputs of one
-    step.
+    Buffers have fixed addresses, so that a step of one element takes microseconds. The buffer `x` holds states,
+    signals and dt; `y` holds the results of a step.
     """
 
     def __init__(self, compiled: Compiled, table: Numbers) -> None:
@@ -192,29 +188,29 @@ class NativeLanes:
         return self._worst[:, : self.n]
 
     def _fill_block(self, given: Numbers) -> Numbers:
-        """Return a table of lanes, the last of which fills the block."""
+        """Return a table padded with copies of the last element to a full block."""
         last = given[..., -1:]
         more = np.broadcast_to(last, (*given.shape[:-1], self._filled_to - given.shape[-1]))
         return np.ascontiguousarray(np.concatenate([given, more], axis=-1))
 
     def _spread(self, into: Numbers, given: Any) -> None:
-        """Write numbers that may be one for all lanes."""
+        """Write values with broadcasting."""
         into[..., : self.n] = given
         into[..., self.n :] = into[..., self.n - 1 : self.n]
 
     def set_table(self, table: Numbers) -> None:
-        """Other parameters, shape (parameters, lanes); what was compiled stays."""
+        """Set other parameters, shape (parameters, lanes), without compilation."""
         self._spread(self._table, table)
         self.program.set_table(self._table)
 
     def begin(self, signals: Numbers) -> Numbers:
-        """Return the state at rest."""
+        """Return the equilibrium state."""
         found, given = np.empty((self.compiled.size, self._filled_to)), self._fill_block(signals)
         self.program.bind("init", given, found)()
         return found[:, : self.n].copy()
 
     def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
-        """Return the state after some steps, and outputs; signals may spread over drives and lanes."""
+        """Return the state and outputs after some steps; signals are broadcast."""
         self._spread(self._state, state)
         self._dt[...] = dt
         steps, drives, rows, n = len(signals), self._at_drives, self._at_rows, self.n
@@ -242,7 +238,7 @@ class NativeLanes:
 
 
 class PlainLanes:
-    """Lanes one after the other on floats."""
+    """Batch on floats, one element after another."""
 
     def __init__(self, compiled: Compiled, table: Numbers) -> None:
         self.compiled, self.table = compiled, np.array(table)
@@ -250,19 +246,19 @@ class PlainLanes:
         self.worst = np.zeros((2, table.shape[1]))
 
     def set_table(self, table: Numbers) -> None:
-        """Other parameters, shape (parameters, lanes)."""
+        """Set other parameters, shape (parameters, lanes)."""
         changed = np.flatnonzero((table != self.table).any(axis=0))
         self.table = np.array(table)
         for lane in changed.tolist():
             self.functions[lane] = self.compiled.program.bind_floats(*table[:, lane].tolist())
 
     def begin(self, signals: Numbers) -> Numbers:
-        """Return the state at rest."""
+        """Return the equilibrium state."""
         rows = zip(self.functions, signals.T.tolist(), strict=True)
         return np.array([functions["init"](*u) for functions, u in rows]).T
 
     def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
-        """Return the state after some steps, and outputs; signals may spread over drives and lanes."""
+        """Return the state and outputs after some steps; signals are broadcast."""
         lanes, size = state.shape[1], self.compiled.size
         drives = np.broadcast_to(signals, (len(signals), self.compiled.drives, lanes))
         rows = np.empty((len(drives) if shown else 0, len(self.compiled.outputs), lanes))
@@ -285,5 +281,5 @@ class PlainLanes:
     def _step(self, lane: int, arguments: Sequence[float]) -> Sequence[float]:
         try:
             return self.functions[lane]["step"](*arguments)
-        except ArithmeticError:  # a division by zero or an overflow
+        except ArithmeticError:  # division by zero or overflow
             return [*arguments[: self.compiled.size], math.inf, 0.0]

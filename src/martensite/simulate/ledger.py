@@ -1,20 +1,18 @@
-r"""The ledgers of a march: what is entered at the ends and in the middle of every step.
+r"""Ledgers of heat and work, from the start, middle and end of every step.
 
-Functions of the state are entered as they change. The work of a force F along a way x is that of
-the parabolas through start, middle and end of a step,
+Changes of state functions are summed. The work of a force F along a stroke x uses parabolas through start, middle
+and end of a step,
 
-    ∫ F dx = [F₀ (-3 x₀ + 4 x_h - x₁) + 4 F_h (x₁ - x₀) + F₁ (x₀ - 4 x_h + 3 x₁)]/6,
+∫ F dx = [F₀ (-3 x₀ + 4 x_h - x₁) + 4 F_h (x₁ - x₀) + F₁ (x₀ - 4 x_h + 3 x₁)]/6,
 
-exact for any two of them, and so for every straight line between force and way. A power is
-integrated by Simpson's rule. `ledger.c` does the same.
+and is exact for a linear relation of force and stroke. Powers are integrated by Simpson's rule. `ledger.c` is
+equivalent.
 
-The energies exchanged in a step are added up as absolute values, too: work that elements and the outside give or take,
-or half of the changes of what is held where that is more, as in a free oscillation. Sums of it do not cancel over a
-cycle.
+Exchanged energies are also summed as absolute values. They are the work of elements and of the outside, or half of
+the changes of stored energy if larger, as in a free oscillation. These sums do not cancel over a cycle.
 
-From them follow two balances of a run, of its heat and of the work of its elements, each with a separate residual: the
-heat balance that a step solves leaves mechanical work out, and a sum of both would be that of the heat, which is some
-hundred times larger.
+Heat and work have separate balances and residuals, since the heat balance of a step neglects mechanical work. Heat
+is some hundred times larger than work and would dominate a common balance.
 
 Source: Simpson's rule for F dx/dt, textbook.
 """
@@ -31,17 +29,17 @@ SIXTH = 1.0 / 6.0
 SIMPSON = (SIXTH, 2.0 * SIXTH, 2.0 * SIXTH, SIXTH)
 """Weights over a step for values at both ends of its halves."""
 TURNED_OVER = tuple(ACCOUNTS.index(name) for name in ("work", "outside"))
-"""Accounts whose work, whichever way it goes, is what is exchanged."""
+"""Accounts with work of either sign that counts as exchanged."""
 STORES = tuple(1 if name in HEAT else 2 if name in HELD[1:] else 0 for name in ACCOUNTS)
-"""Store of every account: 1 for a store of heat, 2 for mechanical energy outside of the elements, else 0."""
+"""Store of every account: 1 for heat, 2 for mechanical energy outside of the elements, else 0."""
 LEAST_HEAT = 1e-9
-"""Heat [J] below which there is nothing to balance."""
+"""Smallest heat [J] that is balanced."""
 LEAST_WORK = 1e-12
-"""Work [J] below which there is nothing to balance."""
+"""Smallest work [J] that is balanced."""
 ROUNDING, NONE = 1e-12, "0 J"
-"""Fraction of an energy that counts as zero, and the text shown for it."""
+"""Fraction of an energy that counts as zero, and its text."""
 RESIDUAL_SHOWN = 1e-12
-"""Smallest residual that is shown; a smaller one is rounding."""
+"""Smallest residual that is shown."""
 WORDS = {
     "springs": "stored in springs",
     "gravity": "potential energy",
@@ -50,14 +48,14 @@ WORDS = {
     "dissipated": "dissipated",
     "outside": "delivered to the outside",
 }
-"""Sinks and stores of work, in words."""
+"""Labels of sinks and stores of work."""
 
 
 class Book(NamedTuple):
     """Layout of the values of a kernel `entries`: stored energies, efforts in pairs, and a loss."""
 
     held: tuple[int, ...] = ()
-    """Account of every energy, by its place in `ACCOUNTS`."""
+    """Account of every stored energy, as an index of `ACCOUNTS`."""
     efforts: tuple[int, ...] = ()
     """Account of every effort."""
     heat: bool = False
@@ -65,11 +63,11 @@ class Book(NamedTuple):
     work: bool = False
     """True if there is a ledger of the work."""
     unknown: tuple[str, ...] = ()
-    """Why there is none, in sentences."""
+    """Reasons for missing ledgers, in sentences."""
 
     @property
     def size(self) -> int:
-        """Return the numbers that are entered at a time."""
+        """Return the number of values per entry."""
         return len(self.held) + 2 * len(self.efforts) + self.heat
 
 
@@ -77,7 +75,7 @@ EMPTY = Book()
 
 
 class Ledger:
-    """The accounts of one run [J]."""
+    """Accounts of one run [J]."""
 
     def __init__(self, book: Book, first: Sequence[float]) -> None:
         self.book, self.last = book, first
@@ -85,7 +83,7 @@ class Ledger:
         self.lost = 0.0
 
     def enter(self, middle: Sequence[float], end: Sequence[float], length: float) -> None:
-        """A step of a length [s], from where the last one ended."""
+        """Add a step of a length [s] after the previous step."""
         book, rows, given = self.book, (self.last, middle, end), 0.0
         swung = [0.0, 0.0, 0.0]
         for k, account in enumerate(book.held):
@@ -107,7 +105,7 @@ class Ledger:
 
 
 def integrate_effort(forces: Sequence[float], ways: Sequence[float]) -> float:
-    """Return the work [J] of a force along a way, known at start, middle and end of a step."""
+    """Return the work [J] of a force along a stroke, known at start, middle and end of a step."""
     (a, b, c), (x, y, z) = forces, ways
     first, middle, last = 4.0 * (y - x) - (z - x), z - x, 3.0 * (z - x) - 4.0 * (y - x)
     return SIXTH * (a * first + 4.0 * b * middle + c * last)
@@ -121,33 +119,33 @@ class HeatBalance:
     """Heat balance of a run, over all heated elements, in J."""
 
     put_in: float
-    """By the drives."""
+    """Heat from the drives."""
     lost: float
-    """To the ambient."""
+    """Heat loss to ambient."""
     sensible: float
-    """More in the end than in the beginning, by temperature."""
+    """Change of sensible heat in the run."""
     latent: float
-    """More in the end than in the beginning, by transformation."""
+    """Change of latent heat in the run."""
     exchanged: float = 0.0
-    """Half of all changes of both, whichever way they went."""
+    """Half of the absolute changes of both."""
 
     @property
     def stored(self) -> float:
-        """Return the sensible and latent heat, more than in the beginning [J]."""
+        """Return the change of sensible and latent heat [J]."""
         return self.sensible + self.latent
 
     @property
     def residual(self) -> float | None:
         """Return the missing heat as a fraction of the largest of in, lost, stored and exchanged.
 
-        None if there is less than `LEAST_HEAT`.
+        None below `LEAST_HEAT`.
         """
         most = max(abs(self.put_in), abs(self.lost), abs(self.stored), self.exchanged)
         missing = abs(self.put_in - self.lost - self.stored)
         return missing / most if most > LEAST_HEAT else None
 
     def __str__(self) -> str:
-        """In a line."""
+        """Return the balance in one line."""
         most = max(abs(self.put_in), abs(self.lost))
         held = (_tell_energy(x, most) for x in (self.stored, self.sensible, self.latent))
         stored, sensible, latent = held
@@ -158,7 +156,7 @@ class HeatBalance:
         )
 
     def as_dict(self) -> dict[str, float | None]:
-        """Return all its numbers, by name."""
+        """Return all values by name."""
         own = {"put_in": self.put_in, "lost": self.lost, "stored": self.stored}
         more = {"sensible": self.sensible, "latent": self.latent, "exchanged": self.exchanged}
         return own | more | {"residual": self.residual}
@@ -166,10 +164,10 @@ class HeatBalance:
 
 @dataclass(frozen=True)
 class WorkBalance:
-    """Work balance of the elements of a run, in J; stored energies as their changes in the run."""
+    """Work balance of the elements of a run, in J, with changes of stored energies."""
 
     work: float
-    """Work of the elements on the mechanism, less the work returned to them."""
+    """Net work of the elements on the mechanism."""
     springs: float
     """Elastic energy of the mechanism: springs, end stops, beams."""
     gravity: float
@@ -177,29 +175,29 @@ class WorkBalance:
     magnetic: float
     """Magnetic energy of the winding of a motor."""
     dissipated: float
-    """By damping, by friction, and in the winding of a motor."""
+    """Dissipation by damping, friction and the winding of a motor."""
     outside: float
-    """Given to what prescribes a force, a travel or a voltage; less than 0 where that drives."""
+    """Work on prescribed forces, travels or voltages; negative if these drive."""
     exchanged: float
-    """Sum of the absolute energies exchanged by elements, outside and stores; the residual is relative to this sum."""
+    """Sum of absolute exchanged energies, the reference of the residual."""
     elastic: float | None = None
-    """Elastic energy in the elements, no part of the balance; None if one does not say."""
+    """Elastic energy in the elements, outside the balance; None if unknown."""
 
     @property
     def converted(self) -> float | None:
-        """Return the work and elastic energy that transformation and thermal expansion brought [J]."""
+        """Return the work and elastic energy from transformation and thermal expansion [J]."""
         return None if self.elastic is None else self.work + self.elastic
 
     @property
     def residual(self) -> float | None:
-        """Return the missing work as a fraction of the exchanged work; None if the latter is zero."""
+        """Return the missing work as a fraction of the exchanged work; None if that is zero."""
         held = self.springs + self.gravity + self.kinetic + self.magnetic
         missing = abs(self.work - held - self.dissipated - self.outside)
         most = max(self.exchanged, abs(held), abs(self.dissipated))
         return missing / most if most > LEAST_WORK else None
 
     def __str__(self) -> str:
-        """In a line; what is nothing is left out."""
+        """Return the balance in one line, without zero terms."""
         most = self.exchanged
         told = {name: _tell_energy(getattr(self, name), most) for name in vars(self)}
         where = [f"{told[name]} {words}" for name, words in WORDS.items() if told[name] != NONE]
@@ -209,18 +207,18 @@ class WorkBalance:
         return f"Work: {parts}; {beside}; {_describe_residual(self.residual)}"
 
     def as_dict(self) -> dict[str, float | None]:
-        """Return all its numbers, by name."""
+        """Return all values by name."""
         return vars(self) | {"converted": self.converted, "residual": self.residual}
 
 
 def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatBalance:
-    """Return the heat balance of a run from what came in and was lost, and its accounts [J]."""
+    """Return the heat balance of a run from heat input, heat loss and accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
     return HeatBalance(put_in, lost, own["sensible"], own["latent"], own[EXCHANGED[0]])
 
 
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
-    """Return the balance of the work of a run from its accounts [J]."""
+    """Return the work balance of a run from its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
     known = ACCOUNTS.index("elastic") in book.held
     found = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
@@ -228,7 +226,7 @@ def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
 
 
 def _tell_energy(value: float | None, most: float) -> str:
-    """Return an energy [J] in words; nothing if it is but the rounding of the most that it is part of."""
+    """Return an energy [J] in words; empty if it is only rounding of the largest term."""
     return NONE if value is None or not abs(value) > ROUNDING * most else f"{value:.3g} J"
 
 

@@ -1,4 +1,4 @@
-"""The march on given steps, on plain floats: for single runs, in a process that needs no numpy."""
+"""Time integration on given steps with plain floats, for single runs without numpy."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ COARSE = 0.2
 def march_floats(
     functions: Functions, size: int, grid: TimeGrid, border: Border | None = None, start: Row = ()
 ) -> Marched:
-    """Advance through the grid with traced float functions, from a start or from rest; failures are a status.
+    """Advance through the grid with float functions, from a start or equilibrium.
 
-    It stops where it comes to the border of the envelope, if there is one.
+    Failures set the status. The run stops at the border of the envelope, if given.
 
     Raises:
         SolveError: its first state has no outputs.
@@ -46,26 +46,26 @@ def march_floats(
             if walk.gone is not None:
                 break
             rows.append(observe(*walk.state, *drives))
-    except ArithmeticError:  # a division by zero or an overflow
+    except ArithmeticError:  # division by zero or overflow
         walk.note(math.inf, 0.0)
     return walk.finish(rows, lambda k: grid.times[0] + math.fsum(grid.lengths[:k]))
 
 
 class Border:
-    """The envelope of a run on floats, looked at from inside."""
+    """Envelope of a run on floats."""
 
     def __init__(self, compiled: CompiledMarch, functions: Functions, limits: RunLimits) -> None:
         self.judge, self.limits = functions["judge"], limits
         self.first, self.places = len(compiled.convergence_scales), compiled.signals_in_step()
 
     def find_exit(self, state: Row, inputs: Sequence[float]) -> Exit | None:
-        """Return where a state under the inputs of a step leaves the limits; None if it is inside."""
+        """Return the exit of a state from the limits under step inputs; None if it is inside."""
         seen = self.judge(*state, *(inputs[place] for place in self.places))
         return self.limits.find_exit(seen[self.first :], finite=True)
 
 
 class FloatWalk:
-    """Steps of a system on plain floats, from rest if it has no start, of which the worst is remembered."""
+    """Steps of a system on plain floats, with the worst report."""
 
     def __init__(self, functions: Functions, size: int, signals: Sequence[float], start: Row = ()) -> None:
         self.step, self.size = functions["step"], size
@@ -74,7 +74,7 @@ class FloatWalk:
         self.worst, self.worst_step = Status.OK, 0
 
     def advance(self, inputs: Sequence[float], dt: float) -> None:
-        """One step of dt [s], under signals or what drives bring."""
+        """Advance one step of dt [s] under signals or drive inputs."""
         size = self.size
         after = self.step(*self.state, *inputs, dt)
         self.state = after[:size]
@@ -83,20 +83,20 @@ class FloatWalk:
         self.steps += 1
 
     def note(self, residual: float, crossing: float) -> None:
-        """Classify a step by its report."""
+        """Update the status with the report of a step."""
         status = classify_step(residual, crossing)
         if status > self.worst:
             self.worst, self.worst_step = status, self.steps
 
     def stops(self, gone: Exit | None) -> bool:
-        """Return whether the envelope is left, which ends the walk."""
+        """Return whether the run leaves the envelope and must end."""
         self.gone = gone
         return gone is not None
 
     def finish(self, rows: Sequence[Row], time_of: Callable[[int], float]) -> Marched:
-        """Return the result of the walk, from its rows and the begin of a step [s].
+        """Return the result from the rows and the start of a step [s].
 
-        One that had failed before it left the envelope is not to be trusted either.
+        An earlier failure has priority over leaving the envelope.
         """
         if self.gone is not None and not self.worst.failed:
             return Marched(list(rows), (), Status.OUT_OF_ENVELOPE, time_of(self.steps), *self.gone, self.steps)
@@ -106,14 +106,13 @@ class FloatWalk:
 
 
 class FixedMarch(AbstractMarch):
-    """A run on steps of at most `MarchPlan.step`: equal ones between samples and edges of the drives.
+    """Run with steps of at most `MarchPlan.step`, equal between samples and drive edges.
 
-    Nothing is estimated and nothing repeated; a step that crosses much of a transformation makes the
-    status LONG_STEP.
+    No error is estimated. A step that crosses much of a transformation sets the status LONG_STEP.
     """
 
     def advance(self) -> None:
-        """Go on to the next sample or edge."""
+        """Advance to the next sample or edge."""
         plan = self.plan
         step = plan.step or plan.times[-1]
         begin, sample = self.time, plan.times[self.sample]
@@ -168,7 +167,7 @@ def judge_table(
 ) -> Marched:
     """Return the result of a run with rows as an array (samples, outputs), from its worst reports.
 
-    One that `left` the envelope at a time [s] has that status, unless it had failed before.
+    A run that `left` the envelope at a time [s] has that status, unless it failed before.
     """
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""A march of one run on plain floats: what it is given, what it did, and what all marches share."""
+"""Plan, result and common base of time integration of one run on floats."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from martensite.simulate.compiled import CompiledMarch, Functions
 
 Row = tuple[float, ...]
 SHORTEST = 1e-12
-"""Length of a step, as a fraction of the run, that is taken whatever its error: a jump lies in it."""
+"""Length of a step, as a fraction of the run, that is accepted with any error, as at a jump."""
 FINEST, ROUGHNESS = 1e-4, 3e-11
-"""Fraction of the first step of a motion with inertia that is the shortest step: at most, and per tolerance."""
+"""Shortest step as a fraction of the first step with inertia: maximum, and per tolerance."""
 STEP_TOLERANCE = 1e-9
 """Fraction of a step that counts as zero."""
 START, WHOLE, FIRST, SECOND = -1, 0, 1, 2
-"""Parts of a record: the start of a run, a whole step, and both halves of a step."""
+"""Parts of a record: start of a run, whole step, first and second half."""
 
 
 class RunLimits(NamedTuple):
@@ -34,7 +34,7 @@ class RunLimits(NamedTuple):
     """One pair for each of `CompiledMarch.envelope`."""
 
     def find_exit(self, values: Sequence[float], finite: bool = False) -> Exit | None:
-        """Return the first of some values that is outside; or no number, unless only `finite` ones count."""
+        """Return the first value outside; also a non-finite one, unless only `finite` values count."""
         for place, (low, value, high) in enumerate(zip(self.low, values, self.high, strict=False)):
             if not low <= value <= high and (not finite or math.isfinite(value)):
                 return Exit(place, value)
@@ -42,77 +42,77 @@ class RunLimits(NamedTuple):
 
 
 class Exit(NamedTuple):
-    """Place at which the envelope is left."""
+    """Exit from the envelope."""
 
     place: int
-    """Which of its bounds is passed."""
+    """Index of the exceeded bound."""
     value: float
     """Value at the exit, in SI."""
 
 
 @dataclass(frozen=True)
 class MarchPlan:
-    """Everything about an adaptive run but the numbers of the system."""
+    """Settings of a run except parameter values."""
 
     compiled: CompiledMarch
     waveforms: Sequence[AbstractWaveform]
     times: Sequence[float]
-    """Samples [s], ascending from where the run begins, to where it ends."""
+    """Sample times [s], ascending, from the start to the end of the run."""
     tolerance: float
     """Accepted error of a step, as a fraction of the range of each judged output."""
     first: float
     """Length of the first step [s]."""
     limits: RunLimits
     ranges: tuple[float, ...] = ()
-    """Ranges of the judged outputs, if they are known."""
+    """Known ranges of judged outputs, if any."""
     recorded: bool = True
     """True if the accepted steps are recorded (`martensite.simulate.track`)."""
     totalled: bool = False
-    """True if a march in C keeps the lowest and highest value and the integral of every output (`totals.c`)."""
+    """True if C keeps the minimum, maximum and integral of every output (`totals.c`)."""
     step: float | None = None
-    """Longest step [s] of a march on equal steps between samples and edges, without control."""
+    """Longest step [s] of a run on equal steps between samples and edges, without step size control."""
     parted: bool = False
-    """True if the last step before every edge of a drive is split. Two runs with steps cut at the same places would
-    have the same errors.
+    """True if the last step before every drive edge is split. Two passes with the same steps would have the same
+    errors.
     """
     inertial: float = 0.0
-    """First step [s] of what moves with inertia; 0 if nothing does."""
+    """First step [s] of a system with inertia; 0 without inertia."""
     skipped: int = 0
-    """Samples of the whole run before the first of these times."""
+    """Number of samples of the whole run before these times."""
     start: Row = ()
-    """State at the first of the times; as assembled, at rest, if none."""
+    """State at the first time; equilibrium as assembled if None."""
     extremes: tuple[Row, Row] = ((), ())
-    """Minimum and maximum of the judged outputs before."""
+    """Minimum and maximum of earlier judged outputs."""
     drives: dict[float, list[Any]] = field(default_factory=dict[float, list[Any]], repr=False)
-    """End of the run, or of its last leg [s] -> segments of its drives as C takes them; shared by all passes."""
+    """Drive segments in C layout by the end of the run or its last leg [s]; shared by all passes."""
 
     @property
     def shortest(self) -> float:
-        """Step that is taken whatever its error [s].
+        """Return the step that is accepted with any error [s].
 
-        With inertia, an error that a solve leaves in a position is an error in the speed, larger in a shorter step.
+        With inertia, a residual error in position causes a speed error that grows for shorter steps.
         """
         return max(SHORTEST * self.times[-1], self.inertial * min(FINEST, ROUGHNESS / max(self.tolerance, ROUGHNESS)))
 
     @property
     def order(self) -> int:
-        """Return the order of one step with error control."""
+        """Return the order of a step with step size control."""
         return self.compiled.order
 
 
 @dataclass
 class Marched:
-    """Result of an adaptive run."""
+    """Result of a run."""
 
     rows: Any
-    """Outputs at the samples that were reached: a list of rows, or an array of a run in C."""
+    """Outputs at the reached samples: a list of rows, or an array from C."""
     ranges: tuple[float, ...] = ()
-    """Ranges of the judged outputs, over all steps."""
+    """Ranges of judged outputs over all steps."""
     status: Status = Status.OK
     time: float = 0.0
-    """End of the run [s], or begin of the step of its status; NaN if it was not recorded."""
+    """End of the run [s], or start of the step that set the status; NaN if not recorded."""
     place: int = -1
-    """Which limit of the envelope was passed; -1 if none."""
+    """Index of the exceeded bound of the envelope; -1 if none."""
     value: float = 0.0
     """Value at the exit, in SI."""
     steps: int = 0
@@ -120,30 +120,30 @@ class Marched:
     longest: float = 0.0
     """Longest step taken [s]."""
     ripple: float = 0.0
-    """Largest temperature [K] that a mean of a drive left out."""
+    """Largest temperature error [K] of drive means."""
     residual: float = 0.0
-    """Largest of the solves, and the errors of all steps that could be no shorter, above their tolerance."""
+    """Largest residual of the solves, and the sum of errors above the tolerance at minimum steps."""
     put_in: float = 0.0
-    """Heat [J] that came into elements whose heat is known; without a meaning on given steps."""
+    """Heat [J] into elements with known heat; undefined on given steps."""
     lost: float = 0.0
-    """Heat [J] that they lost to the ambient."""
+    """Heat loss [J] of these elements to ambient."""
     accounts: tuple[float, ...] = (0.0,) * len(ACCOUNTS)
-    """Energies [J], see `assembly.ledger.ACCOUNTS`: more held than in the beginning, or work."""
+    """Changes of stored energy or work [J], see `assembly.ledger.ACCOUNTS`."""
     record: Any = field(default_factory=list[Row])
-    """Pieces of accepted steps, in the layout of `martensite.simulate.track`; an array of a run in C."""
+    """Pieces of accepted steps, in the layout of `martensite.simulate.track`; an array from C."""
     state: Row = ()
-    """In the end."""
+    """State at the end."""
     extremes: tuple[Row, Row] = ((), ())
-    """Minimum and maximum of the judged outputs, since the run of which this is a part began."""
+    """Minimum and maximum of judged outputs since the start of the whole run."""
     gap: Row = ()
-    """Largest difference of the judged outputs to the pass before, until this leg began; empty for the first pass."""
+    """Largest difference of judged outputs from the previous pass up to this leg; empty for the first pass."""
     gaps: Any = ()
-    """Differences at every sample at which passes are compared, (samples, judged)."""
+    """Differences at every compared sample, (samples, judged)."""
     used: str = ""
     """Runtime of the run, `C` or `floats`."""
 
     def find_largest_gap(self, before: Row, samples: int | None = None) -> Row:
-        """Return the largest difference of every judged output to the pass before; empty if none is known.
+        """Return the largest difference of every judged output from the previous pass; empty if unknown.
 
         Args:
             before: largest differences before this run.
@@ -161,11 +161,11 @@ class Marched:
 
     @property
     def status_time(self) -> float | None:
-        """When its status came about [s]; None for none, or where that was not recorded."""
+        """Return the time of the status [s]; None if the status is ok or the time unknown."""
         return None if self.status is Status.OK or math.isnan(self.time) else self.time
 
     def require(self) -> Marched:
-        """Return it, or raise `SolveError` if it cannot be trusted."""
+        """Return the result, or raise `SolveError` after a failure."""
         if self.status.failed and self.status is not Status.OUT_OF_ENVELOPE:
             when = "during the run" if self.status_time is None else f"at t = {self.status_time:.6g} s"
             raise SolveError(f"The coupled step of law, heat and mechanism failed {when}. {self.status.sentence}")
@@ -173,7 +173,7 @@ class Marched:
 
 
 class AbstractMarch:
-    """One run under way, on floats."""
+    """Run in progress, on floats."""
 
     def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         self.plan, self.functions, self.size = plan, functions, plan.compiled.size
@@ -192,17 +192,17 @@ class AbstractMarch:
 
     @abstractmethod
     def advance(self) -> None:
-        """Take one step, or some."""
+        """Take one or several steps."""
 
     def run(self, watch: Callable[[float], None] | None = None) -> Marched:
-        """To the end, or to where it cannot go on; `watch` is told the completed fraction."""
+        """Run to the end or a failure; call `watch` with the completed fraction."""
         found = self.found
         try:
             while self.time < self.duration and not found.status.failed:
                 self.advance()
                 if watch is not None:
                     watch((self.time - self.plan.times[0]) / (self.duration - self.plan.times[0]))
-        except ArithmeticError:  # a division by zero or an overflow
+        except ArithmeticError:  # division by zero or overflow
             found.status = Status.NOT_FINITE
         if found.status.failed or found.status is Status.OK:
             found.time = self.time
@@ -215,7 +215,7 @@ class AbstractMarch:
         return tuple(r.before(time) if before else r.value(time) for r in self.readers)
 
     def record_piece(self, part: int, begin: float, end: float, brought: Sequence[float], state: Row) -> None:
-        """Record a piece of an accepted step, from what the drives brought in it, and the state at its end."""
+        """Record a piece of an accepted step with its drive inputs and final state."""
         if not self.plan.recorded:
             return
         row, at = [0.0, float(part), begin, end - begin], 0
@@ -228,14 +228,14 @@ class AbstractMarch:
         self.found.record.append((*row, *state))
 
     def see(self, seen: Row) -> None:
-        """Note what is judged at the end of a step."""
+        """Update the ranges with judged outputs at the end of a step."""
         self.seen = seen
         for k in range(self.convergence_scales):
             self.low[k], self.high[k] = min(self.low[k], seen[k]), max(self.high[k], seen[k])
         self.check_envelope()
 
     def check_envelope(self) -> None:
-        """Stop where the envelope is left."""
+        """Stop at an exit from the envelope."""
         found, limits = self.found, self.plan.limits
         gone = limits.find_exit(self.seen[self.convergence_scales :])
         if gone is not None and not found.status.failed:

@@ -54,8 +54,9 @@ SHARED = (
 )
 """Constants shared with the implementation on floats, under the same names."""
 FUSED = ("-ffp-contract=fast",)
-"""Compiler flags for runs with step size control: products and sums may be fused. Runs on given steps round as on
-floats.
+"""Compiler flags for runs with step size control: fused products and sums.
+
+Runs on given steps round as on floats.
 """
 
 

@@ -1,6 +1,6 @@
-"""One run in C with the derivatives of its outputs: all directions beside the values.
+"""One run in C with output derivatives in all directions.
 
-Values are those of a run without derivatives.
+Values equal those of a run without derivatives.
 """
 
 from __future__ import annotations
@@ -33,10 +33,9 @@ class OutputSlopes(NamedTuple):
 def march_slopes(
     compiled: CompiledMarch, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: Sequence[int]
 ) -> OutputSlopes:
-    """March one run with the derivatives of its outputs, wanted by their places.
+    """Simulate one run with derivatives of outputs, selected by index.
 
-    Seeds, (parameters, directions), say by how much each parameter moves in each direction. Rows of zeros cost nothing,
-    whatever the parameter.
+    Seeds, (parameters, directions), are the parameter derivatives in each direction. Rows of zeros cost no time.
     """
     given = np.asarray(seeds, float)
     count = given.shape[1]
@@ -52,7 +51,7 @@ def march_slopes(
 
 
 def _pad_seeds(seeds: Any, width: int) -> Any:
-    """With rows and columns of zeros: as many directions as are computed, and one row at least."""
+    """Return the seeds padded with zeros to the computed directions and at least one row."""
     rows, columns = seeds.shape
     return np.pad(seeds, ((0, not rows), (0, width - columns)))
 

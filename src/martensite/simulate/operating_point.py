@@ -1,8 +1,8 @@
 """Steady states of a plant under constant signals, on a given branch.
 
-With hysteresis one signal has two positions of rest, and all between them: what was before
-decides. `heating` comes from rest without any signal, `cooling` from having rested under the
-highest one. On a branch the plant goes on along it only in the same direction.
+With hysteresis, the steady state depends on history. The branch `heating` starts in equilibrium without signals.
+The branch `cooling` starts in equilibrium under the highest signals. A plant continues along a branch only in the
+same direction.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from martensite.simulate.lanes import Lanes
 Direction: TypeAlias = Literal["heating", "cooling"]
 DIRECTIONS = ("heating", "cooling")
 SIGNALS, ROUNDS = 25, 4
-"""Signals tried side by side, and how often between the two that enclose the level."""
+"""Signals per batch, and maximum refinements of the enclosing interval."""
 SETTLED = 1e-9
-"""Change of a judged output in one more stretch, over the least range that counts."""
+"""Accepted change of a judged output in one more stretch, over its smallest relevant range."""
 STRETCH, DOUBLINGS = 128, 12
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyPoint:
-    """A plant at rest."""
+    """Steady state of a plant."""
 
     system: AbstractSystem
     signals: tuple[float, ...]
     """Signals of all drives."""
     drive: str
-    """The one that is varied."""
+    """Varied drive."""
     state: Numbers
     """All state variables, flat."""
     outputs: dict[str, float]
@@ -44,7 +44,7 @@ class SteadyPoint:
 
     @property
     def signal(self) -> float:
-        """Return the signal of the drive that is varied."""
+        """Return the signal of the varied drive."""
         return self.signals[[one.name for one in self.system.drives()].index(self.drive)]
 
 
@@ -61,15 +61,15 @@ def find_operating_point(
 
     Args:
         system: a plant, or a bench without a controller.
-        signal: of its drive, in the unit of its source.
-        direction: by which branch it gets there.
-        high: signal under which it rested before; needed for `cooling`.
-        drive: which one; the first if not named.
-        others: constant signals of other drives; what is not named gets 0.
+        signal: signal of the drive, in the unit of its source.
+        direction: branch of the approach.
+        high: signal of the previous steady state, for `cooling`.
+        drive: varied drive; by default the first.
+        others: constant signals of other drives; by default 0.
 
     Raises:
         InputError: a name does not fit, or `high` is missing.
-        SolveError: the system does not come to rest.
+        SolveError: the system does not reach a steady state.
     """
     rest = _RestingLanes(system, drive, others, direction, high)
     row = np.array([float(signal)])
@@ -91,18 +91,18 @@ def find_operating_level(
 
     Args:
         system: a plant, or a bench without a controller.
-        level: of the output, in SI.
-        output: which one.
-        low: least signal.
-        high: largest signal, under which it has rested before for `cooling`.
-        direction: by which branch it gets there.
-        drive: which one; the first if not named.
-        others: constant signals of other drives; what is not named gets 0.
+        level: target of the output, in SI.
+        output: name of the output.
+        low: minimum signal.
+        high: maximum signal, and signal of the previous steady state for `cooling`.
+        direction: branch of the approach.
+        drive: varied drive; by default the first.
+        others: constant signals of other drives; by default 0.
 
     Raises:
         InputError: a name does not fit.
-        ParameterError: no signal between the two leads there.
-        SolveError: the system does not come to rest.
+        ParameterError: no signal between the bounds reaches the level.
+        SolveError: the system does not reach a steady state.
     """
     rest, known = _RestingLanes(system, drive, others, direction, high), list(system.outputs())
     require_known("output", output, known)
@@ -126,7 +126,7 @@ def find_operating_level(
 
 
 class _RestingLanes:
-    """Lanes of a system that come to rest on a branch, one drive of which is varied."""
+    """Batch of steady states on a branch, with one varied drive."""
 
     def __init__(
         self,
@@ -151,13 +151,13 @@ class _RestingLanes:
         self._before = high if direction == "cooling" else None
 
     def signals(self, row: Numbers) -> Numbers:
-        """Return the signals of all drives in all batch elements, shape (drives, batch elements)."""
+        """Return the signals of all drives, shape (drives, batch elements)."""
         table = np.repeat(self._base[:, None], len(row), axis=1)
         table[self._place] = row
         return table
 
     def settle(self, row: Numbers) -> Lanes:
-        """Return the batch elements at rest under the signals of a row."""
+        """Return the steady states under the signals of a row."""
         lanes = Lanes(self.system, len(row))
         lanes.reset(self._base[:, None])
         if self._before is not None:
@@ -166,7 +166,7 @@ class _RestingLanes:
         return lanes
 
     def point(self, lanes: Lanes, row: Numbers, lane: int) -> SteadyPoint:
-        """Return the state of one batch element under the signals of a row."""
+        """Return the steady state of one batch element under the signals of a row."""
         failed = lanes.status[lane]
         if failed.failed:
             raise SolveError(f"The plant failed before its steady state. {failed.sentence}")
@@ -183,10 +183,10 @@ class _RestingLanes:
 
 
 def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, settled: float = SETTLED) -> None:
-    """Hold signals, (drives, batch elements), until what is judged has settled, in stretches that double so often.
+    """Hold signals, (drives, batch elements), in doubling stretches until judged outputs settle.
 
     Raises:
-        SolveError: that takes too long.
+        SolveError: the outputs do not settle in time.
     """
     system, names = lanes.system, lanes.names
     judged = system.convergence_scales()
