@@ -72,8 +72,9 @@ class MarchPlan:
     step: float | None = None
     """Longest step [s] of a run on equal steps between samples and edges, without step size control."""
     parted: bool = False
-    """True if the last step before every drive edge is split. Two passes with the same steps would have the same
-    errors.
+    """True if the last step before every drive edge is split.
+
+    Two passes with the same steps would have the same errors.
     """
     inertial: float = 0.0
     """First step [s] of a system with inertia; 0 without inertia."""

@@ -1,8 +1,7 @@
-"""Layout of the paths of a material point: courses, choices, and properties of the law.
+"""Layout of the paths of a material point: legs, choices, and properties of the law.
 
-What is not chosen comes from the law, found by driving it (`simulate.transformation_points`):
-transformation temperatures without load, and the stress and strain that complete a
-transformation at a temperature.
+Default values follow from simulations of the law (`simulate.transformation_points`): transformation temperatures
+without load, and stress and strain at the end of a transformation.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from martensite.simulate.transformation_points import LoadingPoint, Marks, find_
 
 TWINNED, ORIENTED = Fractions(1.0, 0.0), Fractions(1.0, 1.0)
 STARTS = {"austenite": AUSTENITE, "martensite": ORIENTED, "twinned": TWINNED}
-"""Phase states by name: `martensite` is all oriented, `twinned` not at all."""
+"""Phase states by name: `martensite` is fully oriented, `twinned` is not oriented."""
 ZERO = 273.15
 
 
 @dataclass(frozen=True)
 class PathRates:
-    """Rates along paths; they matter only for rate-dependent laws."""
+    """Rates along paths, for rate-dependent laws."""
 
     temperature: float = 1.0
     """[K/s]"""
@@ -38,7 +37,7 @@ class PathRates:
 
 @dataclass(frozen=True)
 class Choices:
-    """Choices for a path; all other values follow from the law."""
+    """Choices for a path; other values follow from the law."""
 
     temperatures: tuple[float, ...] = ()
     """[K]"""
@@ -53,7 +52,7 @@ class Choices:
 
 @dataclass(frozen=True)
 class ThermomechanicalPath:
-    """One path: where it begins and its legs."""
+    """Path with its start and its legs."""
 
     label: str
     stress: float
@@ -66,7 +65,7 @@ class ThermomechanicalPath:
     def follow(
         self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4, runtime: str = "floats"
     ) -> PointResult:
-        """Return the drive a law along this path; arguments as of `material_point`."""
+        """Simulate the law along this path; for arguments see `material_point`."""
         return material_point(
             law,
             self.legs,
@@ -81,7 +80,7 @@ class ThermomechanicalPath:
 
 @dataclass(frozen=True)
 class Guide:
-    """A law and choices, and what follows from both."""
+    """Law with choices and the values that follow from both."""
 
     law: AbstractLaw
     choices: Choices
@@ -103,10 +102,9 @@ class Guide:
 
     @cached_property
     def cold_state(self) -> tuple[float, Fractions]:
-        """Return a temperature at which martensite is stable without load, and the phase state at the start.
+        """Return a temperature with stable martensite without load, and the initial phase state.
 
-        Twinned martensite below M_f, if the law turns it under stress; else austenite between
-        M_s and A_s.
+        The state is twinned martensite below M_f if stress orients it, else austenite between M_s and A_s.
         """
         temperature = self.marks.M_f - 10.0
         fractions = TWINNED
@@ -118,11 +116,11 @@ class Guide:
         return temperature, self.choices.fractions or fractions
 
     def hot(self, *above: float) -> tuple[float, ...]:
-        """Return the chosen temperatures, or some above A_f [K]."""
+        """Return the chosen temperatures [K], or temperatures above A_f."""
         return self.choices.temperatures or tuple(self.marks.A_f + more for more in above)
 
     def top(self, temperature: float, fractions: Fractions) -> LoadingPoint:
-        """Return the point at which loading has completed the transformation."""
+        """Return the point at which loading completes the transformation."""
         found = find_loaded(self.law, round(temperature, 6), fractions)
         if found is None or found.stress < 1e6:
             found = find_loaded(self.law, round(temperature, 6), AUSTENITE)
@@ -138,7 +136,7 @@ class Guide:
         return self.law.strain(floats, fractions, 0.0, temperature)
 
     def load(self, temperature: float, fractions: Fractions) -> float:
-        """Return the chosen stress, or a round one beyond the end of the transformation [Pa]."""
+        """Return the chosen stress, or a rounded stress beyond the end of the transformation [Pa]."""
         if self.choices.stresses:
             return self.choices.stresses[0]
         return 10e6 * math.ceil((1.08 * self.top(temperature, fractions).stress + 15e6) / 10e6)

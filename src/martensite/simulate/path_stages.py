@@ -1,7 +1,7 @@
-"""Stages of a path of a material point: transformations of each leg, and the residual strain.
+"""Stages of a path of a material point: transformations of each leg, and residual strain.
 
-On every leg the fraction that changes more is followed, the whole martensite or its oriented
-part. Its change is followed from 1 % over half to 99 %, between samples along straight lines.
+Each leg follows the martensite fraction or its oriented part, whichever changes more. Points at 1 %, 50 % and 99 %
+of the change are interpolated linearly between samples.
 """
 
 from __future__ import annotations
@@ -16,40 +16,40 @@ from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import PlanePoint
 
 LEAST_CHANGE = 0.005
-"""Change of a fraction on a leg below which it does not count as a transformation."""
+"""Smallest change of a fraction on a leg that counts as a transformation."""
 SHARES = (0.01, 0.5, 0.99)
 STILL = {"temperature": 0.01, "stress": 1e3, "strain": 1e-7}
-"""Changes below which a column does not change on a leg, in SI."""
+"""Largest changes of constant columns on a leg, in SI."""
 
 
 @dataclass(frozen=True)
 class PathStage:
-    """One leg of a path."""
+    """Leg of a path with its transformation."""
 
     kind: str
-    """Kind of the stage, such as `loading` or `heating`; the prescribed quantities decide."""
+    """Kind of the stage, such as `loading` or `heating`, from the prescribed quantities."""
     process: str
-    """`forward`, `reverse`, `orientation` or nothing."""
+    """`forward`, `reverse`, `orientation` or empty."""
     martensite: float
     """Change of the martensite fraction [-]."""
     oriented: float
     """Change of the oriented fraction [-]."""
     spots: tuple[PlanePoint, PlanePoint, PlanePoint] | None
-    """Points at which the transformation starts, is half done and ends."""
+    """Points at the start, half and end of the transformation."""
     varies: tuple[str, ...]
-    """Which of stress and temperature change on the leg."""
+    """Quantities that change on the leg: stress, temperature or both."""
     end: PlanePoint
     strain: float
     """At the end [-]."""
 
 
 def list_stages(result: PointResult) -> list[PathStage]:
-    """Return every leg of a path."""
+    """Return the stages of all legs of a path."""
     return [_build_stage(result, leg, *span) for leg, span in enumerate(pairwise(result.ends))]
 
 
 def residual_strain(result: PointResult) -> float:
-    """Return the strain that a path leaves [-]: last less first."""
+    """Return the residual strain of a path [-]: last less first."""
     return float(result.strain[-1] - result.strain[0])
 
 
@@ -96,7 +96,7 @@ def _find_spots(
 
 
 def _find_spot(result: PointResult, fractions: list[float], first: int, last: int, share: float) -> PlanePoint:
-    """Return the point at which a fraction of the change on a leg is done."""
+    """Return the point at a fraction of the change on a leg."""
     begin, change = fractions[first], fractions[last] - fractions[first]
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]
     k = next(i for i, value in enumerate(done) if value >= share)

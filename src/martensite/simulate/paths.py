@@ -1,9 +1,8 @@
-"""Named paths of a material point, sized by the law that is to follow them.
+"""Named paths of a material point, scaled by a law.
 
-A named path is one or several courses: a start and the legs from there. What is not chosen
-comes from the law, found by driving it (`simulate.transformation_points`): transformation
-temperatures without load, and the stress and strain that complete a transformation at a
-temperature.
+A named path consists of one or several curves, each with a start and legs. Default values follow from simulations
+of the law (`simulate.transformation_points`): transformation temperatures without load, and stress and strain at
+the end of a transformation.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ from martensite.simulate.path_layout import Choices, Guide, ThermomechanicalPath
 
 @dataclass(frozen=True)
 class NamedPath:
-    """A function that lays out courses, and what it can be told."""
+    """Function that lays out paths, with its options."""
 
     name: str
     uses: tuple[str, ...]
-    """Fields of `Choices` that it reads, apart from phase state and rates."""
+    """Fields of `Choices` that the function reads, except phase state and rates."""
     plane: tuple[str, str]
-    """The two columns in which it is best seen: horizontal, vertical."""
+    """Recommended plot columns: horizontal, vertical."""
     lay: Callable[[Guide], list[ThermomechanicalPath]]
 
     @property
@@ -35,14 +34,14 @@ class NamedPath:
 
 
 PATHS: dict[str, NamedPath] = {}
-"""Every named path."""
+"""All named paths."""
 LOOP, RECOVERY = ("strain", "stress"), ("temperature", "strain")
 
 
 def register_path(
     name: str, *uses: str, plane: tuple[str, str]
 ) -> Callable[[Callable[[Guide], list[ThermomechanicalPath]]], Callable[[Guide], list[ThermomechanicalPath]]]:
-    """Return the file a function under a name."""
+    """Return the decorator that registers a function under a name."""
 
     def file_under(lay: Callable[[Guide], list[ThermomechanicalPath]]) -> Callable[[Guide], list[ThermomechanicalPath]]:
         PATHS[name] = NamedPath(name, uses, plane, lay)
@@ -52,23 +51,23 @@ def register_path(
 
 
 def find_path(name: str) -> NamedPath:
-    """Return a named path; `UnknownNameError` if there is none of that name."""
+    """Return a named path; raise `UnknownNameError` if the name is unknown."""
     if name not in PATHS:
         raise UnknownNameError("path", name, PATHS)
     return PATHS[name]
 
 
 def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
-    """Return the courses of a named path, sized by a law.
+    """Return the paths of a name, scaled by a law.
 
     Args:
         name: a name from `PATHS`.
-        law: the law that is to follow them.
-        choices: what is not to be taken from the law.
+        law: law of the material point.
+        choices: values that replace defaults of the law.
 
     Raises:
         UnknownNameError: no path has that name.
-        ParameterError: the law does not transform where the path needs it to.
+        ParameterError: the law lacks a required transformation.
     """
     found = find_path(name)
     chosen = choices or Choices()

@@ -1,9 +1,8 @@
-"""A material point on a path: a law without wire, heat balance or mechanism.
+"""Material point on a path: a law without wire, heat balance or mechanism.
 
-A path is made of legs. On each, temperature and either stress or strain go in a straight line
-in time to their ends. Stress-driven legs are steps of the law itself; strain-driven legs solve
-for the stress of every step (`simulate.compiled_law`). Tension and elongation are positive;
-strain counts from unloaded austenite at the law's reference temperature.
+On each leg, temperature and either stress or strain change linearly in time. Stress-driven legs evaluate the law;
+strain-driven legs solve for the stress of every step (`simulate.compiled_law`). Tension and elongation are
+positive. Strain counts from unloaded austenite at the reference temperature of the law.
 """
 
 from __future__ import annotations
@@ -27,15 +26,15 @@ if TYPE_CHECKING:
 RUNTIMES = ("floats", "c")
 CONTROLS = ("stress", "strain")
 JUDGED = {"strain": 1e-4, "stress": 1e6, "martensite": 0.01}
-"""Columns whose convergence is judged, with the least range that counts."""
+"""Judged columns with their smallest relevant ranges."""
 STEPS = 100
 MOST_STEPS = 100_000
-"""Steps beyond which a path is not refined further, but returned with a warning."""
+"""Largest number of steps for refinement; a larger path has a warning."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PathLeg:
-    """One straight piece of a path; what is not given stays as it is."""
+    """Straight leg of a path; omitted quantities remain constant."""
 
     temperature: float | None = None
     """At its end [K]."""
@@ -44,13 +43,13 @@ class PathLeg:
     strain: float | None = None
     """At its end [-]; not together with `stress`."""
     hold: str | None = None
-    """Without stress and strain: which of both is held, `stress` or `strain`; if not given,
-    the one that the leg before prescribed (stress at the beginning).
+    """Constant quantity without given stress and strain: `stress` or `strain`. By default, the quantity that the
+    previous leg prescribed; stress at the start.
     """
     duration: float = 1.0
-    """[s]; matters for laws with rates only."""
+    """Duration [s], for rate-dependent laws."""
     steps: int | None = None
-    """Samples on this leg, and its coarsest steps; if not given, as for the whole path."""
+    """Samples on this leg and its coarsest steps; by default as for the whole path."""
 
     def __post_init__(self) -> None:
         if self.stress is not None and self.strain is not None:
@@ -63,7 +62,7 @@ class PathLeg:
 
     @property
     def control(self) -> str | None:
-        """`stress` or `strain` if it is given at the end of the leg."""
+        """Return `stress` or `strain` if the leg gives its end, else None."""
         if self.stress is not None:
             return "stress"
         return None if self.strain is None else "strain"
@@ -83,7 +82,7 @@ class PathLeg:
 
 @dataclass(frozen=True, eq=False)
 class PointResult:
-    """A path of a material point: equally long columns in SI units."""
+    """Path of a material point, with columns of equal length in SI."""
 
     law: AbstractLaw
     legs: tuple[PathLeg, ...]
@@ -92,7 +91,7 @@ class PointResult:
     stress: NDArray[np.float64]
     """[Pa]"""
     strain: NDArray[np.float64]
-    """[-]; that of the material, which exceeds a prescribed strain where it is slack."""
+    """Strain of the material [-], larger than a prescribed strain if slack."""
     temperature: NDArray[np.float64]
     """[K]"""
     martensite: NDArray[np.float64]
@@ -106,9 +105,7 @@ class PointResult:
     """Largest mismatch of a fraction at the end of a strain-driven step [-]."""
     steps: int
     accuracy: float | None
-    """Largest change on halving the steps, as a fraction of each column's range; None if only one
-    run was made.
-    """
+    """Largest change on halving the steps, as a fraction of each range; None for a single run."""
     label: str = ""
     warnings: list[str] = field(default_factory=list[str])
 
@@ -124,7 +121,7 @@ class PointResult:
 
     @property
     def work(self) -> float:
-        """Return the work done on the point along the path, ∫ σ dε [J/m³]; what a closed loop loses."""
+        """Return the work on the point along the path, ∫ σ dε [J/m³]: the loss of a closed loop."""
         import numpy as np
 
         return math.fsum((0.5 * (self.stress[1:] + self.stress[:-1]) * np.diff(self.strain)).tolist())
@@ -145,10 +142,10 @@ def material_point(
     runtime: str = "floats",
     label: str = "",
 ) -> PointResult:
-    """Return the drive a law along a path of stress or strain and temperature.
+    """Simulate a law along a path of stress or strain and temperature.
 
-    Steps are halved until halving changes strain, stress and martensite fraction at the samples
-    by less than `tolerance` times their range.
+    Steps are halved until strain, stress and martensite fraction at the samples change by less than `tolerance`
+    times their range.
 
     Args:
         law: any law.
@@ -224,7 +221,7 @@ def _check_path(
 
 
 def _fill_sections(legs: Sequence[PathLeg], steps: int, temperature: float) -> list[PathSection]:
-    """Return the legs with everything filled in that can be known before the march."""
+    """Return the legs with all values that are known before the simulation."""
     found: list[PathSection] = []
     control, first = "stress", temperature
     for leg in legs:
@@ -237,7 +234,7 @@ def _fill_sections(legs: Sequence[PathLeg], steps: int, temperature: float) -> l
 
 
 def _refine_steps(drive: PathDriver, tolerance: float | None) -> tuple[PointTrack, float | None]:
-    """Halve the steps until halving changes little; the finest run and its last change."""
+    """Halve the steps to the tolerance; return the finest run and its last change."""
     finer, found = 1, march_point(drive, 1)
     if tolerance is None:
         return found, None
@@ -252,7 +249,7 @@ def _refine_steps(drive: PathDriver, tolerance: float | None) -> tuple[PointTrac
 
 
 def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
-    """Return the largest difference of the judged columns as a fraction of their range."""
+    """Return the largest difference of judged columns, as a fraction of their range."""
     if len(coarse.rows) != len(fine.rows):
         return math.inf
     worst = 0.0

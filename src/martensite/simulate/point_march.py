@@ -1,6 +1,6 @@
-"""The march of a material point along its legs, on plain floats or in C.
+"""Simulation of a material point along its legs, on plain floats or in C.
 
-A step that is left unsolved is taken again in halves, on floats.
+Unsolved steps are repeated in halves, on floats.
 """
 
 from __future__ import annotations
@@ -22,34 +22,34 @@ if TYPE_CHECKING:
     from martensite.kernels.compiled_program import CompiledProgram
 
 SPLITS = 4
-"""Largest number of halvings of an unsolved step, on floats."""
+"""Maximum halvings of an unsolved step, on floats."""
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
 
 
 class PathSection(NamedTuple):
-    """One leg with everything filled in that is known before the march."""
+    """Leg with all values that are known before the simulation."""
 
     control: str
     """`stress` or `strain`."""
     end: float | None
-    """Stress [Pa] or strain [-] at the end; None holds what is there."""
+    """Stress [Pa] or strain [-] at the end; None for the present value."""
     first: float
     last: float
-    """Temperatures at its two ends [K]."""
+    """Temperatures at both ends [K]."""
     duration: float
     samples: int
     begin: float = math.nan
-    """Stress [Pa] or strain [-] at the start, which the march finds."""
+    """Stress [Pa] or strain [-] at the start, from the simulation."""
 
     def start(self, row: Row, imposed: float | None) -> PathSection:
-        """With both ends known: a slack point is longer than the strain imposed on it."""
+        """Return the section with both ends known; a slack point is longer than the prescribed strain."""
         begin = row[STRESS]
         if self.control == "strain":
             begin = row[STRAIN] if imposed is None else imposed
         return self._replace(begin=begin, end=begin if self.end is None else self.end)
 
     def at(self, share: float) -> tuple[float, float]:
-        """Return the prescribed quantity and temperature at a fraction of the way; exact at the end."""
+        """Return the prescribed quantity and temperature at a fraction of the section; exact at its end."""
         end = self.begin if self.end is None else self.end
         if share == 1.0:
             return end, self.last
@@ -57,19 +57,19 @@ class PathSection(NamedTuple):
 
 
 class Ridden(NamedTuple):
-    """Result of a march along one section."""
+    """Result of one section."""
 
     memory: Row
-    """With the row that follows it."""
+    """Memory and its row."""
     rows: list[Row]
     residual: float
     step: int
-    """The first step with this residual."""
+    """First step with this residual."""
 
 
 @dataclass(frozen=True)
 class PointTrack:
-    """Rows at the samples, and how the steps ended."""
+    """Rows at the samples, and the status of the steps."""
 
     rows: list[Row]
     """Rows in the layout of `compiled_law.ROW`."""
@@ -83,7 +83,7 @@ class PointTrack:
 
 @dataclass(frozen=True)
 class PathDriver:
-    """A law and its path; everything about a march but its steps."""
+    """Law and path with all settings except the steps."""
 
     law: AbstractLaw
     fractions: Fractions
@@ -100,7 +100,7 @@ class PathDriver:
 
     @cached_property
     def rider(self) -> FloatRider | NativeRider:
-        """Return the runtime, with the parameters bound."""
+        """Return the runtime with bound parameters."""
         if self.runtime == "c":
             return NativeRider(self.compiled, self.law)
         return FloatRider(self)
@@ -112,7 +112,7 @@ class PathDriver:
 
 
 def march_point(drive: PathDriver, finer: int) -> PointTrack:
-    """March with `finer` steps between samples; failures are a status."""
+    """Simulate with `finer` steps between samples; failures set the status."""
     rider = drive.rider
     size = drive.compiled.size
     state = rider.start(*drive.fractions, drive.stress, drive.temperature)
@@ -124,7 +124,7 @@ def march_point(drive: PathDriver, finer: int) -> PointTrack:
         imposed = section.end if section.control == "strain" else None
         try:
             ridden = rider.ride(state[:size], section, finer)
-        except ArithmeticError:  # a division by zero or an overflow
+        except ArithmeticError:  # division by zero or overflow
             return PointTrack(rows, Status.NOT_FINITE, math.inf, number, clock, 0)
         if not ridden.residual <= worst:
             dt = section.duration / (section.samples * finer)
@@ -152,7 +152,7 @@ class FloatRider:
     def _carefully(
         self, state: Row, begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
     ) -> Row:
-        """Return a strain-driven step; in two halves where it stays unsolved."""
+        """Return a strain-driven step, in halves if it is unsolved."""
         after = self._functions["strain_step"](*state, *end, dt)
         if after[-1] <= SOLVED or splits == 0:
             return after
@@ -162,7 +162,7 @@ class FloatRider:
         return (*last[:-1], max(first[-1], last[-1]))
 
     def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
-        """Along one section, in the given number of steps between samples."""
+        """Run a section with the given number of steps between samples."""
         step, size, count = self._functions[f"{section.control}_step"], self._size, section.samples * finer
         dt = section.duration / count
         rows: list[Row] = []
@@ -192,7 +192,7 @@ class NativeRider:
         self._programs: dict[str, CompiledProgram] = {}
 
     def _load(self, step: str) -> CompiledProgram:
-        """Load one library per kind of step: compiling unused functions takes seconds."""
+        """Load one library per kind of step, since unused functions take seconds to compile."""
         if step in self._programs:
             return self._programs[step]
         from martensite.kernels.compiled_program import CompiledProgram
@@ -213,7 +213,7 @@ class NativeRider:
         return tuple(found.tolist())
 
     def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
-        """Along one section, in the given number of steps between samples."""
+        """Run a section with the given number of steps between samples."""
         import numpy as np
 
         state, worst = np.array(memory, float), np.empty(1)

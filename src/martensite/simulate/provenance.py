@@ -1,7 +1,7 @@
-"""User-defined parts of a run, and the results of their conformance tests.
+"""User-defined parts of a run with the results of their conformance tests.
 
-The finding of `martensite conform` on a part is kept in the cache of this machine, under the hash of its file. A part
-counts as not tested again after a change of its file.
+The result of `martensite conform` is cached on this computer under the hash of the file. A changed file counts as
+not tested.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ NOT_TRIED = "not tried"
 
 
 def tell_conformance(things: Iterable[Any]) -> dict[str, str]:
-    """Return the name of every user-defined part -> `conforms`, `does not conform`, or `not tried`."""
+    """Return each user-defined part with `conforms`, `does not conform` or `not tried`."""
     return {_name_part(cls): find_record(cls) for cls in dict.fromkeys(_list_foreign(things))}
 
 
 def _list_foreign(things: Iterable[Any]) -> Iterator[type[Parametrised]]:
-    """Yield the classes of foreign parts, at any depth."""
+    """Yield the classes of user-defined parts, at any depth."""
     for thing in things:
         if isinstance(thing, Mapping):
             yield from _list_foreign(cast("Mapping[str, Any]", thing).values())
@@ -42,11 +42,11 @@ def _name_part(cls: type[Parametrised]) -> str:
 
 
 def find_record(cls: type[Parametrised]) -> str:
-    """Return the finding for a part with the present content of its file."""
+    """Return the cached result for the present file of a class."""
     path = _locate_record(cls)
     try:
         holds = path is not None and json.loads(path.read_text("utf-8"))["holds"]
-    except (OSError, ValueError, KeyError, TypeError):  # none is there, or it is damaged
+    except (OSError, ValueError, KeyError, TypeError):  # no file or a damaged file
         return NOT_TRIED
     if path is None or not isinstance(holds, bool):
         return NOT_TRIED
@@ -54,7 +54,7 @@ def find_record(cls: type[Parametrised]) -> str:
 
 
 def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
-    """Keep what was found of a part; nothing of one without a file, or of this package."""
+    """Cache the result of a user-defined class with a file."""
     path = None if cls.__module__.startswith(OWN) else _locate_record(cls)
     if path is None:
         return
@@ -66,7 +66,7 @@ def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
 
 
 def _locate_record(cls: type[Parametrised]) -> Path | None:
-    """Return the path of a kept finding; None if the class has no file, as in a notebook."""
+    """Return the path of a cached result; None without a file, as in a notebook."""
     try:
         source = Path(inspect.getsourcefile(cls) or "").read_bytes()
     except (OSError, TypeError):

@@ -1,4 +1,4 @@
-"""The table of the lowest and highest values of a run, as screens and pages show it."""
+"""Table of the minimum and maximum values of a run, for screens and pages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 ROUNDING = 1e-6
-"""Values below this share of the larger end of a range are shown as 0."""
+"""Fraction of the larger end of a range below which values are shown as 0."""
 HEADINGS = ("quantity", "min", "max", "unit", "column")
 
 

@@ -1,7 +1,7 @@
-"""Which of many variants a system would refuse: numbers out of range, or in conflict.
+"""Refused variants of a system: values out of range or in conflict.
 
-Ranges are checked for all runs at once; what a part checks about its numbers together, one run
-after another, and only by parts that have such a check and a varied number in them.
+Ranges are checked for all runs together. Checks across several values are made run by run, only for parts with such
+a check and a varied value.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from martensite.base.parameters import Parametrised
 
 
 def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArray[np.bool_]:
-    """Which of `count` runs are refused; values are by path, (runs,), in SI."""
+    """Return which of `count` runs are refused; values are by path, (runs,), in SI."""
     leaves = {leaf.path: leaf for leaf in part.leaves()}
     found = np.zeros(count, np.bool_)
     for path, column in values.items():
@@ -33,7 +33,7 @@ def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> N
 
 
 def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
-    """Yield the parts that check their numbers together."""
+    """Yield the parts with checks across several values."""
     if type(part).check is not Parametrised.check:
         yield prefix, part
     for name, child in part.children():
@@ -41,7 +41,7 @@ def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Param
 
 
 def _check_objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
-    """Return which runs a part rejects although their parameters are in their ranges.
+    """Return the runs that a part rejects although all values are in range.
 
     One private copy of the part takes the parameters of one run after another.
     """

@@ -1,8 +1,8 @@
-"""Restarts: what a run keeps so that another one goes on from there, and runs that are made from restart to restart.
+"""Restarts: states from which another run can continue.
 
-A run with restarts is made in legs, one after the other, in each of its passes: a leg begins with the state and the
-ranges in which the one before ended, and with nothing else. So a run that begins with the state kept at a restart
-repeats, pass by pass, the legs that follow in the run that kept it, in all bits. Decision 049 says what that is worth.
+Each pass of a run with restarts consists of consecutive legs. A leg starts only with the final state and ranges of
+the previous leg. A run from a restart therefore repeats the later legs of the original run in all bits, pass by
+pass (decision 049).
 """
 
 from __future__ import annotations
@@ -27,51 +27,51 @@ RANGES = {
     "oriented": (-1.0, 1.0),
     "temperature": (0.0, 1e5),
 }
-"""Last part of the name of a number of a state -> its range: phase fractions, and temperatures [K]."""
+"""Valid ranges of states by the last part of their names: phase fractions, and temperatures [K]."""
 RANGE_TOLERANCE = 1e-6
-"""Distance beyond these ranges that counts as rounding."""
+"""Accepted rounding error beyond these ranges."""
 WHERE, AT, PERIOD = "[initial]", "at", "period"
-"""Table of a scenario for the start of a run, and its keys."""
+"""Scenario table for the start of a run, and its keys."""
 EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
-"""Starts that are searched for, values of the key `at`."""
+"""Values of the key `at` that need a search."""
 SAME = 1e-12
-"""Fraction of a duration by which two times are the same."""
+"""Fraction of a duration within which two times are equal."""
 
 
 class PassState(NamedTuple):
-    """State of one of the passes of a run."""
+    """State of one pass of a run."""
 
     state: Row
-    """All that the system remembers."""
+    """State variables of the system."""
     low: Row = ()
-    """Lowest of what is judged, until then; empty for a run that begins."""
+    """Minimum of earlier judged outputs; empty at the start of a run."""
     high: Row = ()
     gap: Row = ()
-    """Largest difference of the judged outputs to the pass before, until then; empty for the first pass."""
+    """Largest earlier difference of judged outputs from the previous pass; empty for the first pass."""
     ripple: float = 0.0
     residual: float = 0.0
 
 
 REST = PassState(())
-"""State of a pass of a run that begins by itself."""
+"""Initial state of a pass without a restart."""
 
 
 @dataclass(frozen=True)
 class Restart:
-    """A time at which a run may be gone on with."""
+    """Time and states from which a run can continue."""
 
     time: float = 0.0
     """[s]"""
     passes: tuple[PassState, ...] = ()
-    """Passes: one of a run on given steps, at least two of a run to a tolerance, each to a finer tolerance."""
+    """States of all passes: one for given steps, else at least two with decreasing tolerance."""
 
     @property
     def state(self) -> Row:
-        """Return all that the system remembers, of the last pass; empty for a system at home and at rest."""
+        """Return the state of the last pass; empty for the assembled equilibrium."""
         return self.passes[-1].state if self.passes else ()
 
     def at_time_zero(self) -> Restart:
-        """Return the state at the time 0, without the history of the run."""
+        """Return the state at time 0, without the history of the run."""
         return Restart(0.0, tuple(PassState(one.state) for one in self.passes[-1:]))
 
 
@@ -80,10 +80,10 @@ HOME = Restart()
 
 
 def list_samples(duration: float, samples: int, begin: float) -> list[float]:
-    """Return the samples [s] of a whole run of a `duration` [s] from where a run begins on, and its beginning.
+    """Return the samples [s] of a run of a `duration` [s] from its start, and its start time.
 
     Raises:
-        InputError: it begins when it should have ended.
+        InputError: the start is not before the end.
     """
     whole: list[float] = (duration * np.arange(samples) / (samples - 1)).tolist()
     if begin == 0.0:
@@ -96,10 +96,10 @@ def list_samples(duration: float, samples: int, begin: float) -> list[float]:
 
 
 def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
-    """Return the wanted restarts [s], each moved to a sample within rounding; past restarts are removed.
+    """Return the requested future restarts [s], matched to samples within rounding.
 
     Raises:
-        InputError: one lies outside of the run.
+        InputError: a time is outside of the run.
     """
     found: list[float] = []
     hair = SAME * times[-1]
@@ -120,7 +120,7 @@ def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
     """Return the restart at a time [s]; by default the last.
 
     Raises:
-        InputError: nothing was kept then; the message gives the nearest time.
+        InputError: no restart exists at that time; the message names the nearest time.
     """
     if not known:
         raise InputError("That run saved no state: it failed, was a batch, or had external controllers.")
@@ -136,12 +136,12 @@ def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
 
 
 def name_state(system: AbstractSystem) -> list[str]:
-    """Return the names of all numbers of a state of a system, in order."""
+    """Return the names of all state variables of a system, in order."""
     return name_numbers(system.init(floats, *(0.0 if one.unit != "K" else 300.0 for one in system.drives())))
 
 
 def require_names(system: AbstractSystem, names: Sequence[str]) -> None:
-    """Raise `InputError` if a state with numbers of these names is not one of a system."""
+    """Raise `InputError` if state names do not match a system."""
     own = name_state(system)
     if list(names) != own:
         other = next((a for a, b in zip_longest(names, own) if a != b), None)
@@ -152,9 +152,9 @@ def require_names(system: AbstractSystem, names: Sequence[str]) -> None:
 
 
 def require_sound(names: Sequence[str], restart: Restart) -> None:
-    """Raise `InputError` if a restart, whose state has numbers of these names, is damaged.
+    """Raise `InputError` if a restart with states of these names is damaged.
 
-    A state must have all its numbers, all finite, with temperatures above 0 K and phase fractions within their ranges.
+    All values must be present and finite, with temperatures above 0 K and phase fractions within their ranges.
     """
     for one in restart.passes:
         if len(one.state) != len(names):
@@ -174,28 +174,28 @@ def _describe_damage(restart: Restart, reason: str) -> InputError:
 
 @dataclass
 class Relay:
-    """Makes the passes of a run leg by leg, and keeps where each pass is at every restart."""
+    """Runner of passes leg by leg, with the states at every restart."""
 
     march: Callable[[MarchPlan], Marched]
     begin: Restart
     stops: Sequence[float]
-    """[s], ascending."""
+    """Restart times [s], ascending."""
     made: list[tuple[Marched, list[Marched]]] = field(default_factory=list[tuple[Marched, list[Marched]]])
-    """Every pass, and its legs."""
+    """All passes with their legs."""
 
     def __call__(self, plan: MarchPlan) -> Marched:
-        """One more pass, all of it on one runtime: `auto` may change it between legs, and rows of runtimes differ."""
+        """Run one more pass on a single runtime, since row types differ between runtimes."""
         legs, rows = self._make_legs(plan)
         if len({leg.used for leg in legs}) > 1:
             legs, rows = self._make_legs(plan)
         whole = join_legs(legs, rows, self._begin(len(self.made)))
         for one in (*(earlier for earlier, _ in self.made), *(leg for leg in legs if leg is not whole)):
-            one.rows = []  # those of one pass are enough to hold
+            one.rows = []  # rows of one pass are enough
         self.made.append((whole, legs))
         return whole
 
     def _make_legs(self, plan: MarchPlan) -> tuple[list[Marched], Any]:
-        """Return the legs of a pass, and the rows of all of them."""
+        """Return the legs of a pass and their rows."""
         before = self._begin(len(self.made))
         at = before or REST
         legs, parts = list[Marched](), list[Any]()
@@ -211,19 +211,19 @@ class Relay:
         return legs, join_rows(parts)
 
     def _begin(self, number: int) -> PassState | None:
-        """Return the start of a pass, or of the finest pass before if there were fewer; None at the default start."""
+        """Return the start of a pass or of the finest existing pass; None at the default start."""
         known = self.begin.passes
         return known[min(number, len(known) - 1)] if known else None
 
     def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
-        """Return the restarts, if passes were compared at the given times [s]; empty for a run that stopped early."""
+        """Return the restarts for the compared times [s]; empty for an incomplete run."""
         if self.made[-1][0].status.failed:
             return []
         times = [*self.stops, compared[-1]]
         return [Restart(time, tuple(self._keep(leg, time, compared))) for leg, time in enumerate(times)]
 
     def _keep(self, leg: int, time: float, compared: Sequence[float]) -> list[PassState]:
-        """Return the states of the passes at the end of a leg [s], without passes that stopped early."""
+        """Return the states of all complete passes at the end of a leg [s]."""
         found = list[PassState]()
         for number, (whole, legs) in enumerate(self.made):
             if whole.status.failed:
@@ -237,7 +237,7 @@ class Relay:
 
 
 def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list[float], bool]]:
-    """The samples of every leg [s], both ends included, and whether its end is a sample of the run."""
+    """Return the samples of every leg [s], both ends included, and flags for ends at samples."""
     if not stops:
         return [(list(times), True)]
     found = list[tuple[list[float], bool]]()
@@ -249,14 +249,14 @@ def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list
 
 
 def join_rows(parts: Sequence[Any]) -> Any:
-    """Return the rows of several legs together: an array, or a list of runs on floats."""
+    """Return the rows of several legs: an array, or a list on floats."""
     if all(isinstance(one, np.ndarray) for one in parts):
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
     return list(chain.from_iterable(parts))
 
 
 def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> Marched:
-    """Return a pass from its legs, after what was before it; its energies are those of its legs."""
+    """Return a pass from its legs and the previous result; energies cover its legs only."""
     last = legs[-1]
     if len(legs) == 1 and before is None:
         return last

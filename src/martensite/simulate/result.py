@@ -1,4 +1,4 @@
-"""The result of a simulation: sampled columns in SI units, with status and accuracy."""
+"""Result of a simulation: sampled columns in SI, with status and accuracy."""
 
 from __future__ import annotations
 
@@ -39,22 +39,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Variants:
-    """In what the runs of a batch differ, and how each of them ended."""
+    """Varied parameters and endings of the runs of a batch."""
 
     over: Mapping[str, NDArray[np.float64]]
-    """By full parameter path one value per run, (variants,), in SI."""
+    """Values by full parameter path, (variants,), in SI."""
     status: list[Status]
     ended: NDArray[np.float64]
-    """Time [s] at which each ended, (variants,); NaN where that is not known."""
+    """End times [s], (variants,); NaN where unknown."""
     accuracy: NDArray[np.float64] | None = None
-    """Bound on the errors of temperatures, martensite fractions, stresses and coordinates of each variant, as a
-    fraction of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the envelope. None for
-    runs on given steps. A value above the tolerance means that the tolerance was not reached.
+    """Error bounds of temperatures, fractions, stresses and coordinates by variant, (variants,).
+
+    Bounds are fractions of the ranges; a value above the tolerance means that the tolerance was not reached. NaN
+    marks runs that failed inside the envelope, and None runs on given steps.
     """
     extremes: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(
         default_factory=dict[str, "tuple[NDArray[np.float64], NDArray[np.float64]]"]
     )
-    """By column the lowest and the highest value of every variant in its steps, (variants,) each, in SI."""
+    """Minimum and maximum in the steps of every variant, by column, (variants,) each, in SI."""
 
     def __len__(self) -> int:
         return len(self.status)
@@ -67,75 +68,70 @@ class Variants:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Columns over time, and how far they can be trusted.
+    """Columns over time, with their accuracy.
 
-    One class for a single run, a loop (which has more columns) and a batch (whose columns have a
-    row per variant, and whose failures are rows with a status, never a lost batch).
+    Loops have additional columns. Batches have one row per variant, and failed variants are rows with a status.
     """
 
     system: Any
-    """System that was run: a `System` of one element, or a `Machine` of several."""
+    """Simulated system: a `System` of one element, or a `Machine` of several."""
     waveform: Any
-    """The waveform that drove it, or waveforms by name."""
+    """Waveform, or waveforms by drive name."""
     times: NDArray[np.float64]
     """Sample times [s], (samples,)."""
     columns: dict[str, NDArray[np.float64]]
-    """Outputs of the system by name, in SI, (samples,); of a batch (variants, samples), NaN after the end of a run."""
+    """Outputs by name, in SI, (samples,); for a batch (variants, samples), NaN after the end of a run."""
     status: Status
-    """The worst status of all steps and variants; a failed single run has no result but raises."""
+    """Worst status of all steps and variants; a failed single run raises an error."""
     status_time: float | None
     """Start of the first step with the worst status [s], where recorded."""
     steps: int
     step: float
     """Longest step taken [s]."""
     accuracy: float | None = None
-    """Bound on the errors of temperatures, martensite fractions, stresses and coordinates, as a fraction of the range
-    of each; None if only one run was made, and for a batch (see `variants.accuracy`).
+    """Error bound of temperatures, fractions, stresses and coordinates, as a fraction of each range.
+
+    None for a single pass, and for a batch (see `variants.accuracy`).
     """
     notes: Sequence[str] = ()
-    """Sentences of the run itself, with which `warnings` begins."""
+    """Messages of the run itself, at the start of `warnings`."""
     judged: Callable[[Result], RunWarnings] | RunWarnings = field(default_factory=RunWarnings)
-    """Returns `alarms` and the rest of `warnings` when one of them is read; or these themselves, of a result from a
-    file and of a batch.
-    """
+    """Alarms and further warnings, or a function that returns them on first access."""
     profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
-    """One list per cell and quantity named in `martensite.actuators.assembly.PROFILES`, in SI
-    units; empty
-    for an element that is the same all over.
+    """Values per cell by quantity of `martensite.actuators.assembly.PROFILES`, in SI.
+
+    Empty for a uniform element.
     """
     beside: dict[str, Output] = field(default_factory=dict[str, Output])
-    """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
+    """Additional columns, such as the setpoint of an external controller."""
     runtime: str = ""
     """Runtime of the run: floats, C or CUDA; empty if unknown."""
     rejected: int = 0
-    """Steps that were made again, shorter."""
+    """Number of rejected steps."""
     heat: HeatBalance | None = None
-    """Heat balance of a run with an error control; None where a temperature is prescribed or an element does not give
-    its stored heat (see `unbalanced`), or steps are given.
+    """Heat balance of a run with step size control.
+
+    None on given steps, with a prescribed temperature, or with unknown stored heat (see `unbalanced`).
     """
     work: WorkBalance | None = None
-    """Work balance of a run with an error control; None where a mechanism does not give its stored energy, or steps are
-    given.
-    """
+    """Work balance of a run with step size control; None on given steps or with unknown stored energy."""
     unbalanced: list[str] = field(default_factory=list[str])
-    """Reasons for a missing balance of heat or work in a run with an error control, in sentences."""
+    """Reasons for a missing balance of heat or work, in sentences."""
     ripple: float = 0.0
-    """Temperature [K] that the mean of a drive over a step leaves out, at most."""
+    """Largest temperature error [K] of drive means over a step."""
     variants: Variants | None = None
     """Variants of a batch; None for a single run."""
     trace: AbstractTrace | None = None
-    """Computes `track`; None where only samples are known."""
+    """Function that computes `track`; None if only samples are known."""
     seed: int | None = None
     """Seed of the sensor noise; None for a run without noise."""
     begin: Callable[[Result], str] | str = ""
-    """Returns `start`, or is `start` itself in a result from a file."""
+    """Function that returns `start`, or `start` itself in a result from a file."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
-    """States from which another run can continue: at the end, and at the requested times; empty if the run stopped
-    early.
-    """
+    """States from which another run can continue; empty if the run stopped early."""
 
     def __post_init__(self) -> None:
-        """Hold times and columns as arrays, whatever sequences were given."""
+        """Convert times and columns to arrays."""
         object.__setattr__(self, "times", np.asarray(self.times, np.float64))
         object.__setattr__(self, "columns", {name: np.asarray(one, np.float64) for name, one in self.columns.items()})
 
@@ -150,12 +146,12 @@ class Result:
 
     @property
     def warnings(self) -> list[str]:
-        """Return sentences on exceeded limits, slack, a saturated supply, coarse steps."""
+        """Return messages on exceeded limits, slack, a saturated supply and coarse steps."""
         return [*self.notes, *self._run_warnings.sentences]
 
     @cached_property
     def start(self) -> str:
-        """Return state and history with which the run starts, in a sentence; empty without shape-memory elements."""
+        """Return the initial state and history in a sentence; empty without shape-memory elements."""
         return self.begin if isinstance(self.begin, str) else self.begin(self)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
@@ -195,7 +191,7 @@ class Result:
         return import_service("plot_run")(self, records, title)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the result in the format that the suffix names; the file is replaced whole or not at all.
+        """Write the result in the format of the suffix; the file is replaced completely or not at all.
 
         Args:
             path: `.nc` (netCDF-4 with everything, for `open_result`), or columns in SI as `.csv` or `.parquet`.
@@ -206,11 +202,11 @@ class Result:
         import_service("save_run")(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
-        """A dataset over time [s], with units and provenance as attributes; needs the extra `xarray`."""
+        """Return a dataset over time [s], with units and provenance; requires the extra `xarray`."""
         return import_service("describe_run")(self).to_xarray()
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return a table with a row per sample, by time [s], of a batch by variant and time.
+        """Return a table of samples by time [s]; for a batch by variant and time.
 
         Columns are in SI units (`attrs["units"]`).
         """
@@ -232,7 +228,7 @@ class Result:
         return Summary("", [tabulate_ranges(self), *told, *warned], self._collect_numbers(), self._lead())
 
     def _collect_numbers(self) -> dict[str, Any]:
-        """Everything but the columns, by name in SI."""
+        """Return all values except columns, by name in SI."""
         ends = {name: self.find_range(name) for name in self.outputs}
         return {
             "duration": float(self.times[-1]),
@@ -258,24 +254,24 @@ class Result:
         }
 
     def _list_accuracy(self) -> Any:
-        """Return the bound, or one for each variant."""
+        """Return the bound, or one per variant."""
         known = None if self.variants is None else self.variants.accuracy
         return self.accuracy if known is None else known.tolist()
 
     def _list_stroke(self) -> Any:
-        """Return the stroke, or one for each variant; None if a batch left out the first coordinate."""
+        """Return the stroke, or one per variant; None for a batch without the first coordinate."""
         if self.variants is None:
             return self.stroke
         return self.stroke.tolist() if self.coordinate in self.columns else None
 
     @property
     def energy(self) -> dict[str, HeatBalance | WorkBalance]:
-        """Return the balances that are known, of `heat` and `work`."""
+        """Return the known balances of `heat` and `work`."""
         both = {"heat": self.heat, "work": self.work}
         return {name: one for name, one in both.items() if one is not None}
 
     def __repr__(self) -> str:
-        """Return a few lines; all of it is in `summary()`."""
+        """Return a short summary; see `summary()` for all values."""
         lines = str(self).splitlines()
         more = [f"… {len(lines) - LINES} lines more in summary()"] if len(lines) > LINES else []
         columns = ", ".join(self.outputs)
@@ -285,7 +281,7 @@ class Result:
         return import_service("render_html")(self.summary())
 
     def find_range(self, name: str) -> tuple[float, float]:
-        """Return the lowest and the highest value of a column in the run, over all variants."""
+        """Return the minimum and maximum of a column in the run, over all variants."""
         if self.variants is None:
             low, high = self.extremes.get(name, (math.inf, -math.inf))
             low, high = float(np.fmin.reduce(self[name], initial=low)), float(np.fmax.reduce(self[name], initial=high))
@@ -296,16 +292,16 @@ class Result:
 
     @cached_property
     def track(self) -> Track | None:
-        """Return outputs at all accepted steps, for measures and alarms; None where only samples are known."""
+        """Return outputs at all accepted steps, for measures and alarms; None if only samples are known."""
         return None if self.trace is None else self.trace.compute_track()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what is pickled: the track, not the program that computes it."""
+        """Return the pickled data, with the track instead of its function."""
         return self.__dict__ | {"track": self.track, "trace": None}
 
     @cached_property
     def extremes(self) -> Mapping[str, tuple[float, float]]:
-        """Return the lowest and highest value of every output of a single run in its accepted steps, in SI."""
+        """Return the minimum and maximum of every output in the accepted steps of a single run, in SI."""
         if self.track is None:
             return {}
         highest, lowest = find_extremes(self.track, 1)
@@ -313,7 +309,7 @@ class Result:
         return dict(zip(self.system.outputs(), pairs, strict=True))
 
     def list_rows(self, names: Sequence[str] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Return times [s] and outputs in SI, all or some, at the accepted steps of a single run, else its samples."""
+        """Return times [s] and outputs in SI at the accepted steps of a single run, else at its samples."""
         if self.track is None:
             return self["time"], {name: self[name] for name in names or self.columns}
         wanted, places = self._place_outputs(names)
@@ -322,9 +318,9 @@ class Result:
     def draw_curves(
         self, names: Sequence[str] | None = None, followed: Sequence[str] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Return times [s] and outputs in SI at the accepted steps of a single run, at peaks and between them.
+        """Return times [s] and outputs in SI at the accepted steps of a single run, with peaks and inner points.
 
-        Between steps all outputs, or the `followed` ones, are on their polynomials, others on straight lines.
+        Inner points of all or the `followed` outputs are on polynomials, others on straight lines.
         """
         if self.track is None:
             return self.list_rows(names)
@@ -333,7 +329,7 @@ class Result:
         return curve.times, dict(zip(wanted, curve.values.T, strict=True))
 
     def _place_outputs(self, names: Sequence[str] | None) -> tuple[list[str], list[int]]:
-        """Return names of outputs of the system, all if None, and their places in the track."""
+        """Return outputs of the system, all if None, and their indices in the track."""
         every = list(self.system.outputs())
         wanted = every if names is None else list(names)
         return wanted, [every.index(name) for name in wanted]
@@ -341,7 +337,7 @@ class Result:
     def measure(self, words: str) -> float:
         """Return a measure of a single run in SI, such as `max(temperature)`, `energy` or `rise-time`.
 
-        It comes from the accepted steps; of a result that was read from a file, from its samples.
+        It uses the accepted steps, or the samples of a result from a file.
 
         Raises:
             ParameterError: the measure or the output does not exist.
@@ -355,10 +351,10 @@ class Result:
         return float(one.value(tabulate_track(self.track, places, 1, one.follows_curve))[0])
 
     def bound(self, words: str) -> float | None:
-        """Return a bound on the error of a measure, in its SI unit; None where it is not estimated.
+        """Return the error bound of a measure, in its SI unit; None without an estimate.
 
-        It is not estimated on given steps, of controllers, and of a result that was read from a file. It costs another
-        run, to a larger tolerance.
+        There is no estimate for given steps, controllers and results from a file. The bound requires another run
+        with a larger tolerance.
 
         Raises:
             ParameterError: the measure or the output does not exist.
@@ -368,7 +364,7 @@ class Result:
         return None if self.trace is None or self.track is None else self.trace.bound_measure(one, self.track)
 
     def require(self) -> Result:
-        """Return this result, or raise `SolveError` if the run stopped before its end."""
+        """Return this result, or raise `SolveError` for an incomplete run."""
         if self.status.failed:
             reasons = (words for words in self.warnings if words.startswith("The run stopped"))
             raise SolveError(next(reasons, self.status.sentence))
@@ -376,22 +372,22 @@ class Result:
 
     @cached_property
     def outputs(self) -> dict[str, Output]:
-        """Return the label and unit of every column; of a batch, only the requested columns."""
+        """Return the label and unit of every column; for a batch, of requested columns only."""
         known = self.system.outputs() | self.beside
         return known if self.variants is None else {name: known[name] for name in self.columns}
 
     def unit(self, name: str) -> str:
-        """SI unit of a column."""
+        """Return the SI unit of a column."""
         return "s" if name == "time" else self.outputs[name].unit
 
     @property
     def state_names(self) -> list[str]:
-        """Return the names of the numbers of a state, as `restarts` have them; none of a run that kept none."""
+        """Return the names of state variables in `restarts`; empty without restarts."""
         return name_state(self.system) if self.restarts else []
 
     @property
     def coordinate(self) -> str:
-        """Return the name of the first coordinate of the mechanism: its stroke is that of the system."""
+        """Return the name of the first coordinate of the mechanism, which defines the stroke."""
         return next(iter(self.system.mechanism.outputs()))
 
     def range(self, name: str) -> Any:
@@ -425,7 +421,7 @@ class Result:
         return "\n".join([*lines, *own, *self.remarks(), *self.warnings])
 
     def _lead(self) -> str:
-        """Return one line with the end, the steps and the accuracy of the run."""
+        """Return one line with the end, steps and accuracy of the run."""
         if self.variants is not None:
             return self._describe_variants(self.variants)
         error = "not estimated" if self.accuracy is None else f"at most {self.accuracy:.1e} of each range"
@@ -436,9 +432,9 @@ class Result:
 
     @property
     def conformance(self) -> dict[str, str]:
-        """Return user-defined parts -> the result of their conformance tests.
+        """Return each user-defined part with the result of its conformance tests.
 
-        `conforms`, `does not conform`, or `not tried` (`martensite conform FILE` does).
+        Results are `conforms`, `does not conform`, or `not tried` (run `martensite conform FILE`).
         """
         return tell_conformance([self.system, self.waveform])
 
@@ -452,7 +448,7 @@ class Result:
         ]
 
     def _describe_variants(self, variants: Variants) -> str:
-        """Return the endings of the runs of a batch, and their accuracy."""
+        """Return the endings and accuracy of the runs of a batch."""
         bounds: list[float] = []
         if variants.accuracy is not None:
             bounds = variants.accuracy.tolist()
@@ -464,12 +460,12 @@ class Result:
         )
 
     def balances(self) -> list[str]:
-        """Return the balances of heat and work, one line each, and the reasons for missing ones."""
+        """Return the balances of heat and work, one line each, and reasons for missing balances."""
         known = [str(one) for one in (self.heat, self.work) if one is not None]
         return known + self.unbalanced
 
     def _line(self, name: str) -> str:
-        """From where to where a column goes, in a readable unit."""
+        """Return the first and last value of a column in a readable unit."""
         low, high = (show_quantity(end, self.unit(name)) for end in self.find_range(name))
         number, _, unit = low.partition(" ")
         same = unit and high.endswith(f" {unit}")
@@ -479,11 +475,11 @@ class Result:
 LINES = 6
 """Lines of the summary in `repr`."""
 ROUNDING = 1e-9
-"""Fraction of the largest value of a column that is 0."""
+"""Fraction of the largest value of a column that counts as 0."""
 
 
 def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
-    """Return the profiles among rows; they start at column `first`."""
+    """Return the profiles in rows from column `first` on."""
     cells = (len(rows[0]) - first) // len(PROFILES)
     starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
     return {name: [[row[start + i] for row in rows] for i in range(cells)] for name, start in starts.items() if cells}

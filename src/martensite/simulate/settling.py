@@ -1,7 +1,7 @@
-"""Search for the start of a run by marching: at rest, or in a cycle that closes.
+"""Search for the start of a run by simulation: an equilibrium or a closed cycle.
 
-`equilibrium` is where the system comes to rest under the first values of its drives, `settled cycle` where it begins a
-period of its drives that ends as it began. Both are marched to, with no guess of the answer.
+`equilibrium` is the steady state under the first values of the drives. `settled cycle` is the start of a drive
+period that ends in its initial state.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from martensite.simulate.result import Result
 from martensite.simulate.steady.cycles import find_period
 
 MOST_CYCLES, MOST_RESTS = 300, 9
-"""Periods that are marched, and stretches of time, each twice as long as the one before."""
+"""Maximum number of periods, and of stretches of doubling length."""
 RESTLESS = 4
-"""Stretches after which what moves must have come to less than half of what it was."""
+"""Stretches after which changes must have fallen by half."""
 REST = 200.0
-"""The first of these, in steps with which a run begins."""
+"""Length of the first stretch, in initial steps of a run."""
 LOOKED = 65
-"""Samples of such a run."""
+"""Samples of a stretch."""
 
 
 def find_settled(system: AbstractSystem, waveform: Waveforms, given: Mapping[str, Any], tolerance: float) -> Restart:
-    """Find the start that a table asks for.
+    """Return the start that a table specifies.
 
     Raises:
-        InputError: it is not found, or the drives have no period.
-        SolveError: a search marched to where no run goes.
+        InputError: no start was found, or the drives have no period.
+        SolveError: a search reached an impossible state.
     """
     search = _Search(system, waveform, tolerance)
     return search.find_equilibrium() if given[AT] == EQUILIBRIUM else search.find_cycle(given.get(PERIOD))
@@ -43,14 +43,14 @@ def find_settled(system: AbstractSystem, waveform: Waveforms, given: Mapping[str
 
 @dataclass(frozen=True)
 class _Search:
-    """Marches to where a run shall start."""
+    """Search for the start of a run."""
 
     system: AbstractSystem
     waveform: Waveforms
     tolerance: float
 
     def find_equilibrium(self) -> Restart:
-        """Find the state that is constant under the first values of the drives."""
+        """Return the equilibrium under the first values of the drives."""
         waves = by_name(self.system, self.waveform)
         held = {name: Constant(level=one.value(0.0)) for name, one in waves.items()}
         step = longest_step(self.system)
@@ -75,7 +75,7 @@ class _Search:
         )
 
     def find_cycle(self, period: float | None) -> Restart:
-        """Find the begin of a period [s] that ends in its initial state."""
+        """Return the start of a period [s] that ends in its initial state."""
         waves = by_name(self.system, self.waveform)
         period = self._find_period(waves) if period is None else period
         for name, one in waves.items():
@@ -95,7 +95,7 @@ class _Search:
         )
 
     def _find_period(self, waves: Mapping[str, AbstractWaveform]) -> float:
-        """Return the period of all drives [s]; raise an error with a hint if they have none."""
+        """Return the common period of all drives [s]; raise an error with a hint without one."""
         try:
             return find_period(waves)
         except InputError as error:
@@ -104,14 +104,14 @@ class _Search:
     def _march(
         self, waves: Mapping[str, AbstractWaveform], length: float, start: Restart, judge: Callable[[Result], float]
     ) -> tuple[Restart, float]:
-        """Return the state after a time [s], and the verdict of a judge on the run."""
+        """Return the state after a time [s], and the judgement of the run."""
         result = simulate(
             self.system, waves, length, tolerance=0.5 * self.tolerance, samples=LOOKED, start=start
         ).require()
         return result.restarts[-1].at_time_zero(), judge(result)
 
     def _worst(self, result: Result, measure: Callable[[Any], float], least_only: bool = False) -> float:
-        """Return the largest measure of a judged column, as a fraction of its range, or of the least range."""
+        """Return the largest measure of a judged column, relative to its range or smallest relevant range."""
         found = [0.0]
         for name, least in self.system.convergence_scales().items():
             column = result.columns[name]
@@ -120,7 +120,7 @@ class _Search:
 
 
 def require_periodic(name: str, waveform: AbstractWaveform, period: float) -> None:
-    """Raise `InputError` for a waveform that is another one a period [s] later."""
+    """Raise `InputError` for a waveform that changes after a period [s]."""
     places = [period * (k + 0.37) / LOOKED for k in range(LOOKED)]
     pairs = [(waveform.value(t), waveform.value(t + period)) for t in places]
     size = max(abs(a) for a, _ in pairs)

@@ -1,4 +1,4 @@
-"""The start of a run in a sentence: temperature, load, phases, and the history that the run assumes."""
+"""Description of the start of a run: temperature, load, phases and assumed history."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 HOT = 1500.0
-"""Temperature [K] from which a wire is cooled for comparison: above all transformation temperatures."""
+"""Temperature [K] above all transformation temperatures, for a comparison by cooling."""
 APART = 0.005
-"""Difference of two martensite fractions [-] that is reported."""
+"""Smallest reported difference of two martensite fractions [-]."""
 SHOWN = ("temperature", "stress", "martensite_fraction")
 
 
 def describe_start(begin: Restart, result: Result) -> str:
-    """Return the start of a single run in a sentence; empty if the system has no shape-memory element.
+    """Describe the start of a single run; empty without shape-memory elements.
 
     Args:
-        begin: the state from which it went on; `HOME` if the run found its start by itself.
+        begin: initial state; `HOME` if the run found its start.
         result: the run.
     """
     actuators, names = result.system.actuators(), _name_shown(result.system)
@@ -51,7 +51,7 @@ def describe_start(begin: Restart, result: Result) -> str:
 
 
 def describe_batch_start(result: Result) -> str:
-    """Return the starts of the variants of a batch in a sentence, as ranges; empty without shape-memory elements."""
+    """Describe the starts of a batch as ranges; empty without shape-memory elements."""
     system, variants = result.system, result.variants
     actuators = system.actuators()
     if not actuators or variants is None:
@@ -84,14 +84,14 @@ def _name_history(elements: Sequence[AbstractElement]) -> str:
 
 
 def _list_numbers(element: AbstractElement, name: str) -> list[float]:
-    """Return the values of a parameter wherever an element has it."""
+    """Return all values of a parameter in an element."""
     return [leaf.value for leaf in element.leaves() if leaf.path.rpartition(".")[2] == name]
 
 
 def _cool_elements(
     elements: Sequence[AbstractElement], stresses: Sequence[float], temperatures: Sequence[float]
 ) -> Iterator[float]:
-    """Return martensite fractions after cooling from austenite; of elements with one phase state only."""
+    """Return martensite fractions after cooling from austenite, for elements with one phase state."""
     if not all(getattr(one, "uniform", True) and getattr(one, "wear", None) is None for one in elements):
         return
     for one, stress, temperature in zip(elements, stresses, temperatures, strict=True):
