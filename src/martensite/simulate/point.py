@@ -43,8 +43,9 @@ class PathLeg:
     strain: float | None = None
     """At its end [-]; not together with `stress`."""
     hold: str | None = None
-    """Constant quantity without given stress and strain: `stress` or `strain`. By default, the quantity that the
-    previous leg prescribed; stress at the start.
+    """Constant quantity without given stress and strain: `stress` or `strain`.
+
+    By default, the quantity that the previous leg prescribed, or stress at the start.
     """
     duration: float = 1.0
     """Duration [s], for rate-dependent laws."""

@@ -1,1 +1,1 @@
-"""Steady states, limit cycles and response curves: where a system ends under drives that stay as they are."""
+"""Steady states, limit cycles and response curves of systems under constant or periodic drives."""

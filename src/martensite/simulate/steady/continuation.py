@@ -1,17 +1,15 @@
-r"""Pseudo-arclength continuation: a curve of solutions of F(z) = 0 with one unknown more than equations.
+r"""Pseudo-arclength continuation of solutions of F(z) = 0 with one more unknown than equations.
 
-From a point z on the curve with the unit tangent t, the next one solves
+From a point z on the curve with the unit tangent t, the next point solves
 
-    F(z') = 0,        t · (z' - z) = h
+F(z') = 0,        t · (z' - z) = h
 
-with Newton steps, so that the curve is followed around its folds, where the last unknown, the parameter, turns back.
-Unknowns count in units of `sizes`, which are updated at every point: h is about the relative change of all of them.
-Directions without effect (unused memory of a state) are left out of every step: the shortest of all solutions is
-taken.
+with Newton steps. The curve is thus followed around folds, where the last unknown, the parameter, reverses.
+Unknowns are scaled by `sizes`, updated at every point, so h is about their relative change. Steps use the
+minimum-norm solution, which omits directions without effect, such as unused memory.
 
-A fold is where the parameter stands still along the curve. Where its component of the tangent changes
-sign between two points, the length h at which it is 0 is found between them by Brent's method, each trial
-being a corrected point of the curve.
+At a fold, the parameter component of the tangent changes sign. Brent's method locates its zero over the step length
+h, with a corrected point at each trial.
 
 Source: Keller (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems; Doedel (1981).
 """
@@ -29,24 +27,24 @@ from martensite.kernels.brent import find_root
 from martensite.signals.sampling.sampled import Numbers
 
 ITERATIONS = 12
-"""Newton steps of a correction."""
+"""Maximum Newton steps of a correction."""
 QUICK = 5
-"""Newton steps from which on the next step of the curve is not longer."""
+"""Newton steps above which the next curve step is not longer."""
 SETTLED, GOOD = 1e-11, 1e-6
-"""Length of a Newton step that ends a correction, and below which one may end that no longer gets shorter."""
+"""Lengths of a final Newton step: for convergence, and for acceptance after stagnation."""
 RANK = 1e-10
-"""Fraction of the largest singular value below which a direction counts as one along which nothing changes."""
+"""Fraction of the largest singular value below which a direction has no effect."""
 CORNER = 1e-3
-"""Step below which the curve may turn sharply: a wire that goes taut makes a corner."""
+"""Step length below which sharp corners are accepted, as at a wire that goes taut."""
 SHORTEST = 1e-7
-"""Step of the curve below which it is given up."""
+"""Smallest step of the curve."""
 
 
 class Linearised(NamedTuple):
     """Equations at a point."""
 
     residual: Numbers
-    """(equations,), in units in which 1 is large."""
+    """Scaled residual, (equations,), large at 1."""
     jacobian: Numbers
     """d(residual)/d(unknown), (equations, unknowns)."""
     sizes: Numbers
@@ -54,7 +52,7 @@ class Linearised(NamedTuple):
 
 
 class Equations(Protocol):
-    """Equations to be continued; the last unknown is the parameter."""
+    """Equations for continuation; the last unknown is the parameter."""
 
     def linearise(self, point: Numbers) -> Linearised:
         """Return the residual and its derivatives at a point."""
@@ -63,10 +61,10 @@ class Equations(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class CurvePoint:
-    """A point of a curve."""
+    """Point of a curve."""
 
     unknowns: Numbers
-    """The last one is the parameter."""
+    """Unknowns; the last one is the parameter."""
     tangent: Numbers
     """Tangent of unit length, in units of `sizes`."""
     sizes: Numbers
@@ -85,32 +83,32 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class CurveSteps:
-    """Settings of the steps along a curve."""
+    """Step settings along a curve."""
 
     first: float = 0.05
     longest: float = 0.3
     """Longest step, as a fraction of the sizes of the unknowns."""
     most: int = 600
-    """Points, at most."""
+    """Maximum number of points."""
 
 
 STEADY_STEPS = CurveSteps()
-"""Steps where none are asked for."""
+"""Default step settings."""
 
 
 def correct_point(
     equations: Equations, guess: Numbers, normal: Numbers, sizes: Numbers | None = None
 ) -> tuple[Numbers, Linearised, int]:
-    """Return the solution in the plane through a guess with a normal, and how many Newton steps it took.
+    """Return the solution in the plane through a guess with a normal, and the number of Newton steps.
 
     Args:
-        equations: what is solved.
-        guess: where to begin.
-        normal: of the plane, in units of the sizes.
-        sizes: of the unknowns; by default as the equations say.
+        equations: equations to solve.
+        guess: start of the iteration.
+        normal: normal of the plane, scaled by the sizes.
+        sizes: scales of the unknowns; by default from the equations.
 
     Raises:
-        SolveError: Newton's method finds none.
+        SolveError: Newton's method does not converge.
     """
     point, last = np.array(guess, float), np.inf
     for number in range(1, ITERATIONS + 1):
@@ -132,9 +130,9 @@ def correct_point(
 
 
 def find_tangent(found: Linearised, along: Numbers) -> Numbers:
-    """Return the unit tangent of the curve at a point, the way that `along` goes.
+    """Return the unit tangent of the curve at a point, in the direction of `along`.
 
-    Of all directions in which the residual does not change, that which is nearest to `along`.
+    Of all directions with constant residual, the nearest to `along` is used.
     """
     scaled = found.jacobian * found.sizes
     _, singular, rows = np.linalg.svd(scaled, full_matrices=True)
@@ -149,16 +147,16 @@ def find_tangent(found: Linearised, along: Numbers) -> Numbers:
 
 
 class Curve:
-    """A curve that is followed from a solution, in one direction."""
+    """Curve from a solution in one direction."""
 
     def __init__(self, equations: Equations, steps: CurveSteps = STEADY_STEPS) -> None:
         self.equations, self.steps = equations, steps
 
     def begin(self, guess: Numbers, direction: float) -> CurvePoint:
-        """Return the solution at the parameter of a guess; the curve then goes up or down with it.
+        """Return the solution at the parameter of a guess and set the direction.
 
         Raises:
-            SolveError: there is none nearby.
+            SolveError: no solution is nearby.
         """
         normal = np.zeros(len(guess))
         normal[-1] = np.copysign(1.0, direction)
@@ -166,17 +164,17 @@ class Curve:
         return CurvePoint(point, find_tangent(found, normal), found.sizes)
 
     def step(self, begin: CurvePoint, length: float) -> tuple[CurvePoint, int]:
-        """Return the point a length along the curve, and how many Newton steps it took."""
+        """Return the point at a length along the curve, and the number of Newton steps."""
         guess = begin.unknowns + length * begin.tangent * begin.sizes
         point, found, number = correct_point(self.equations, guess, begin.tangent, begin.sizes)
         along = begin.tangent * begin.sizes / found.sizes
         return CurvePoint(point, find_tangent(found, along), found.sizes), number
 
     def follow(self, begin: CurvePoint, low: float, high: float) -> Iterator[CurvePoint]:
-        """Yield the points from a solution on, folds among them, to the bounds of the parameter.
+        """Yield the points from a solution to the bounds of the parameter, with folds.
 
         Raises:
-            SolveError: the curve cannot be followed any further.
+            SolveError: the curve cannot be followed further.
         """
         here, length = begin, self.steps.first
         yield here
@@ -211,7 +209,7 @@ class Curve:
         )
 
     def _end_at(self, bound: float, here: CurvePoint, there: CurvePoint) -> CurvePoint:
-        """Return the point at which the curve reaches a bound of the parameter, exactly."""
+        """Return the point at which the curve reaches a bound of the parameter."""
         near = self.locate(here, there, lambda one: one.parameter - bound, length_of(here, there))
         guess, normal = near.unknowns.copy(), np.zeros(len(near.unknowns))
         guess[-1], normal[-1] = bound, 1.0
@@ -226,7 +224,7 @@ class Curve:
         length: float,
         fold: bool = False,
     ) -> CurvePoint:
-        """Return the point between two where a function of points is 0."""
+        """Return the point between two points at which a function is 0."""
         known = {0.0: here, length: there}
 
         def value(at: float) -> float:
@@ -241,11 +239,11 @@ class Curve:
 
 
 def length_of(here: CurvePoint, there: CurvePoint) -> float:
-    """Return the length of the step between two points."""
+    """Return the step length between two points."""
     return float(here.tangent @ ((there.unknowns - here.unknowns) / here.sizes))
 
 
 def _agree(here: CurvePoint, there: CurvePoint) -> bool:
-    """Return whether the curve continues in about the same direction."""
+    """Return whether two directions of the curve are similar."""
     along = here.tangent * here.sizes / there.sizes
     return float(along @ there.tangent) > 0.9 * float(np.linalg.norm(along))

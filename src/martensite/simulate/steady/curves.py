@@ -1,4 +1,4 @@
-"""Solution curves of user-defined equations, with their folds, and fold curves in a second parameter."""
+"""Solution curves of user-defined equations with folds, and fold curves in a second parameter."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Residual = Callable[[Numbers], Sequence[float] | Numbers | float]
 Sizes = Sequence[float] | Callable[[Numbers], Sequence[float] | Numbers] | None
 """Scale of each unknown, or a function of the unknowns that returns the scales."""
 LEAST_SIZE = 1e-3
-"""Size of an unknown near 0, where none is given."""
+"""Default size of an unknown near 0."""
 NUDGE = 1e-6
-"""By how much an unknown is moved to difference a residual, in its size: third root of rounding."""
+"""Relative increment of finite differences: third root of rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class SolutionCurve:
     unknowns: Numbers
     """(points, unknowns); the last column is the parameter."""
     fold: Numbers
-    """True where the parameter turns back, (points,)."""
+    """True at folds of the parameter, (points,)."""
 
     @property
     def parameter(self) -> Numbers:
@@ -49,7 +49,7 @@ class SolutionCurve:
 
 
 class DifferencedEquations:
-    """Equations that are a function of the unknowns, whose derivatives are central differences."""
+    """Equations as a function of the unknowns, with derivatives by central differences."""
 
     def __init__(self, residual: Residual, sizes: Sizes) -> None:
         self.residual, self._sizes = residual, sizes
@@ -83,21 +83,20 @@ def trace_curve(
     sizes: Sizes = None,
     how: CurveSteps = STEADY_STEPS,
 ) -> SolutionCurve:
-    """Follow the solutions of equations along their last unknown, around its folds.
+    """Trace solutions of equations along their last unknown, around folds.
 
     Args:
-        residual: what must be 0, a function of the array of unknowns; one equation fewer than unknowns.
-        guess: near a solution; the last one, the parameter, is taken as it is.
+        residual: function of the array of unknowns that must be 0; one equation fewer than unknowns.
+        guess: point near a solution; the last unknown, the parameter, remains fixed.
         low: lower bound of the parameter.
-        high: its upper bound.
-        up: whether the curve begins with the parameter going up.
-        sizes: what counts as a change of each unknown, or a function of them that says so; by default the size of
-            each, or 0.001. Near a sharp resonance that of a frequency is its distance from it: steps that are too
-            long go from one side of the peak to the other.
-        how: lengths of the steps along the curve.
+        high: upper bound of the parameter.
+        up: True to start with an increasing parameter.
+        sizes: scale of each unknown, or a function that returns the scales; by default the value, at least 0.001.
+            Near a sharp resonance, use the distance to it as the scale of a frequency. Longer steps can skip the peak.
+        how: step settings along the curve.
 
     Raises:
-        ParameterError: the parameter does not begin between its bounds.
+        ParameterError: the initial parameter is outside its bounds.
         SolveError: no solution lies near the guess, or the curve cannot be followed.
     """
     start = np.asarray(guess, float)
@@ -117,17 +116,16 @@ def trace_fold_curve(
     sizes: Sizes = None,
     how: CurveSteps = STEADY_STEPS,
 ) -> SolutionCurve:
-    """Follow a fold of equations in a second parameter, both ways to its bounds.
+    """Trace a fold of equations in a second parameter, to both bounds.
 
     Args:
-        residual: what must be 0; the last two unknowns are the parameters, the last one is followed.
-        fold: near a fold; the last one is taken as it is.
+        residual: function that must be 0; the last two unknowns are the parameters, and the last one is followed.
+        fold: point near a fold; the last unknown remains fixed.
         low: lower bound of the second parameter.
-        high: its upper bound.
-        sizes: what counts as a change of each unknown, or a function of them that says so; by default the size of
-            each, or 0.001. Near a sharp resonance that of a frequency is its distance from it: steps that are too
-            long go from one side of the peak to the other.
-        how: lengths of the steps along the curve.
+        high: upper bound of the second parameter.
+        sizes: scale of each unknown, or a function that returns the scales; by default the value, at least 0.001.
+            Near a sharp resonance, use the distance to it as the scale of a frequency. Longer steps can skip the peak.
+        how: step settings along the curve.
 
     Returns:
         All unknowns along the curve; its folds are cusps, at which two folds meet.
@@ -142,7 +140,7 @@ def trace_fold_curve(
 def _follow_folds(
     equations: Equations, guess: Numbers, second: float, low: float, high: float, how: CurveSteps
 ) -> SolutionCurve:
-    """Return the curve of a fold, from the lower bound or where it ends there, to the other end."""
+    """Return the curve of a fold between both of its ends."""
     halves = list[list[CurvePoint]]()
     for direction in (-1.0, 1.0):
         folds = FoldEquations(equations)
@@ -159,15 +157,15 @@ def _follow_folds(
 
 @dataclass(frozen=True, eq=False)
 class FoldCurve:
-    """A fold of a response curve in a second parameter; arrays of shape (points,)."""
+    """Fold of a response curve in a second parameter; arrays of shape (points,)."""
 
     names: tuple[str, str]
-    """Names of the varied parameters: along the response curve, and the second one."""
+    """Names of the parameters: along the response curve, and the second one."""
     units: tuple[str, str]
     first: Numbers
     """First parameter at the fold, in SI."""
     second: Numbers
-    """For which value of the second parameter, in SI."""
+    """Second parameter, in SI."""
     cusp: Numbers
     """Points at which two folds meet."""
 
@@ -175,19 +173,19 @@ class FoldCurve:
 def trace_folds(
     curve: ResponseCurve, place: int, over: str, low: float, high: float, *, how: CurveSteps = STEADY_STEPS
 ) -> FoldCurve:
-    """Follow a fold of a response curve in a second parameter: a boundary in two numbers.
+    """Trace a fold of a response curve in a second parameter, as a boundary in two parameters.
 
     Args:
         curve: a response curve.
-        place: which of its folds, counted from 0.
-        over: what else is varied: a drive, or the path (or unique ending) of a number.
-        low: its lower bound, in SI.
-        high: its upper bound, in SI; what it is now must lie between.
-        how: lengths of the steps along the curve.
+        place: index of the fold, from 0.
+        over: second parameter: a drive, or the path (or unique ending) of a parameter.
+        low: lower bound, in SI.
+        high: upper bound, in SI; the present value must lie between.
+        how: step settings along the curve.
 
     Raises:
         ParameterError: the fold or parameter does not exist, or the bounds do not enclose the present value.
-        SolveError: the fold cannot be followed, or an element that remembers is heated or cooled along it.
+        SolveError: the fold cannot be followed, or an element with memory is heated or cooled along it.
     """
     points = [one for one in curve.points if one.fold]
     if not 0 <= place < len(points):

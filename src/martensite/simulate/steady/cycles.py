@@ -1,12 +1,11 @@
-r"""Limit cycles: motions that repeat themselves, found by shooting instead of waiting.
+r"""Limit cycles, computed by shooting.
 
-Under drives of a period T the state after it is a function P of the state before, and its Jacobian is exact. The cycle
-is P(s) = s: periods that are run bring memory and branch to where they belong, Newton steps do the rest. Floquet
-multipliers, the eigenvalues of the Jacobian, say by what a small change is multiplied in a period.
+For drives of period T, the final state is a function P of the initial state, with an exact Jacobian. The cycle
+satisfies P(s) = s. Simulated periods establish memory and branch, and Newton steps then converge. Floquet
+multipliers, the eigenvalues of the Jacobian, are the growth factors of small changes per period.
 
-Transformations do not forget: a change of what is remembered and not overwritten in a period stays as it is. Such
-directions have the multiplier 1 and are counted as neutral, neither stable nor unstable. A cycle is therefore one of a
-family, that to which the run from the start that was asked for comes.
+Changes of memory that no period overwrites remain. Such directions have the multiplier 1 and count as neutral,
+neither stable nor unstable. A cycle is therefore a member of a family, selected by the initial state.
 """
 
 from __future__ import annotations
@@ -36,33 +35,33 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 LEAD_PERIODS, MOST_PERIODS = 4, 20_000
-"""Periods that are run before the first Newton step, and in all."""
+"""Simulated periods before the first Newton step, and maximum total."""
 ROUNDING = 1e-14
-"""Part of a Newton step that counts as zero, in sizes of the states."""
+"""Newton step that counts as zero, in sizes of the states."""
 QUIET = 1e-9
 """Change of a martensite fraction that counts as zero."""
 LEAST_STEPS = 200
-"""Steps in a period."""
+"""Minimum number of steps in a period."""
 
 
 @dataclass(frozen=True, eq=False)
 class PeriodicOrbit:
-    """A motion that repeats itself."""
+    """Periodic motion."""
 
     system: AbstractSystem
     period: float
     """[s]"""
     times: Numbers
-    """Within the period [s], both ends included."""
+    """Times within the period [s], both ends included."""
     outputs: dict[str, Numbers]
     """At these times, in SI."""
     state: Numbers
-    """All state variables at the begin of the period, flat."""
+    """State variables at the start of the period, flat."""
     stability: Stability
     residual: float
     """Remaining change over a period, as a fraction of the sizes."""
     periods: int
-    """Number of periods marched to find it."""
+    """Number of simulated periods."""
 
     @cached_property
     def judgement(self) -> Judgement:
@@ -72,11 +71,11 @@ class PeriodicOrbit:
 
     @property
     def stable(self) -> bool:
-        """Return whether every change that is not neutral decays."""
+        """Return whether all changes decay, except neutral ones."""
         return self.stability.stable
 
     def amplitude(self, name: str) -> float:
-        """Return the half of the way of an output from its smallest to its largest value."""
+        """Return half the range of an output."""
         return 0.5 * float(np.ptp(self.outputs[name]))
 
 
@@ -91,14 +90,14 @@ def find_cycle(
 
     Args:
         subject: a scenario, or a system.
-        waveform: waveforms of its drives, in place of those of the scenario.
-        step: longest step [s]; by default a 200th of the period, or the longest that the mechanism takes.
-        state: from which the run begins; by default at rest without signals.
+        waveform: waveforms of the drives, instead of those in the scenario.
+        step: longest step [s]; by default a 200th of the period, or the limit of the mechanism.
+        state: initial state; by default equilibrium without signals.
 
     Raises:
-        InputError: the drives have no period, or several.
+        InputError: the drives have no common period.
         CompileError: no C compiler was found.
-        SolveError: the state does not come to repeat itself.
+        SolveError: the state does not become periodic.
     """
     one = Subject.read(subject, waveform)
     period = find_period(one.waveforms)
@@ -113,12 +112,11 @@ def find_cycle(
 
 
 class Shooting:
-    """The way from a state to one that repeats itself.
+    """Search for a periodic state by simulated periods and Newton steps.
 
-    A Newton step leaps over what a run would go through. Where laws remember, a leap over the begin of a transformation
-    would leave it out: so there are leaps only while no fraction changes from period to period, none is longer than
-    what counts as a change of temperature or stress, and one after which a fraction changes is taken back. While
-    transformations go on the periods are run.
+    Newton steps could skip the start of a transformation. They are therefore used only while all fractions are
+    constant from period to period. Their length is limited to small changes of temperature and stress, and a step
+    that changes a fraction is reverted. Periods are simulated while transformations continue.
     """
 
     def __init__(self, motion: PeriodicMotion | Any, begin: Numbers, most: int = MOST_PERIODS) -> None:
@@ -131,10 +129,10 @@ class Shooting:
         self.leaps = {system.label(port, name): JUDGED[name] for port in ports for name in ("temperature", "stress")}
 
     def run(self) -> None:
-        """March and leap until the state repeats itself.
+        """Iterate until the state is periodic.
 
         Raises:
-            SolveError: it does not.
+            SolveError: the iteration does not converge.
         """
         self._march(LEAD_PERIODS)
         wait = 1
@@ -156,7 +154,7 @@ class Shooting:
         self.count += periods
 
     def _leap(self) -> bool:
-        """Return a Newton step, or a part of it; whether it is taken."""
+        """Apply a full or limited Newton step; return whether it is accepted."""
         motion, state = self.motion, self.state
         end = motion.march(state)[0][-1]
         before = self._see(state)
@@ -188,10 +186,10 @@ class Shooting:
 
 
 def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
-    """Return the period that all drives have in common [s].
+    """Return the common period of all drives [s].
 
     Raises:
-        InputError: one has none, or they differ.
+        InputError: a drive has no period, or periods differ.
     """
     periods = dict[str, float]()
     for name, one in waveforms.items():
@@ -223,10 +221,10 @@ def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
 def build_period(
     system: AbstractSystem, waveforms: Mapping[str, AbstractWaveform], period: float, step: float | None
 ) -> PeriodGrid:
-    """Return the steps of a period, the second one: a waveform may begin otherwise than it goes on.
+    """Return the steps of the second period, since the first can differ.
 
     Raises:
-        InputError: a waveform does not repeat itself in the period.
+        InputError: a waveform does not repeat in the period.
     """
     longest = step or min(period / LEAST_STEPS, longest_step(system))
     rows = list[Numbers]()

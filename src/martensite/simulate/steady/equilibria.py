@@ -1,16 +1,16 @@
-r"""Equilibria: where a system rests under drives that are held, and what becomes of a small change there.
+r"""Equilibria under constant drives, and their stability.
 
-With hysteresis one signal has many states of rest, and what was before decides which is met. Three ways there:
+With hysteresis, the equilibrium depends on history. Three starts are available:
 
-    cold       at rest without signals (at ambient temperature), then the signals are switched on
-    hot        at rest under the highest signals, then they go down to those that are held
-    a state    of an equilibrium that was found before, from which the signals change to these
+cold       equilibrium without signals (at ambient temperature), before the signals are applied
+hot        equilibrium under the highest signals, before they decrease to the given signals
+a state    previous equilibrium, from which the signals change
 
-The system is marched until nothing that is judged changes any more; so an unstable equilibrium is never met, and a
-dynamic mechanism that swings over its place of rest takes its elements with it, as it would.
+The system is simulated until all judged outputs are constant. Unstable equilibria are therefore not found, and
+oscillations of a dynamic mechanism affect its elements.
 
-Stability is read off the exact Jacobian of a step there: a change grows or dies out by its eigenvalues μ, at the rates
-ln μ/Δt. At the edge of a transformation the slope is that of the side from which the state was reached.
+Stability follows from the exact Jacobian of a step. Its eigenvalues μ give the growth rates ln μ/Δt. At the limit
+of a transformation, the derivative is one-sided, from the direction of approach.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ STARTS = ("cold", "hot")
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
-    """A system at rest under held drives."""
+    """Steady state under constant drives."""
 
     system: AbstractSystem
     signals: dict[str, float]
     """Signals of all drives, in SI."""
     start: str
-    """`cold`, `hot` or `state`: where it came from."""
+    """Start of the search: `cold`, `hot` or `state`."""
     outputs: dict[str, float]
     """In SI."""
     state: Numbers
@@ -57,7 +57,7 @@ class SteadyState:
     step: float
     """Length of the step [s]."""
     before: dict[str, float]
-    """Outputs of the state that it came from, in SI."""
+    """Outputs of the initial state, in SI."""
 
     @cached_property
     def judgement(self) -> Judgement:
@@ -66,12 +66,12 @@ class SteadyState:
 
     @property
     def stable(self) -> bool:
-        """Return whether every change that is not neutral decays."""
+        """Return whether all changes decay, except neutral ones."""
         return self.stability.stable
 
     @property
     def time_constant(self) -> float:
-        """Return the longest time constant of decay [s]: 0 if all are below a step, infinite if a change grows."""
+        """Return the longest time constant of decay [s]: 0 if below a step, infinite for growth."""
         largest = self.stability.largest
         if largest >= 1.0:
             return np.inf
@@ -89,14 +89,14 @@ def find_steady_state(
 
     Args:
         subject: a scenario, or a system.
-        drive: level of the first drive, or levels by name, in SI; those that are constant in the scenario need none.
-        start: `cold`, `hot`, or an equilibrium from which the drives change to these.
-        high: under which it rested before, for `hot`; by default the highest levels of the scenario.
+        drive: level of the first drive, or levels by name, in SI; optional for constant drives of the scenario.
+        start: `cold`, `hot`, or an equilibrium from which the drives change.
+        high: previous drive levels for `hot`; by default the highest levels of the scenario.
 
     Raises:
         InputError: a drive is unknown or not given, or `high` is missing.
         CompileError: no C compiler was found.
-        SolveError: the system does not come to rest: it vibrates or turns.
+        SolveError: the system vibrates or rotates instead of settling.
     """
     one = Subject.read(subject)
     signals = one.hold(drive)
@@ -110,7 +110,7 @@ def find_steady_state(
 
 
 def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapping[str, float] | float:
-    """Return the drives under which it rested before."""
+    """Return the drives of the previous steady state."""
     if high is not None:
         return high
     if one.scenario is None or not np.isfinite(one.scenario.duration):
@@ -119,10 +119,10 @@ def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapp
 
 
 def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers | None = None) -> Numbers:
-    """Let a system rest under some signals, one after the other; from rest without signals if none is given.
+    """Hold several signals in sequence until each settles, by default from equilibrium.
 
     Raises:
-        SolveError: it does not come to rest.
+        SolveError: the system does not settle.
     """
     lanes = Lanes(system, 1)
     lanes.reset(rest_signals(system)[:, None])
@@ -137,7 +137,7 @@ def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers 
 
 
 def rest_signals(system: AbstractSystem) -> Numbers:
-    """No signals; the ambient temperature for a drive that prescribes one."""
+    """Return zero signals; ambient temperature for a drive that prescribes a temperature."""
     ambient = {system.drive_at(port): one.environment.temperature for port, one in system.actuators().items()}
     return index_drives(system, {one.name: ambient[one.name] for one in system.drives() if one.unit == "K"})
 
@@ -145,7 +145,7 @@ def rest_signals(system: AbstractSystem) -> Numbers:
 def _judge_rest(
     system: AbstractSystem, state: Numbers, signals: Numbers, start: str, before: dict[str, float] | None = None
 ) -> SteadyState:
-    """Return an equilibrium with its outputs, stability and the outputs before, by default without drives."""
+    """Return an equilibrium with outputs, stability and previous outputs, by default without drives."""
     stretch, dt = Stretch(system), longest_step(system)
     row, _ = stretch.hold(signals)
     given, n = np.append(row, dt)[None], stretch.size

@@ -1,12 +1,12 @@
-r"""Folds in two parameters: the curve along which a curve of solutions turns back.
+r"""Folds of solution curves in two parameters.
 
-At a fold the Jacobian F_x of the unknowns without the parameters has a singular value σ = w^T F_x v that goes through
-0, with w and v of unit length. Its derivatives need one second derivative of the model only,
+At a fold the Jacobian F_x of the unknowns without the parameters has a singular value σ = w^T F_x v that passes 0,
+with unit vectors w and v. Its derivatives need a single second derivative of the model,
 
-    ∂σ/∂z_j = w^T (∂F_x/∂z_j) v,
+∂σ/∂z_j = w^T (∂F_x/∂z_j) v,
 
-which for all j together is the change of the Jacobian along v, and is differenced. (F, σ) = 0 is a curve in the
-unknowns and both parameters, and is followed like any other; a cusp, at which two folds meet, is a fold of it.
+which is the change of the Jacobian along v, computed by differences. The equations (F, σ) = 0 define a curve in the
+unknowns and both parameters. A fold of this curve is a cusp, at which two folds meet.
 
 Source: Govaerts (2000), Numerical methods for bifurcations of dynamical equilibria, chapter 4.
 """
@@ -19,18 +19,18 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.steady.continuation import Equations, Linearised, correct_point
 
 NUDGE = 1e-4
-"""By how much a point is moved along v to difference the Jacobian, in sizes."""
+"""Increment along v for differences of the Jacobian, in sizes."""
 
 
 class FoldEquations:
-    """Folds of equations whose last two unknowns are the parameters; the last one is followed."""
+    """Fold equations with two parameters as last unknowns; the last one is followed."""
 
     def __init__(self, equations: Equations) -> None:
         self.equations = equations
         self._pair: tuple[Numbers, Numbers] | None = None
 
     def linearise(self, point: Numbers) -> Linearised:
-        """F and σ with their derivatives."""
+        """Return F and σ with their derivatives."""
         found = self.equations.linearise(point)
         matrix = (found.jacobian * found.sizes)[:, :-2]
         right, left = self._pair = self._find_pair(matrix)
@@ -41,7 +41,7 @@ class FoldEquations:
         return Linearised(residual, np.vstack([found.jacobian, change]), found.sizes)
 
     def _find_pair(self, matrix: Numbers) -> tuple[Numbers, Numbers]:
-        """v and w of the singular value that is nearest to that of before, or else of the smallest."""
+        """Return v and w of the singular value nearest to the previous one, or of the smallest."""
         columns, singular, rows = np.linalg.svd(matrix)
         count = len(singular)
         if self._pair is None:
@@ -58,7 +58,7 @@ def find_fold(equations: FoldEquations, guess: Numbers, second: float) -> Number
     """Return the fold near a point of a curve, at a value of the second parameter.
 
     Raises:
-        SolveError: there is none nearby.
+        SolveError: no fold is nearby.
     """
     normal = np.zeros(len(guess) + 1)
     normal[-1] = 1.0

@@ -1,10 +1,10 @@
-r"""Temperature and film coefficient of an element that takes a constant power.
+r"""Steady temperature and film coefficient of an element under constant power.
 
-At rest the power P leaves as heat: with the film coefficient h(T) and the lateral surface S,
+In the steady state, the power P equals the heat loss. With the film coefficient h(T) and the lateral surface S,
 
-    P = h(T) S (T - T_a) + what the ends take
+P = h(T) S (T - T_a) + loss at the ends
 
-The right-hand side rises with T, so there is one temperature for each power.
+The right-hand side rises with T, so each power has one temperature.
 """
 
 from __future__ import annotations
@@ -92,10 +92,10 @@ def find_film_coefficient(
 
 @dataclass(frozen=True)
 class _HeatedPart:
-    """Part that loses heat, and its environment."""
+    """Part with heat loss, and its environment."""
 
     element: Any
-    """None for a bare cylinder."""
+    """Element; None for a bare cylinder."""
     shape: Cylinder
     environment: Environment
 
@@ -115,7 +115,7 @@ class _HeatedPart:
         return float(self.environment.cooling.film(floats, temperature, ambient, self.shape))
 
     def heat_loss(self, temperature: float) -> float:
-        """Return the heat flow to the ambient [W]."""
+        """Return the heat flow to ambient [W]."""
         if self.element is not None:
             return float(self.element.heat_loss(floats, temperature, self.environment))
         surface = math.pi * self.shape.diameter * self.shape.length
@@ -123,7 +123,7 @@ class _HeatedPart:
 
 
 def _find_actuator(subject: Scenario | AbstractSystem | Actuator, port: str | None) -> Actuator:
-    """Return the element in its ambient."""
+    """Return the element in its environment."""
     if not isinstance(subject, Actuator):
         system = subject if isinstance(subject, AbstractSystem) else subject.system
         known = system.actuators()

@@ -1,18 +1,16 @@
-r"""A period of a system as equations: after it, everything is as before.
+r"""Equations of a periodic motion.
 
-    P(s; T, λ) - s - 2π e_φ = 0,        φ = φ₀
+P(s; T, λ) - s - 2π e_φ = 0,        φ = φ₀
 
-Unknown are the state s, for a rotor under held drives also the time T of its turn, and the parameters λ. P marches
-through the steps of a period. Under drives of a known period T is given, and there is neither a rotor's angle φ nor
-its 2π.
+The unknowns are the state s, the parameters λ and, for a rotor under constant drives, the time T of a turn. P
+integrates over the steps of a period. Periodic drives prescribe T, without a rotor angle φ and its 2π.
 
-What only counts up and acts on nothing (a charge) has a column of the unit matrix in P's Jacobian, and what is
-remembered and does not change has a row of it: for neither is there an equation, and it stays where it is. Such
-directions are neutral, not unstable: rate-independent hysteresis has a whole family of periodic states side by side,
-and which of them is met was decided by what happened before.
+Pure counters (a charge) have a unit column in the Jacobian of P, and constant memory has a unit row. These states
+have no equation and remain constant. Such directions are neutral, not unstable. Rate-independent hysteresis has a
+family of periodic states, and history selects a member.
 
-An averaged rotation, the classical theory of the Sommerfeld effect, leaves out that the speed swings within the turn;
-here nothing is left out but what the steps leave out.
+The classical averaged theory of the Sommerfeld effect neglects the speed variation within a turn; these equations
+include it.
 """
 
 from __future__ import annotations
@@ -35,61 +33,61 @@ INERT = 1e-13
 NEUTRAL = 1e-6
 """Largest distance of a neutral Floquet multiplier from the unit circle."""
 LEAST_SIZE = 0.02
-"""Size of a parameter near 0, as a fraction of how far it is varied."""
+"""Size of a parameter near 0, as a fraction of its range."""
 
 
 @dataclass(frozen=True)
 class VariedNumber:
-    """A drive or a number of the system that moves along a curve."""
+    """Drive or system parameter that varies along a curve."""
 
     name: str
     unit: str
     """SI unit."""
     path: str | None = None
-    """Full path in the system; None for a drive that is held."""
+    """Full path in the system; None for a drive."""
     drive: int = -1
-    """Place of the drive among the drives."""
+    """Index of the drive."""
     span: float = 1.0
     """Range of the variation."""
 
 
 @dataclass(frozen=True, eq=False)
 class PeriodGrid:
-    """Inputs from the drives in the steps of a period."""
+    """Drive inputs in the steps of a period."""
 
     given: Numbers
-    """Inputs from the drives, and the length of the step, (steps, inputs)."""
+    """Drive inputs and step lengths, (steps, inputs)."""
     times: Numbers
-    """Times at the begin of every step and the end of the last [s]."""
+    """Start of every step and end of the last [s]."""
     signals: Numbers
-    """At these times, (steps + 1, drives)."""
+    """Signals at these times, (steps + 1, drives)."""
 
 
 @dataclass(frozen=True)
 class Stability:
-    """Growth of a small change of a periodic motion, from period to period."""
+    """Growth of small changes of a periodic motion per period."""
 
     multipliers: Numbers
-    """Floquet multipliers: factors of changes in a period, without the neutral directions."""
+    """Floquet multipliers: growth factors per period, without neutral directions."""
     neutral: int
-    """Number of directions in which a change stays constant, such as counters and unused memory."""
+    """Number of directions with constant changes, such as counters and unused memory."""
 
     @property
     def largest(self) -> float:
-        """Return the largest size of a multiplier; 0 if there is none."""
+        """Return the largest absolute multiplier; 0 without multipliers."""
         return float(np.abs(self.multipliers).max(initial=0.0))
 
     @property
     def stable(self) -> bool:
-        """Return whether every change that is not neutral decays."""
+        """Return whether all changes decay, except neutral ones."""
         return self.largest < 1.0
 
 
 class PeriodicMotion:
-    """Equations of a period; the last unknown is the parameter that is followed."""
+    """Equations of a period; the last unknown is the continuation parameter."""
 
     settled = 1e-9
-    """Change over a period at which a state repeats itself."""
+    """Change over a period below which a state is periodic."""
 
     def __init__(
         self,
@@ -101,15 +99,15 @@ class PeriodicMotion:
         steps: int = 0,
         grid: PeriodGrid | None = None,
     ) -> None:
-        """Take a system, its held signals and what is varied; a rotor and its steps, or the grid of a known period.
+        """Store the system with its signals and parameters, and a rotor or a known period.
 
         Args:
-            system: whose motion it is.
-            signals: of all drives, held; unused with a grid.
-            varied: what the parameters are.
-            rotor: place of its angle in the state.
-            steps: in a turn.
-            grid: of a period that is known.
+            system: system of the motion.
+            signals: constant signals of all drives; unused with a grid.
+            varied: varied parameters.
+            rotor: index of the rotor angle in the state.
+            steps: number of steps per turn.
+            grid: inputs of a known period.
         """
         self.varied, self.rotor, self.steps, self.grid = tuple(varied), rotor, steps, grid
         self.signals = np.array(signals, float)
@@ -130,7 +128,7 @@ class PeriodicMotion:
         return float(point[self.size]) if self.grid is None else float(self.grid.times[-1])
 
     def read_signals(self, point: Numbers) -> Numbers:
-        """Return all drives under the parameters of a point."""
+        """Return all drives at the parameters of a point."""
         signals = self.signals.copy()
         for one, value in zip(self.varied, point[self.size + self.times :], strict=True):
             if one.path is None:
@@ -138,7 +136,7 @@ class PeriodicMotion:
         return signals
 
     def march(self, point: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the states of a period, and the Jacobian of the last one by all unknowns."""
+        """Return the states of a period, and the Jacobian of the last state by all unknowns."""
         if self._known is None or not np.array_equal(self._known[0], point):
             self._known = (np.array(point), *self._march(point))
         return self._known[1], self._known[2]
@@ -163,11 +161,11 @@ class PeriodicMotion:
         return self.stretch.march(state, given, np.zeros((self.size, 0)), dgiven, none).states[-1]
 
     def measure_change(self, state: Numbers) -> float:
-        """Return the largest change of the state over a period, in sizes of what it does in it."""
+        """Return the largest change of the state over a period, relative to its range."""
         return float(np.abs(self.linearise(state).residual).max(initial=0.0))
 
     def signals_at_begin(self) -> Numbers:
-        """Return all drives at the begin of the period."""
+        """Return all drives at the start of the period."""
         return self.signals if self.grid is None else self.grid.signals[0]
 
     def _feed(self, point: Numbers) -> tuple[Numbers, Numbers]:
@@ -184,7 +182,7 @@ class PeriodicMotion:
         return np.tile(given, (self.steps, 1)), np.broadcast_to(change, (self.steps, *change.shape))
 
     def linearise(self, point: Numbers) -> Linearised:
-        """Return the residual of the period in sizes of the states, and its derivatives."""
+        """Return the scaled residual of the period and its derivatives."""
         n = self.size
         states, slopes = self.march(point)
         residual, jacobian = states[-1] - states[0], slopes - np.eye(n, len(point))
@@ -214,8 +212,8 @@ class PeriodicMotion:
     def judge(self, point: Numbers) -> Stability:
         """Return the Floquet multipliers at a solution.
 
-        For a rotor they are those of the map from one passage of its angle to the next, of which a shift in time is no
-        part: a turn that ends late by its state, dT = -(dφ of the state)/(dφ of the time), is ended earlier.
+        For a rotor they belong to the map between passages of its angle. The end time is corrected by dT = -(dφ of
+        the state)/(dφ of the time).
         """
         n, k = self.size, self.rotor
         _, slopes = self.march(point)
@@ -236,13 +234,13 @@ class PeriodicMotion:
 
 
 def find_inert(matrix: Numbers) -> Numbers:
-    """Which states only count up or only remember: their column or row is that of the unit matrix."""
+    """Return the states that only count or only store: columns or rows of the unit matrix."""
     aside = np.abs(matrix - np.eye(len(matrix))) <= INERT * max(np.abs(matrix).max(), 1.0)
     return aside.all(axis=0) | aside.all(axis=1)
 
 
 def judge_stability(matrix: Numbers) -> Stability:
-    """Return the multipliers of d(state after)/d(state before), the neutral ones apart."""
+    """Return the multipliers of d(state after)/d(state before), with neutral ones separate."""
     inert = find_inert(matrix)
     found = np.linalg.eigvals(matrix[np.ix_(~inert, ~inert)])
     still = np.abs(found - 1.0) <= NEUTRAL
@@ -250,5 +248,5 @@ def judge_stability(matrix: Numbers) -> Stability:
 
 
 def index_drives(system: AbstractSystem, levels: Mapping[str, float]) -> Numbers:
-    """Return the signals of all drives in their order; what is not named gets 0."""
+    """Return the signals of all drives in order; 0 for drives without a level."""
     return np.array([float(levels.get(one.name, 0.0)) for one in system.drives()])

@@ -1,4 +1,4 @@
-"""Choose outputs and units in which steady states and response curves are read easily."""
+"""Readable outputs and units of steady states and response curves."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def convert_speed(speed: Any, unit: str) -> Any:
 
 
 def choose_output(found: ResponseCurve) -> str:
-    """Return the output whose amplitude is shown: the first that swings and that is judged."""
+    """Return the first oscillating judged output, for a display of its amplitude."""
     judged = found.motion.stretch.system.convergence_scales()
     swings = [name for name in judged if name in found.amplitude and "speed" not in name and found.units[name] != "K"]
     return swings[0] if swings else next(iter(found.amplitude))
 
 
 def list_readable(values: Numbers, unit: str) -> tuple[Numbers, str]:
-    """Return the numbers in a unit that is read easily, and that unit."""
+    """Return the values in a readable unit, and the unit."""
     shown = units.choose_readable_unit(unit)
     return np.array([units.from_si(float(v), shown, unit) for v in values]), shown

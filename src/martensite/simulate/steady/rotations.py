@@ -1,8 +1,8 @@
-r"""Steady rotations of a machine, and how they change with a drive or a number: curves with folds.
+r"""Steady rotations of a machine as curves with folds over a drive or parameter.
 
-A machine whose rotor turns under held drives is followed along a parameter by continuation, through states that no run
-reaches because they are unstable. Of every point the Floquet multipliers are known. Where a stable curve turns back a
-run jumps; that is the Sommerfeld effect.
+Continuation follows a machine with a rotor under constant drives, including unstable states that no simulation
+reaches. Every point has its Floquet multipliers. At a fold of a stable curve a simulation jumps, which is the
+Sommerfeld effect.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 STEPS = 512
-"""In a turn: they leave out a few parts in 10⁵ near a resonance."""
+"""Steps per turn; the error near a resonance is a few parts in 10⁵."""
 FINER = 8.0
-"""By how much shorter steps of a run are than the longest that a mechanism takes, so that it keeps its resonance."""
+"""Refinement of the longest step of a mechanism, to preserve its resonance."""
 CHUNK, CHUNKS = 4000, 100
-"""Steps after which a run is looked at, and how often."""
+"""Steps per chunk, and maximum number of chunks."""
 STEADY = 1e-3
-"""Change of the speed of the rotor between two looks, as a share, from which the equations are solved."""
+"""Relative change of the rotor speed per chunk below which the equations are solved."""
 WARMED = 0.05
-"""Change of a temperature in the same time [K]."""
+"""Accepted change of a temperature per chunk [K]."""
 Tell = Callable[[str, float], None]
 
 
@@ -55,9 +55,9 @@ class ResponseCurve:
     mean: dict[str, Numbers]
     """Means of all outputs over a turn, in SI."""
     amplitude: dict[str, Numbers]
-    """Half of the way from its smallest to its largest value in a turn."""
+    """Half the range in a turn."""
     multiplier: Numbers
-    """Size of the largest Floquet multiplier."""
+    """Absolute value of the largest Floquet multiplier."""
     neutral: Numbers
     """Number of neutral directions."""
     fold: Numbers
@@ -71,12 +71,12 @@ class ResponseCurve:
 
     @property
     def stable(self) -> Numbers:
-        """Return where every change that is not neutral decays; a fold ends a stable piece."""
+        """Return where all changes decay, except neutral ones; a fold ends a stable section."""
         return (self.multiplier < 1.0) & ~self.fold
 
     @property
     def folds(self) -> Numbers:
-        """Return the parameter at the folds, in the order of the curve."""
+        """Return the parameter at the folds, in curve order."""
         return self.parameter[self.fold]
 
 
@@ -92,27 +92,27 @@ def trace_response(
     how: CurveSteps = STEADY_STEPS,
     tell: Tell | None = None,
 ) -> ResponseCurve:
-    """Follow the steady rotation of a machine along a drive or a number, around its folds.
+    """Trace the steady rotation of a machine along a drive or parameter, around folds.
 
-    A curve is connected to where it begins; another one of the same machine, which is not, is not found.
+    Only the branch connected to the start is found.
 
     Args:
-        subject: a scenario, or a system, one of whose coordinates turns.
-        over: what is varied: the name of a drive, or the path (or unique ending) of a number.
-        low: its lower bound, in SI.
-        high: its upper bound, in SI.
-        drive: levels of drives that are held, by name; those that are constant in the scenario need none.
-        start: `low` or `high`: the bound at which a run from rest says where to begin.
-        steps: in a turn.
-        how: lengths of the steps along the curve.
-        tell: called now and then with what is done and which share of the range.
+        subject: a scenario, or a system, with a rotating coordinate.
+        over: drive name, or the path (or unique ending) of a parameter.
+        low: lower bound, in SI.
+        high: upper bound, in SI.
+        drive: constant levels of other drives, by name; optional for constant drives of the scenario.
+        start: `low` or `high`: bound of the initial simulation.
+        steps: number of steps per turn.
+        how: step settings along the curve.
+        tell: progress callback with the activity and the completed fraction of the range.
 
     Raises:
-        InputError: nothing turns, a name is unknown, or a drive is not given.
-        ParameterError: bounds that do not rise.
+        InputError: nothing rotates, a name is unknown, or a drive is not given.
+        ParameterError: the bounds are not ascending.
         CompileError: no C compiler was found.
-        SolveError: no steady rotation is found where the curve begins, it cannot be followed, or an element that
-            remembers is heated or cooled along it.
+        SolveError: no steady rotation is found at the start, the curve cannot be followed, or an element with
+            memory is heated or cooled along it.
     """
     if not low < high:
         raise ParameterError(f"The bounds of `{over}` must rise, but are {low:g} and {high:g}.")
@@ -145,25 +145,25 @@ def continue_response(
     how: CurveSteps = STEADY_STEPS,
     tell: Tell | None = None,
 ) -> ResponseCurve:
-    """Follow another number from a point of a response curve, which holds what it was a curve of.
+    """Trace another parameter from a point of a response curve, at its constant first parameter.
 
-    So a state that no run from rest comes to, or an unstable one, is followed along a damping or an unbalance.
+    Use it to follow isolated or unstable states along a damping or an unbalance.
 
     Args:
         curve: a response curve.
-        place: which of its points, counted from 0.
-        over: what is varied now: the name of a drive, or the path (or unique ending) of a number.
-        low: its lower bound, in SI.
-        high: its upper bound, in SI; what it is now must lie between.
-        how: lengths of the steps along the curve.
-        tell: called now and then with what is done and which share of the range.
+        place: index of the point, from 0.
+        over: drive name, or the path (or unique ending) of a parameter.
+        low: lower bound, in SI.
+        high: upper bound, in SI; the present value must lie between.
+        how: step settings along the curve.
+        tell: progress callback with the activity and the completed fraction of the range.
 
     Returns:
-        The curve from where it meets a bound, through the point, to where it meets one on the other side.
+        The curve between two bounds through the point.
 
     Raises:
         ParameterError: the point or parameter does not exist, or the bounds do not enclose the present value.
-        SolveError: the curve cannot be followed, or an element that remembers is heated or cooled along it.
+        SolveError: the curve cannot be followed, or an element with memory is heated or cooled along it.
     """
     if not 0 <= place < len(curve.points):
         raise ParameterError(f"The curve has {len(curve.points)} points, but no fold {place}.")
@@ -190,10 +190,10 @@ def continue_response(
 def begin_rotation(
     one: Subject, varied: VariedNumber, value: float, signals: Numbers, steps: int
 ) -> tuple[PeriodicMotion, Numbers]:
-    """Return the equations of a turn, and where a run from rest comes to at a value: state, time of a turn, value.
+    """Return the equations of a turn, and a simulated solution: state, time of a turn, value.
 
     Raises:
-        InputError: nothing turns.
+        InputError: nothing rotates.
         SolveError: the speed does not become steady.
     """
     system, held = one.at(varied, value, signals)
@@ -205,7 +205,7 @@ def begin_rotation(
 
 
 def find_angles(system: AbstractSystem) -> list[int]:
-    """Return the places in the state of coordinates that are angles."""
+    """Return the indices of angles in the state."""
     mechanism = system.mechanism
     if not isinstance(mechanism, AbstractMultibody) or not mechanism.moves:
         return []
@@ -216,10 +216,10 @@ def find_angles(system: AbstractSystem) -> list[int]:
 
 
 def spin_up(system: AbstractSystem, signals: Numbers) -> tuple[Numbers, int, float]:
-    """Return the state, place of the angle and mean speed [rad/s] of what turns steadily under held signals, from rest.
+    """Return the state, angle index and mean speed [rad/s] of a steady rotation from equilibrium.
 
     Raises:
-        InputError: no coordinate turns.
+        InputError: no coordinate rotates.
         SolveError: the speed does not become steady.
     """
     angles = find_angles(system)
@@ -280,9 +280,9 @@ def _describe_curve(
 
 
 def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> None:
-    """Raise `SolveError` if elements whose laws remember are heated or cooled along a curve.
+    """Raise `SolveError` if elements with memory are heated or cooled along a curve.
 
-    From point to point a curve leaps; what would transform on the way would be left out.
+    The curve would skip transformations between its points.
     """
     system = motion.stretch.system
     if not motion.stretch.compiled.points:
@@ -299,7 +299,7 @@ def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> No
 
 @dataclass(frozen=True, eq=False)
 class ResponseSweep:
-    """Result of a run whose parameter goes in held steps; arrays of shape (levels,)."""
+    """Result of a run with stepwise constant parameter; arrays of shape (levels,)."""
 
     parameter: Numbers
     speed: Numbers
@@ -308,7 +308,7 @@ class ResponseSweep:
     """Amplitude of every output: half of its range."""
 
     def cut(self, begin: int, end: int) -> ResponseSweep:
-        """Return some of the levels."""
+        """Return selected levels."""
         amplitude = {name: column[begin:end] for name, column in self.amplitude.items()}
         return ResponseSweep(self.parameter[begin:end], self.speed[begin:end], amplitude)
 
@@ -321,13 +321,13 @@ def sweep_response(
     *,
     drive: Mapping[str, float] | None = None,
 ) -> ResponseSweep:
-    """Run a machine from rest through levels of a drive, each held, and say what it does at the end of each.
+    """Simulate a machine through held levels of a drive, and return the state at the end of each.
 
     Args:
-        subject: a scenario, or a system, one of whose coordinates turns.
-        over: name of the drive that is varied.
-        levels: one after the other, in SI.
-        hold: how long each is held [s]; slow machines need long.
+        subject: a scenario, or a system, with a rotating coordinate.
+        over: name of the varied drive.
+        levels: levels in sequence, in SI.
+        hold: time per level [s]; slow machines need long.
         drive: levels of the other drives, by name.
 
     Raises:

@@ -1,8 +1,7 @@
-"""A stretch of steps of a system as a function of the state at its begin, with its exact derivatives.
+"""Several steps of a system as a function of the initial state, with exact derivatives.
 
-The kernels of a march are printed in C with slopes (`martensite.kernels.slopes`): of the state, of all that the
-drives bring, of the length of every step, and of the parameters that are asked for. So one march gives the state
-after a period and its whole Jacobian.
+The traced kernels are generated in C with derivatives (`martensite.kernels.slopes`) by state, drive inputs, step
+lengths and selected parameters. One simulation returns the final state and its Jacobian.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from martensite.simulate.march import classify_step
 
 
 class StretchEnd(NamedTuple):
-    """Result of a stretch."""
+    """Result of several steps."""
 
     states: Numbers
     """States before every step and after the last, (steps + 1, states)."""
@@ -38,10 +37,10 @@ class StretchEnd(NamedTuple):
 
 
 class Stretch:
-    """Steps of one system, whose numbers and which of them move are given."""
+    """Steps of one system with selected varied parameters."""
 
     def __init__(self, system: AbstractSystem, moving: Sequence[str] = ()) -> None:
-        """Take a system and the full paths of parameters by which derivatives are wanted.
+        """Compile a system with derivatives by the given full parameter paths.
 
         Raises:
             CompileError: no C compiler was found.
@@ -58,11 +57,11 @@ class Stretch:
 
     @property
     def inputs(self) -> int:
-        """Return the number of inputs of a step behind the state: inputs from drives, and the length of the step."""
+        """Return the number of step inputs after the state: drive inputs and step length."""
         return self.compiled.inputs + 1
 
     def rest(self, signals: Sequence[float]) -> Numbers:
-        """Return the state at rest under first signals."""
+        """Return the equilibrium under initial signals."""
         return np.array(self._functions["init"](*signals))
 
     @cached_property
@@ -70,24 +69,24 @@ class Stretch:
         return self.compiled.program.bind_floats(*self.values)
 
     def place(self, pick: Any) -> list[int]:
-        """Return the places in the flat state of the numbers that `pick` takes from the nested state."""
+        """Return the indices in the flat state of the values that `pick` selects."""
         drives = [0.0] * self.compiled.drives
         shape = NestedShape(self.system.init(floats, *drives))
         return [int(i) for i in pick(shape.rebuild([float(i) for i in range(self.size)]))]
 
     def set_moving(self, values: Sequence[float]) -> None:
-        """Other values of the parameters that move."""
+        """Set the varied parameters."""
         self.values[list(self.moving)] = values
 
     def march(self, state: Numbers, given: Numbers, seeds: Numbers, dgiven: Numbers, moves: Numbers) -> StretchEnd:
-        """Go through steps.
+        """Compute the final state and its derivatives.
 
         Args:
-            state: at the begin, (states,).
-            given: what the drives bring and the length of every step, (steps, inputs).
+            state: initial state, (states,).
+            given: drive inputs and step lengths, (steps, inputs).
             seeds: derivatives of `state`, (states, directions).
             dgiven: derivatives of `given`, (steps, inputs, directions).
-            moves: derivatives of the parameters that move, (parameters, directions).
+            moves: derivatives of the varied parameters, (parameters, directions).
 
         Raises:
             SolveError: a step failed.
@@ -110,7 +109,7 @@ class Stretch:
         return StretchEnd(states, np.concatenate(columns, axis=1))
 
     def observe(self, states: Numbers, signals: Numbers) -> dict[str, Numbers]:
-        """Return the outputs in states, (count, states), under signals, (count, drives)."""
+        """Return the outputs for states, (count, states), and signals, (count, drives)."""
         library = _load_library(self.compiled, self.moving, WIDTHS[0])
         rows = np.empty((len(states), len(self.outputs)))
         dp = np.zeros((max(len(self.moving), 1), WIDTHS[0]))
@@ -119,7 +118,7 @@ class Stretch:
         return dict(zip(self.outputs, rows.T, strict=True))
 
     def observe_slopes(self, name: str, state: Numbers, signals: Numbers, seeds: Numbers) -> Numbers:
-        """Return derivatives of an output in a state, (directions,), from those of the state, (states, directions)."""
+        """Return derivatives of an output, (directions,), from state derivatives, (states, directions)."""
         place, columns, width = self.outputs.index(name), list[Numbers](), WIDTHS[-1]
         library = _load_library(self.compiled, self.moving, width)
         for k in range(0, seeds.shape[1], width):
@@ -131,7 +130,7 @@ class Stretch:
         return np.concatenate(columns)[: seeds.shape[1]]
 
     def signal_inputs(self) -> list[list[int]]:
-        """Return the places among the inputs of a step that each drive has."""
+        """Return the indices of each drive among the step inputs."""
         found, begin = list[list[int]](), 0
         for width in self.compiled.widths:
             found.append(list(range(begin, begin + width)))
@@ -139,7 +138,7 @@ class Stretch:
         return found
 
     def hold(self, signals: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the inputs of a step from held signals, and their derivatives by each signal, (inputs - 1, drives)."""
+        """Return the step inputs of constant signals, and their derivatives, (inputs - 1, drives)."""
         row, slopes = np.zeros(self.inputs - 1), np.zeros((self.inputs - 1, len(signals)))
         for k, (places, u) in enumerate(zip(self.signal_inputs(), signals, strict=True)):
             level = [u, u * u, u, u, *[0.0] * (len(FED) - 4)] if len(places) > 1 else [u]
@@ -149,7 +148,7 @@ class Stretch:
 
 
 def _pad(array: Numbers, width: int) -> Numbers:
-    """With zeros for the directions that are not asked for."""
+    """Return the array padded with zeros for unused directions."""
     more = [(0, 0)] * (array.ndim - 1) + [(0, width - array.shape[-1])]
     return np.ascontiguousarray(np.pad(array, more))
 

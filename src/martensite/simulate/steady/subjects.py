@@ -1,4 +1,4 @@
-"""Subjects of steady states: a scenario or a system, its held drives, and the varied parameter."""
+"""Subjects of steady states: a scenario or a system, constant drives, and the varied parameter."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Subject:
-    """A system and what drives it."""
+    """System with its drives."""
 
     system: AbstractSystem
     waveforms: dict[str, AbstractWaveform]
@@ -35,7 +35,7 @@ class Subject:
         """Read a scenario, or a system with waveforms.
 
         Raises:
-            InputError: the scenario has a controller; a loop is not a plant.
+            InputError: the scenario has a controller.
         """
         if not isinstance(given, AbstractSystem):
             if given.bench is not None:
@@ -52,13 +52,13 @@ class Subject:
         return [one.name for one in self.system.drives()]
 
     def hold(self, levels: Mapping[str, float] | float | None) -> Numbers:
-        """Return signals of all drives, held: the given ones, else constants of the scenario.
+        """Return constant signals of all drives: given levels, else constants of the scenario.
 
         Args:
-            levels: by the name of the drive; a number is that of the first one.
+            levels: levels by drive name; a single number for the first drive.
 
         Raises:
-            InputError: the drive does not exist, or a drive that changes in the scenario is not given.
+            InputError: the drive does not exist, or a varying drive has no level.
         """
         names = self.names()
         if isinstance(levels, int | float) and not names:
@@ -77,14 +77,14 @@ class Subject:
         return index_drives(self.system, given)
 
     def highest(self, duration: float) -> dict[str, float]:
-        """Return the largest level that each drive reaches within a time [s]."""
+        """Return the highest level of each drive within a time [s]."""
         return {name: one.moments(0.0, duration).high for name, one in self.waveforms.items()}
 
     def vary(self, name: str, low: float, high: float) -> VariedNumber:
-        """Return a drive, a level of its waveform or a number of the system, by its name or path.
+        """Return a drive, a level of its waveform or a system parameter, by name or path.
 
         Raises:
-            ParameterError: there is none of that name, or several.
+            ParameterError: the name is unknown or ambiguous.
         """
         drives = {one.name: one.unit for one in self.system.drives()}
         span = abs(high - low)
@@ -100,7 +100,7 @@ class Subject:
         return VariedNumber(target.name, target.unit, target.path, -1, span)
 
     def find_target(self, name: str) -> Target | None:
-        """Return a number of the scenario; None for a bare system."""
+        """Return a parameter of the scenario; None for a bare system."""
         return None if self.scenario is None else self.scenario.find_target(name)
 
     def value(self, varied: VariedNumber, signals: Numbers) -> float:
@@ -110,7 +110,7 @@ class Subject:
         return float(next(one.value for one in self.system.leaves() if one.path == varied.path))
 
     def at(self, varied: VariedNumber, value: float, signals: Numbers) -> tuple[AbstractSystem, Numbers]:
-        """System and signals with another value of a varied number."""
+        """Return system and signals with another value of a varied parameter."""
         if varied.path is None:
             moved = np.array(signals)
             moved[varied.drive] = value
