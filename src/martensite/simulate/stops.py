@@ -1,7 +1,7 @@
-"""End a run at the envelope: one time for its rows, its balances and its sentence.
+"""End of a run at the envelope, with one time for rows, balances and messages.
 
-A step may end far beyond the envelope. The crossing is found between the last sample inside and the end of that
-step, and the run is made again up to there, so everything that it reports ends at the same time.
+A step may end far outside the envelope. The crossing is located between the last sample inside and the end of that
+step. The run is then repeated to this time, so that all results end together.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from martensite.simulate.envelope import Envelope, rows_inside
 from martensite.simulate.marching import Marched, MarchPlan, Row, RunLimits
 
 Remarch = Callable[[MarchPlan], tuple[Marched, float | None]]
-"""Makes a run again from its start, with its accuracy."""
+"""Function that repeats a run from its start, with its accuracy."""
 PARTS = 64
-"""Parts of a sample between which the crossing is searched."""
+"""Parts of a sample interval in the search for the crossing."""
 SHARES = (0.999, 0.99, 0.9)
-"""Shares of the way from the last sample inside to the crossing that are tried, until the end is inside."""
+"""Trial fractions of the interval from the last sample inside to the crossing."""
 
 
 def end_at_envelope(
     system: AbstractSystem, plan: MarchPlan, found: Marched, accuracy: float | None, remarch: Remarch
 ) -> tuple[MarchPlan, Marched, float | None]:
-    """Return the plan, the run and its accuracy up to the time at which the run leaves the envelope.
+    """Return the plan, run and accuracy up to the exit from the envelope.
 
     Args:
-        system: what was run.
-        plan: of the run.
-        found: the run; a run that stays inside is returned as it is.
-        accuracy: of the run, None if nothing was estimated.
-        remarch: makes a run of another plan of the same system.
+        system: simulated system.
+        plan: plan of the run.
+        found: the run; a run that stays inside is returned unchanged.
+        accuracy: accuracy of the run, None without an estimate.
+        remarch: function that simulates another plan of the same system.
     """
     if found.status is not Status.OUT_OF_ENVELOPE:
         return plan, found, accuracy
@@ -54,7 +54,7 @@ def end_at_envelope(
 
 
 def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Marched, float | None] | None:
-    """Return a run without an envelope to the last of some times [s]; None if there is none, or it fails."""
+    """Return a run without envelope to the last given time [s]; None if it fails or no time is given."""
     free = RunLimits(*((end * float("inf"),) * len(plan.limits.low) for end in (-1.0, 1.0)))
     if len(times) < 2:
         return None
@@ -67,7 +67,7 @@ def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Mar
 
 
 def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], far: float, remarch: Remarch) -> float:
-    """Return the time [s] at which the envelope is left, between the last sample inside and a time outside."""
+    """Return the exit time [s] between the last sample inside and a time outside."""
     between = [kept[-1] + (far - kept[-1]) * k / PARTS for k in range(1, PARTS + 1)]
     again = _try_run(remarch, plan, [*kept, *between])
     rows: list[Row] = [] if again is None else [tuple(row) for row in again[0].rows[len(kept) - 1 :]]
@@ -88,6 +88,6 @@ def _share_inside(envelope: Envelope, before: Row, after: Row, place: int) -> fl
 
 
 def _bound(plan: MarchPlan, found: Marched) -> float:
-    """Return the bound of the envelope that a run passed."""
+    """Return the exceeded bound of a run."""
     high = found.value > plan.limits.low[found.place]
     return (plan.limits.high if high else plan.limits.low)[found.place]

@@ -1,14 +1,12 @@
-"""Track of a result, computed when a measure asks for it, and error bounds of measures.
+"""Track of a result, computed on demand, and error bounds of measures.
 
-A run to a tolerance is made at least twice. The bound of a measure is the difference of the measure between the last
-run and the run before, times `ERROR_SAFETY`; the run before is repeated for this. It is not less than
-- the change of the measure if every value it reads is off by the accuracy of the run: a fraction of
-  the range of the column, or, for integrals, of the value itself if this is less. A crossing or a
-  peak may then move to another one that is almost as high;
-- the change if every second point of the curve is left out, for measures of the curve between steps;
-- the change if the curve is as far from straight lines as it may be (`martensite.simulate.chords`), for extremes and
-  measures of the curve;
-- the error of the quadrature, for integrals.
+The bound of a measure is the difference between the last two passes times `ERROR_SAFETY`; the earlier pass is
+repeated. The bound is at least the maximum of
+- the change due to errors of all values within the accuracy of the run. These are fractions of the column range, or
+of the value for integrals if less. A crossing or peak may move to another of similar height;
+- the change without every second point, for measures of the curve between steps;
+- the change due to curvature (`martensite.simulate.chords`), for extremes and measures of the curve;
+- the quadrature error, for integrals.
 """
 
 from __future__ import annotations
@@ -33,10 +31,10 @@ from martensite.simulate.restarts import Relay
 from martensite.simulate.track import Observe, Track, build_long_track, build_track, tabulate_tones, track_rows
 
 ROUNDING = 1e-11
-"""No bound is claimed below this fraction of a measure, or of the values that it reads."""
+"""Smallest reported bound, as a fraction of a measure or of its values."""
 
 LEAST_RANGE = 0.01
-"""Least range of outputs whose error is not controlled, as a fraction of their largest value."""
+"""Smallest range of outputs without error control, as a fraction of their largest value."""
 
 
 def assemble_track(
@@ -46,12 +44,12 @@ def assemble_track(
     observe: Observe,
     waveforms: Sequence[Sequence[AbstractWaveform]],
 ) -> Track:
-    """Compute the track of runs that an error control laid out.
+    """Compute the track of runs with recorded steps.
 
     Args:
         plan: plan of the runs, with their tolerance.
-        record: rows of all runs, those of a run together and in the order of time.
-        outputs: places of the outputs.
+        record: rows of all runs, grouped by run and in time order.
+        outputs: indices of the outputs.
         observe: function that computes these outputs.
         waveforms: waveforms of every run, or of all runs in one row.
 
@@ -65,25 +63,25 @@ def assemble_track(
 
 
 class AbstractTrace(ABC):
-    """Computes the track of a single run."""
+    """Track computation of a single run."""
 
     @abstractmethod
     def compute_track(self) -> Track:
         """Return the outputs of the run at its accepted steps."""
 
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
-        """Return a bound on the error of a measure of the track, in its unit; None where none is known."""
+        """Return the error bound of a measure of the track, in its unit; None if unknown."""
         return None
 
 
 @dataclass(frozen=True, eq=False)
 class RowsTrace(AbstractTrace):
-    """The track of a run on given steps, of which every step or both sides of it were kept."""
+    """Track of a run on given steps from stored step ends."""
 
     times: Sequence[float]
     """[s]"""
     rows: Any
-    """Outputs in SI, as the system lists them."""
+    """Outputs in SI, in system order."""
     outputs: int
 
     def compute_track(self) -> Track:
@@ -93,14 +91,14 @@ class RowsTrace(AbstractTrace):
 
 @dataclass(frozen=True, eq=False)
 class RunTrace(AbstractTrace):
-    """The track of a run that an error control or a longest step laid out."""
+    """Track of a run with step size control or a longest step."""
 
     system: AbstractSystem
     engine: RunEngine
     plan: MarchPlan
     found: Marched
     relay: Relay
-    """Relay that made the passes of the run."""
+    """Relay of the passes of the run."""
 
     def compute_track(self) -> Track:
         """Return the outputs of the last pass."""
@@ -114,7 +112,7 @@ class RunTrace(AbstractTrace):
 
     @cached_property
     def _earlier(self) -> Track:
-        """Return the outputs of the pass before the last one, which is made again."""
+        """Return the outputs of the second-last pass, which is repeated."""
         plan = self.plan
         local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
         again = replace(self.relay, made=[])
@@ -122,7 +120,7 @@ class RunTrace(AbstractTrace):
         return self._observe(before)
 
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
-        """Return the bound from the pass before the last one; None for given steps and for runs that stopped early."""
+        """Return the bound from the second-last pass; None for given steps and incomplete runs."""
         plan, outputs = self.plan, list(self.system.outputs())
         if plan.step is not None or self.found.status.failed:
             return None
@@ -148,13 +146,13 @@ class RunTrace(AbstractTrace):
         return total if np.isfinite(total) else None
 
     def _allow_values(self, one: AbstractMeasure, own: RunTable, other: RunTable, bent: RunTable) -> Numbers:
-        """Return how far the values that a measure reads may be off, (columns,).
+        """Return the error bounds of the values that a measure reads, (columns,).
 
         Args:
             one: the measure.
             own: table of the last pass.
-            other: table of the pass before.
-            bent: table of the last pass as far from straight lines as it may be.
+            other: table of the previous pass.
+            bent: table of the last pass with the largest possible curvature.
         """
         least = dict(self.plan.compiled.convergence_scales)
         nothing = LEAST_RANGE * np.abs(own.values[:, :, 0]).max(axis=1)
@@ -169,7 +167,7 @@ class RunTrace(AbstractTrace):
 
 
 def part_extremes(one: RunTable, other: RunTable) -> Numbers:
-    """Return how far the extremes of two tables of a run are apart, (columns,)."""
+    """Return the differences of extremes between two tables of a run, (columns,)."""
     highest, lowest = (
         np.abs(find(one)[:, 0] - find(other)[:, 0]) for find in (RunTable.find_highest, RunTable.find_lowest)
     )

@@ -1,23 +1,20 @@
-r"""Tracks: the outputs of runs at every accepted step, from which measures and alarms are computed.
+r"""Tracks: outputs of runs at every accepted step, for measures and alarms.
 
-A march records each accepted step in pieces: two halves of a step with error control, or one whole
-step of a given length. A record row holds
+Accepted steps are recorded in pieces: two halves with step size control, or one whole step of given length. A
+record row holds
 
-    run, part, begin, length,  (after, before, mean, square, low, high, lapse) of each drive,  state at the end
+run, part, begin, length,  (after, before, mean, square, low, high, lapse) of each drive,  state at the end
 
-`after` and `before` are the signals at both ends of the piece, without tones. Stored samples would
-miss a pulse between two of them. The rows of a track do not: they stand at both ends of every
-piece, on both sides of every jump of a drive, and at the levels of a drive that switches within a
-piece. Such a drive is replaced by four levels that have its mean, its mean square and its extremes;
-the duration of each level is right, their order is not. A tone is read at Gauss-Lobatto nodes and
-at its extremes.
+`after` and `before` are the signals at both ends of the piece, without tones. Track rows lie at both ends of every
+piece, at both sides of every drive jump, and at the levels of a switching drive. They therefore include pulses
+between stored samples. A switching drive is replaced by four levels with its mean, mean square and extremes;
+durations are exact but the order is not. A tone is evaluated at Gauss-Lobatto nodes and at its extremes.
 
-A column follows the polynomial through the five nearest nodes on one side of a jump where its term
-of the fourth order is small, or much less than the term of the second, and where it is not beyond the
-nodes of the step by more than their second difference, else a straight line. Peaks
-between nodes come from that polynomial. Integrals use Simpson's rule over the halves of a step, and
-the trapezoidal rule over whole steps. If one half has a drive that switches or comes from near 0,
-the other half has Gauss-Lobatto nodes.
+A column follows the polynomial through the five nearest nodes on one side of a jump. The polynomial is used if its
+fourth-order term is small in itself, or compared with the second-order term. It must also not overshoot the step
+nodes by more than their second difference. Otherwise the column is linear. Peaks between nodes come from the
+polynomial. Integrals use Simpson's rule over halves and the trapezoidal rule over whole steps. If one half has a
+switching drive or a drive that starts near 0, the other half uses Gauss-Lobatto nodes.
 
 Source: interpolation and quadrature, textbook (Stoer and Bulirsch, Introduction to Numerical Analysis).
 """
@@ -42,7 +39,7 @@ Numbers: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 Observe: TypeAlias = Callable[[Numbers, Numbers, Places], Numbers]
-"""Outputs (rows, outputs) from states (rows, size), signals (rows, drives) and the run of every row."""
+"""Function for outputs (rows, outputs) from states (rows, size), signals (rows, drives) and run indices."""
 HEADER_SIZE = 4
 """Numbers of a record row before the drives."""
 AFTER, BEFORE, MEAN, SQUARE, LOW, HIGH, LAPSE = range(7)
@@ -52,50 +49,50 @@ WEIGHTS = {WHOLE: (0.5, 0.5), FIRST: (1.0 / 3.0, 2.0 / 3.0), SECOND: (2.0 / 3.0,
 JUMP = 1e-9
 """Relative change of a signal below which it does not jump."""
 STEEP = 0.5
-"""Relative change of a signal in a piece from which on its course is followed."""
+"""Relative change of a signal in a piece above which its shape is resolved."""
 RESOLVED_ANGLE = 4.0
-"""Angle [rad] of a tone in a piece up to which its course is followed."""
+"""Largest phase [rad] of a tone in a piece for which its shape is resolved."""
 FINE_ANGLE, FINE_ANGLE_OF_HALVES = 0.01, 0.02
-"""Angle [rad] of a tone up to which the ends of a whole step, or of the halves of a step, are enough."""
+"""Largest phase [rad] of a tone for which the ends of a whole step, or of its halves, suffice."""
 LOBATTO = (0.08488805186071652, 0.2655756032646429, 0.5, 0.7344243967353571, 0.9151119481392835)
 """Inner nodes of the Gauss-Lobatto rule of seven points on [0, 1]."""
 LOBATTO_WEIGHTS = (0.1384130236807830, 0.2158726906049313, 0.2438095238095238, 0.2158726906049313, 0.1384130236807830)
 LOBATTO_END = 0.0238095238095238
-"""Weight of both end points of that rule."""
+"""Weight of both end points of the Gauss-Lobatto rule."""
 LOOKED_AT = 17
-"""Points of a piece or a step among which extremes are looked for."""
+"""Points of a piece or a step in the search for extremes."""
 NEWTON = 4
-"""Steps of Newton's method to where a tone turns."""
+"""Newton iterations for the turning point of a tone."""
 REFINED = 8
-"""Steps in which a peak is looked for: those that promise the highest."""
+"""Number of candidate steps for a peak, with the highest estimates first."""
 QUADRATURE = 0.25
-"""Error of Simpson's rule in a step over its length and the term of the fourth order: 0.14 if smooth, more at kinks."""
+"""Error of Simpson's rule over step length and fourth-order term: 0.14 if smooth, more at kinks."""
 MOST_PIECES = 50_000
-"""Pieces of a record whose outputs are computed at a time."""
+"""Pieces of a record per evaluation of outputs."""
 LAST = 1e9
-"""Order of the row at the end of a piece."""
+"""Sort key of the row at the end of a piece."""
 SMOOTH = 0.2
-"""Largest term of the fourth order of a polynomial that is trusted, in tolerances."""
+"""Largest accepted fourth-order term of a polynomial, in tolerances."""
 UNEVEN = 8.0
-"""Ratio of the lengths of two steps up to which one polynomial is put through both."""
+"""Largest length ratio of two steps with a common polynomial."""
 CONVERGING = 0.005
-"""Largest term of the fourth order that is trusted in any case, as a fraction of the second difference."""
+"""Largest fourth-order term that is always accepted, as a fraction of the second difference."""
 TOLERANCE = 1e-4
-"""Accepted error as a fraction of the range of a column, of runs to no tolerance."""
+"""Accepted error of runs without tolerance, as a fraction of the column range."""
 NOTICED = 0.1
-"""Height of a peak above all nodes from which on it counts, in tolerances."""
+"""Smallest relevant height of a peak above all nodes, in tolerances."""
 NOWHERE: tuple[Places, Numbers] = np.empty(0, np.intp), np.empty(0)
 BETWEEN = (0.125, 0.25, 0.375, 0.625, 0.75, 0.875)
-"""Places in a step at which a curve has points besides the nodes."""
+"""Relative positions in a step of additional curve points."""
 
 
 def record_width(drives: int, size: int) -> int:
-    """Return how many numbers a record row has."""
+    """Return the length of a record row."""
     return HEADER_SIZE + PER_DRIVE * drives + size
 
 
 def observe_on_floats(function: Callable[..., tuple[float, ...]], outputs: Sequence[int]) -> Observe:
-    """Return the function that computes some outputs of the states of one run on plain floats."""
+    """Return the function that computes outputs of one run on plain floats."""
     places = list(outputs)
 
     def observe(states: Numbers, signals: Numbers, run: Places) -> Numbers:
@@ -106,7 +103,7 @@ def observe_on_floats(function: Callable[..., tuple[float, ...]], outputs: Seque
 
 
 def tabulate_tones(rows: Sequence[Sequence[AbstractWaveform]]) -> Numbers:
-    """Return amplitude, angular frequency and phase of all tones, (runs or 1, drives, tones, 3); 0 where none is."""
+    """Return amplitude, angular frequency and phase of all tones, (runs or 1, drives, tones, 3), padded with 0."""
     most = max((len(wave.tones()) for row in rows for wave in row), default=0)
     found = np.zeros((len(rows), max((len(row) for row in rows), default=0), most, 3))
     for run, row in enumerate(rows):
@@ -118,23 +115,23 @@ def tabulate_tones(rows: Sequence[Sequence[AbstractWaveform]]) -> Numbers:
 
 @dataclass(frozen=True, eq=False)
 class StepRows:
-    """Rows of a track at the start, the middle and the end of every step that has halves."""
+    """Rows of a track at the start, middle and end of every step with halves."""
 
     rows: Places
     """(steps, 3)"""
     joined: Flags
-    """True if the step is joined to the one before without a jump, (steps,)."""
+    """True if no jump separates the step from the previous step, (steps,)."""
     plain: Flags
-    """True if no drive jumps or swings within the step, (steps,)."""
+    """True if no drive switches or oscillates within the step, (steps,)."""
 
 
 class InnerRows(NamedTuple):
-    """Rows of a track between the nodes of steps in which a drive switches or swings, (rows,) each."""
+    """Rows between the nodes of steps with a switching or oscillating drive, (rows,) each."""
 
     row: Places
     step: Places
     share: Numbers
-    """Where in the step, from 0 to 1."""
+    """Position in the step, from 0 to 1."""
 
 
 class Peaks(NamedTuple):
@@ -144,13 +141,13 @@ class Peaks(NamedTuple):
     column: Places
     step: Places
     share: Numbers
-    """Place in the step, from 0 to 1."""
+    """Position in the step, from 0 to 1."""
     value: Numbers
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Outputs at every accepted step of one run or several; rows of a run stand together, in the order of time."""
+    """Outputs at every accepted step of one or more runs, grouped by run and in time order."""
 
     run: Places
     """(rows,)"""
@@ -164,14 +161,14 @@ class Track:
     swinging: Flags
     """True if an output depends on the signals, (outputs,)."""
     tolerance: float = TOLERANCE
-    """Accepted error of the run, as a fraction of the range of a column."""
+    """Accepted error of the run, as a fraction of the column range."""
     bent: bool = False
-    """True if a column without a trusted polynomial departs from straight lines up to its bound (`bend_chords`)."""
+    """True if columns without a polynomial deviate from straight lines by their bound (`bend_chords`)."""
     inner: InnerRows | None = None
-    """None where they are not known."""
+    """Inner rows; None if unknown."""
 
     def cut(self, end: Flags) -> Track:
-        """Return the track without some rows, and without the steps that they belong to."""
+        """Return the track without some rows and their steps."""
         places = np.cumsum(end) - 1
         kept = end[self.steps.rows].all(axis=1)
         rows = places[self.steps.rows[kept]]
@@ -180,17 +177,17 @@ class Track:
         return Track(*kept, steps, self.swinging, self.tolerance, self.bent)
 
     def choose(self, columns: Sequence[int]) -> Track:
-        """Return the track with some of its outputs."""
+        """Return the track with selected outputs."""
         places = list(columns)
         return replace(self, values=self.values[:, places], swinging=self.swinging[places])
 
     def bend(self) -> Track:
-        """Return the track with columns as far from straight lines between nodes as they may be."""
+        """Return the track with the largest possible curvature between nodes."""
         bent = replace(self, bent=True)
         return bent if self.inner is None else bent.follow_inner(self.inner)
 
     def follow_inner(self, inner: InnerRows) -> Track:
-        """Return the track whose columns without signals are on their curves at the inner rows of steps."""
+        """Return the track with columns without signals interpolated at inner rows."""
         values, quiet = self.values.copy(), np.flatnonzero(~self.swinging)
         at = inner.row[:, None], quiet[None, :]
         values[at] = self._interpolate(inner.step, inner.share[:, None], quiet.tolist(), values[at][:, None])[:, 0]
@@ -199,8 +196,8 @@ class Track:
     def draw_curve(self, followed: Sequence[int] | None = None) -> Track:
         """Return the track with more rows within its steps.
 
-        There, `followed` columns (all if None) are on the polynomials that they follow, others on straight lines. There
-        are rows at the highest and the lowest value of these columns, too, if the track is of a single run.
+        The `followed` columns (all if None) are interpolated by polynomials, others linearly. For a single run,
+        rows are also added at extremes of these columns.
         """
         rows = self.steps.rows
         columns = list(range(self.values.shape[1]) if followed is None else followed)
@@ -218,7 +215,7 @@ class Track:
         start, end = self.times[rows[step, 0]], self.times[rows[step, 2]]
         times = start + share * (end - start)
         before = rows[step, 0] + np.where(share < 0.5, 0.0, rows[step, 1] - rows[step, 0]) + share
-        for k in np.flatnonzero(~self.steps.plain[step]).tolist():  # where rows stand between the nodes already
+        for k in np.flatnonzero(~self.steps.plain[step]).tolist():  # existing rows between the nodes
             first, last = rows[step[k], 0].item(), rows[step[k], 2].item()
             before[k] = first + bisect_right(self.times[first:last].tolist(), times[k].item()) - 0.5
         at = np.argsort(np.concatenate([np.arange(len(self.times)), before]), kind="stable")
@@ -234,16 +231,16 @@ class Track:
         )
 
     def _place_peaks(self) -> tuple[Places, Numbers]:
-        """Return step and place of the highest and the lowest value of every column, where they are within a step."""
+        """Return step and position of the extremes of every column within steps."""
         both = [self.find_peaks(sign, 0.0) for sign in (1.0, -1.0)]
         return np.concatenate([one.step for one in both]), np.concatenate([one.share for one in both])
 
     def find_peaks(self, sign: float, noticed: float = NOTICED) -> Peaks:
-        """Return the peaks within steps that are beyond all rows of their run.
+        """Return the peaks within steps that exceed all rows of their run.
 
         Args:
-            sign: 1 for highest values, -1 for lowest ones.
-            noticed: height above all rows from which on a peak counts, in tolerances.
+            sign: 1 for maxima, -1 for minima.
+            noticed: smallest height above all rows, in tolerances.
         """
         rows = self.steps.rows
         if not len(rows):
@@ -263,7 +260,7 @@ class Track:
         return Peaks(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
     def _refine_peaks(self, column: int, sign: float, hope: Numbers, own: Places, least: Numbers) -> Peaks:
-        """Return the highest peak of a column in every run, if it is above `least`, from what the steps may reach."""
+        """Return the highest peak of a column above `least` in every run, from step estimates."""
         steps = np.flatnonzero(hope > least[own])
         steps = steps[np.lexsort((-hope[steps], own[steps]))]
         first = np.searchsorted(own[steps], own[steps])
@@ -286,9 +283,9 @@ class Track:
     def _interpolate(
         self, some: Places, shares: Numbers, columns: Sequence[int] | None = None, otherwise: Numbers | None = None
     ) -> Numbers:
-        """Return columns, all if None, at places within some steps, (steps, places, columns).
+        """Return columns, all if None, at positions within steps, (steps, places, columns).
 
-        Where no polynomial is trusted, they are `otherwise`, or on straight lines if None.
+        Without an accepted polynomial, the value is `otherwise`, or linear if None.
         """
         table = self.values if columns is None else self.values[:, columns]
         swinging = self.swinging if columns is None else self.swinging[columns]
@@ -313,7 +310,7 @@ class Track:
         return found
 
     def _bend(self, some: Places, shares: Numbers, table: Numbers) -> Numbers:
-        """Return how far columns may be from straight lines at places within some steps, (steps, places, columns)."""
+        """Return the largest distance of columns from straight lines, (steps, places, columns)."""
         last = len(self.steps.rows) - 1
         before, after = np.maximum(some - 1, 0), np.minimum(some + 1, last)
         joined = np.stack(
@@ -324,9 +321,9 @@ class Track:
         return bend_chords(self.times[nodes], table[nodes], joined, shares)
 
     def bound_quadrature(self) -> Numbers:
-        """Return how far integrals of the columns over time may be off for the length of the steps, (outputs,).
+        """Return the error bounds of column integrals due to step length, (outputs,).
 
-        It comes from the terms of the fourth order of the polynomials through the nodes.
+        They follow from the fourth-order terms of the node polynomials.
         """
         if not len(self.steps.rows):
             return np.zeros(len(self.swinging))
@@ -343,7 +340,7 @@ class Track:
         return np.einsum("s,sc->c", QUADRATURE * lengths, worst)
 
     def _find_stencil(self, some: Places, ahead: bool) -> tuple[Places, Flags]:
-        """Return five nodes about some steps, with the step before or ahead, and which of the steps have them."""
+        """Return five nodes about steps, with the previous or next step, and flags for complete sets."""
         last = len(self.steps.rows) - 1
         other = np.clip(some + 1 if ahead else some - 1, 0, last)
         rows, more = self.steps.rows[some], self.steps.rows[other]
@@ -359,11 +356,11 @@ def interpolate_nodes(nodes: Numbers, values: Numbers, at: Numbers, step: Number
     Args:
         nodes: times [s], (steps, 5).
         values: (steps, 5, columns).
-        at: times at which it is wanted [s], (steps, places).
+        at: evaluation times [s], (steps, places).
         step: start, middle and end of the step [s], (steps, 3).
 
     Returns:
-        The columns, (steps, places, columns), and the largest term of the fourth order in the step, (steps, columns).
+        The columns, (steps, places, columns), and the largest fourth-order term in the step, (steps, columns).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         table = [values[:, k] for k in range(5)]
@@ -382,7 +379,7 @@ def interpolate_nodes(nodes: Numbers, values: Numbers, at: Numbers, step: Number
 
 
 def track_rows(times: Sequence[float], rows: Sequence[Sequence[float]], outputs: int) -> Track:
-    """Return the track of one run from its outputs at the ends of given steps, on straight lines in between."""
+    """Return the track of one run from outputs at step ends, linear in between."""
     time = np.asarray(times, float)
     values = np.asarray(rows, float).reshape(len(time), -1)[:, :outputs]
     steps = StepRows(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
@@ -390,7 +387,7 @@ def track_rows(times: Sequence[float], rows: Sequence[Sequence[float]], outputs:
 
 
 def weigh_trapezoids(times: Numbers) -> Numbers:
-    """Return the weight of every row in an integral by trapezoids [s], of the same shape; rows are along axis 0."""
+    """Return the trapezoidal weights of all rows [s], of the same shape; rows are along axis 0."""
     widths = np.diff(times, axis=0)
     none = np.zeros_like(times[:1])
     return 0.5 * (np.concatenate([widths, none]) + np.concatenate([none, widths]))
@@ -401,7 +398,7 @@ def weigh_trapezoids(times: Numbers) -> Numbers:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Rows within pieces: which piece, in which order, where in it, with which weight, under which signals."""
+    """Rows within pieces: piece, order, position, weight and signals."""
 
     piece: Places
     order: Numbers
@@ -412,7 +409,7 @@ class _Rows:
 
 
 class _Pieces:
-    """The pieces of a record."""
+    """Pieces of a record."""
 
     def __init__(self, record: Numbers, drives: int, tones: Numbers) -> None:
         self.record, self.drives, self.tones = record, drives, tones
@@ -424,14 +421,14 @@ class _Pieces:
         self.angle = self._measure_angles()
 
     def _measure_angles(self) -> Numbers:
-        """Return the largest angle of a tone of every drive in every piece [rad], (pieces, drives)."""
+        """Return the largest phase of the tones of every drive in every piece [rad], (pieces, drives)."""
         if not self.tones.size:
             return np.zeros((len(self.run), self.drives))
         fastest = np.where(self.tones[..., 0] != 0.0, self.tones[..., 1], 0.0).max(axis=2)
         return fastest[self.run if len(fastest) > 1 else 0] * self.length[:, None]
 
     def sum_tones(self, pieces: Places, times: Numbers, drive: int) -> Numbers:
-        """Return what the tones of a drive add at times [s] in some pieces; both of the same shape."""
+        """Return the sum of the tones of a drive at times [s] in pieces, of the same shape."""
         if not self.tones.size:
             return np.zeros(times.shape)
         own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
@@ -439,7 +436,7 @@ class _Pieces:
         return (own[..., 0] * np.cos(angles)).sum(axis=-1)
 
     def differentiate(self, pieces: Places, share: Numbers, drive: int) -> tuple[Numbers, Numbers]:
-        """Return first and second derivative of a drive by the fraction of a piece, at places within some pieces."""
+        """Return first and second derivative of a drive by relative position, within pieces."""
         own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
         angles = own[..., 1] * (self.begin[pieces] + share * self.length[pieces])[:, None] + own[..., 2]
         swing, rate = own[..., 0], own[..., 1] * self.length[pieces][:, None]
@@ -448,7 +445,7 @@ class _Pieces:
         return rise, -(swing * rate * rate * np.cos(angles)).sum(axis=1)
 
     def find_turns(self) -> Flags:
-        """Return for every piece whether a drive with tones turns in it."""
+        """Return for every piece whether a drive with tones has a turning point in it."""
         found, every = np.zeros(len(self.run), np.bool_), np.arange(len(self.run))
         for drive in range(self.drives if self.tones.size else 0):
             first, last = (self.differentiate(every, np.full(len(every), end), drive)[0] for end in (0.0, 1.0))
@@ -456,7 +453,7 @@ class _Pieces:
         return found & ~self.begins
 
     def refine_turns(self, pieces: Places, share: Numbers, drive: int) -> Numbers:
-        """Return places in some pieces at which a drive with tones turns, by Newton's method from near places."""
+        """Return turning points of a drive with tones in pieces, by Newton's method from nearby positions."""
         near, found = 1.0 / (LOOKED_AT - 1), share
         for _ in range(NEWTON if self.tones.size else 0):
             rise, bend = self.differentiate(pieces, found, drive)
@@ -465,7 +462,7 @@ class _Pieces:
         return found
 
     def read_signals(self, pieces: Places, share: Numbers) -> Numbers:
-        """Return the signals at places within pieces of drives that do not jump there, (rows, drives)."""
+        """Return the signals at positions within pieces without jumps, (rows, drives)."""
         own = self.of_drives[pieces]
         level = own[:, :, AFTER] + share[:, None] * (own[:, :, BEFORE] - own[:, :, AFTER])
         times = self.begin[pieces] + share * self.length[pieces]
@@ -479,13 +476,13 @@ class _Pieces:
         return (np.abs(after - before) > JUMP * size).any(axis=1) & ~self.begins
 
     def pair_halves(self, some: Flags) -> Flags:
-        """Return some pieces, and the other half of the step of each."""
+        """Return pieces with the other half of their step."""
         first = (self.part == FIRST) & (np.roll(self.part, -1) == SECOND)
         second = np.roll(first, 1)
         return some | first & np.roll(some, -1) | second & np.roll(some, 1)
 
     def find_steep(self) -> Flags:
-        """Return for every piece whether a drive changes in it by much of itself, as on the way from 0."""
+        """Return for every piece whether the relative change of a drive is large, as from 0."""
         after, before = self.of_drives[:, :, AFTER], self.of_drives[:, :, BEFORE]
         size = np.maximum(np.abs(after), np.abs(before))
         return (np.abs(after - before) > STEEP * size).any(axis=1) & ~self.begins
@@ -493,12 +490,12 @@ class _Pieces:
     def list_ends(self, first: Flags, varied: Flags, toned: Flags) -> list[_Rows]:
         """Return the rows at the ends of all pieces, and at the starts of the `first` ones.
 
-        The weights of `varied` pieces are elsewhere, and those of `toned` ones in part.
+        `varied` pieces have their weights in other rows, and `toned` pieces in part.
         """
         table = np.array([WEIGHTS[part] for part in (WHOLE, FIRST, SECOND, WHOLE)])  # the last is START
         weights = table[self.part] * np.where(varied | self.begins, 0.0, self.length)[:, None]
         weights[toned] = LOBATTO_END * self.length[toned, None]
-        carried = ~first & ~self.begins  # the row of the piece before is that of this start
+        carried = ~first & ~self.begins  # end row of the previous piece
         at_end = weights[:, 1] + np.append(np.where(carried, weights[:, 0], 0.0)[1:], 0.0)
         places, ends = np.flatnonzero(first), np.arange(len(self.part))
         zeros, ones = np.zeros(len(places)), np.ones(len(ends))
@@ -509,7 +506,7 @@ class _Pieces:
         ]
 
     def place_states(self, pieces: Places, share: Numbers) -> Numbers:
-        """Return the states at places within pieces, on the parabola through the nodes of a step with halves."""
+        """Return the states at positions within pieces, by a parabola through the nodes of a step with halves."""
         at_start = (share == 0.0) & ~self.begins[pieces]
         found = self.end_states[pieces - at_start]
         inner = np.flatnonzero((share > 0.0) & (share < 1.0))
@@ -526,7 +523,7 @@ class _Pieces:
         return found
 
     def list_levels(self, places: Places) -> _Rows:
-        """Return rows at the levels of drives that switch within pieces."""
+        """Return rows at the levels of switching drives within pieces."""
         own = self.of_drives[places]
         count, drives = len(places), self.drives
         levels, shares = spread_levels(own)
@@ -555,7 +552,7 @@ class _Pieces:
         )
 
     def list_tones(self, places: Places) -> list[_Rows]:
-        """Return rows in pieces whose tones are followed: at nodes of an integral, and at extremes."""
+        """Return rows in pieces with resolved tones, at quadrature nodes and at extremes."""
         count, nodes = len(places), len(LOBATTO)
         piece, share = np.repeat(places, nodes), np.tile(LOBATTO, count)
         weight = np.tile(LOBATTO_WEIGHTS, count) * self.length[piece]
@@ -577,7 +574,7 @@ class _Pieces:
         return found
 
     def list_inner(self, piece: Places, share: Numbers) -> InnerRows:
-        """Return the rows within steps with halves, from piece and place of all rows."""
+        """Return the rows within steps with halves, from piece and position of all rows."""
         late = self.part == SECOND
         halved = late & (np.roll(self.part, 1) == FIRST)
         halved |= np.roll(halved, -1)
@@ -596,13 +593,13 @@ class _Pieces:
 
 
 def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:
-    """Return four levels of drives, and how long each lasts, with their mean, mean square and extremes.
+    """Return four levels of drives and their durations, with given mean, mean square and extremes.
 
     Args:
-        moments: of pieces and drives, (pieces, drives, PER_DRIVE).
+        moments: moments of pieces and drives, (pieces, drives, PER_DRIVE).
 
     Returns:
-        Levels from the lowest to the highest, and durations as fractions of the piece, both (pieces, drives, 4).
+        Ascending levels, and durations as fractions of the piece, both (pieces, drives, 4).
     """
     mean, square, low, high = (moments[:, :, k] for k in (MEAN, SQUARE, LOW, HIGH))
     centre, reach = 0.5 * (low + high), 0.5 * (high - low)
@@ -618,7 +615,7 @@ def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def build_long_track(record: Numbers, build: Callable[[Numbers], Track]) -> Track:
-    """Compute the track of one run piece by piece of its record, so that little memory is held at a time."""
+    """Compute the track of one run in sections of its record to limit memory."""
     if len(record) <= MOST_PIECES:
         return build(record)
     cuts, tracks, first = [0], list[Track](), 0
@@ -646,12 +643,12 @@ def build_track(
     """Compute the outputs of runs at their accepted steps.
 
     Args:
-        record: rows of all runs, those of a run together and in the order of time.
+        record: rows of all runs, grouped by run and in time order.
         drives: number of drives.
-        tones: of `tabulate_tones`.
-        swinging: for every output whether it depends on signals, (outputs,).
-        observe: the outputs of states under signals.
-        tolerance: accepted error of the runs, as a fraction of the range of a column.
+        tones: result of `tabulate_tones`.
+        swinging: True for outputs that depend on signals, (outputs,).
+        observe: function for outputs from states and signals.
+        tolerance: accepted error of the runs, as a fraction of the column range.
 
     Returns:
         The track, with all outputs in SI.

@@ -1,8 +1,7 @@
-"""Transformation points of a law, found by driving it: along isobars, and by loading at a temperature.
+"""Transformation points of a law, from simulated isobars and isothermal loading.
 
-Nothing is asked of the law but its kinetics, so this holds for every law. A sweep goes in
-coarse steps; the step in which a fraction passes a level is taken again in ten smaller ones,
-three times over. Isobars are one thermal cycle: austenite is cooled, what has formed is heated.
+Only the kinetics are used, so the method applies to every law. A coarse step with a level crossing is refined three
+times by a factor of ten. An isobar is one thermal cycle that starts with cooling of austenite.
 """
 
 from __future__ import annotations
@@ -17,14 +16,14 @@ from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW, compile_law
 
 COLDEST, HOTTEST = 100.0, 800.0
-"""Ends of a thermal sweep [K]."""
+"""Limits of a thermal sweep [K]."""
 STRONGEST = 3e9
 """End of a loading sweep [Pa]."""
 PIECES, SMALLER, DEPTH = 70, 10, 3
 HEATING, LOADING = 1.0, 10e6
-"""Rates of the sweeps [K/s], [Pa/s]; they matter for laws with rates only."""
+"""Rates of the sweeps [K/s], [Pa/s], for rate-dependent laws."""
 LEVEL = 0.01
-"""Fraction of the transformation at its start, and remaining fraction at its end."""
+"""Transformed fraction at the start, and remaining fraction at the end."""
 MARTENSITE, ORIENTED, STRAIN = (ROW.index(n) for n in ("martensite", "oriented", "strain"))
 
 State = tuple[float, ...]
@@ -32,7 +31,7 @@ Test = Callable[[State], bool]
 
 
 class Marks(NamedTuple):
-    """Start and finish temperatures at one stress [K]; NaN where there is none."""
+    """Start and finish temperatures at one stress [K]; NaN if missing."""
 
     A_s: float
     A_f: float
@@ -41,7 +40,7 @@ class Marks(NamedTuple):
 
 
 class LoadingPoint(NamedTuple):
-    """A point on a loading sweep."""
+    """Point on a loading sweep."""
 
     stress: float
     """[Pa]"""
@@ -50,7 +49,7 @@ class LoadingPoint(NamedTuple):
 
 
 class PlanePoint(NamedTuple):
-    """A point of the plane of stress and temperature."""
+    """Point in the plane of stress and temperature."""
 
     stress: float
     """[Pa]"""
@@ -60,7 +59,7 @@ class PlanePoint(NamedTuple):
 
 @dataclass(frozen=True)
 class Passed:
-    """Place at which a sweep first passed a test, as a fraction of its way, and the row there."""
+    """First fulfilment of a test, as a fraction of a sweep, and the row there."""
 
     share: float
     row: State
@@ -68,7 +67,7 @@ class Passed:
 
 @dataclass(frozen=True)
 class Explorer:
-    """A law that can be driven along straight lines of the plane of stress and temperature."""
+    """Law on straight lines in the plane of stress and temperature."""
 
     law: AbstractLaw
 
@@ -79,14 +78,14 @@ class Explorer:
         return functions["init"], functions["stress_step"], compiled.size
 
     def start(self, fractions: Fractions, at: PlanePoint) -> State:
-        """Return the memory in a phase state that has no history."""
+        """Return the memory in a phase state without history."""
         init, _, size = self._bound
         return init(*fractions, *at)[:size]
 
     def sweep(
         self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, tests: Sequence[Test]
     ) -> tuple[list[Passed | None], State]:
-        """Return the places where the tests are first passed on the way, and the memory at its end."""
+        """Return the first fulfilments of the tests on a sweep, and the memory at its end."""
         found: list[Passed | None] = [None] * len(tests)
         for k in range(PIECES):
             shares = k / PIECES, (k + 1) / PIECES
@@ -115,7 +114,7 @@ class Explorer:
         test: Test,
         depth: int,
     ) -> Passed:
-        """Search within a piece of the way, in smaller steps."""
+        """Return the refined fulfilment within a part of a sweep, by smaller steps."""
         low, high = shares
         pieces = [(low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER) for k in range(SMALLER)]
         row: State = ()
@@ -131,7 +130,7 @@ class Explorer:
 
 @lru_cache(maxsize=256)
 def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks:
-    """Find the start and end temperatures, at a constant stress [Pa], by a transformed fraction `level`."""
+    """Find the start and finish temperatures at a constant stress [Pa] for a transformed fraction `level`."""
     explorer = Explorer(law)
     hot, cold = PlanePoint(stress, HOTTEST), PlanePoint(stress, COLDEST)
     duration = (HOTTEST - COLDEST) / HEATING
@@ -150,9 +149,9 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
     span = HOTTEST - COLDEST
     M_s, M_f = (math.nan if p is None else HOTTEST - p.share * span for p in cooling)
     A_s, A_f = (math.nan if p is None else COLDEST + p.share * span for p in heating)
-    if math.isnan(M_s):  # nothing formed that could return
+    if math.isnan(M_s):  # no formed phase that could return
         A_f = math.nan
-    if math.isnan(M_f):  # what never was all martensite has no start of its return
+    if math.isnan(M_f):  # incomplete martensite has no start of its return
         A_s = math.nan
     return Marks(A_s, A_f, M_s, M_f)
 
@@ -161,10 +160,9 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
 def find_loaded(
     law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE, share: float = 1.0 - LEVEL
 ) -> LoadingPoint | None:
-    """Find the point at which loading at a temperature [K] has oriented (or formed) a fraction of martensite.
+    """Find the loading point at a temperature [K] with a given fraction of oriented or formed martensite.
 
-    None if that takes more than 3 GPa. What counts is martensite if there is none at the start,
-    else its orientation.
+    None above 3 GPa. The martensite fraction is evaluated if it is initially 0, else its orientation.
     """
     explorer = Explorer(law)
     begin, end = PlanePoint(0.0, temperature), PlanePoint(STRONGEST, temperature)

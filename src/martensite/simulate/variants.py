@@ -1,13 +1,11 @@
-"""Variants of one system, many at a time: parameters and waveforms that differ from run to run.
+"""Batches of variants of one system with individual parameters and waveforms.
 
-Runs are made to a tolerance, with an error control in every step and a bound on the remaining error of each
-(`martensite.simulate.ensembles`), in lanes of C, on a GPU or, without a compiler, one after another on floats. On
-given steps and in discrete time they march on steps that are laid out before: in blocks of batch elements in C
-(`martensite.simulate.native`), on a GPU, or one after another on floats. A run does not depend on which others march
-beside it.
+Runs to a tolerance have individual step size control and error bounds (`martensite.simulate.ensembles`). They are
+batched in C or on a GPU, or made one by one on floats. Runs on given steps and in discrete time use prepared grids:
+in blocks in C (`martensite.simulate.native`), on a GPU, or on floats. Results are independent of the other runs of
+a batch.
 
-Failures are data: every run has a status, and those that a check of the system refuses are not
-marched.
+Failures are data: every run has a status, and refused runs are not simulated.
 """
 
 from __future__ import annotations
@@ -42,22 +40,22 @@ from martensite.simulate.refusals import find_refused
 
 Places: TypeAlias = NDArray[np.intp]
 Values: TypeAlias = Mapping[str, Numbers]
-"""Path of a parameter -> one number per run."""
+"""Values per run by parameter path."""
 OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
-"""Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
+"""Columns (runs, samples), reports (3, runs), and times of leaving the envelope [s], (runs,)."""
 RUNTIMES = ("c", "cuda", "floats")
 SOLVED_TO = {"float64": SOLVED, "float32": 2e-3}
-"""Residual of a solved step, by precision."""
+"""Accepted residual of a step, by precision."""
 NAMES = {"cuda": "CUDA", "c": "C"}
 """Names of the runtimes for users."""
 LANES = {"c": 64, "floats": 16}
-"""Runs that march together on given steps, at most."""
+"""Largest batch on given steps."""
 HELD = 1024
-"""Numbers of the state of all batch elements, which the fastest cache holds beside what a step makes of them."""
+"""State values of a batch that fit into the fastest cache with intermediate results."""
 TOGETHER = 256
-"""Number of runs with an error control in one batch; samples are held twice."""
+"""Runs with step size control per batch; samples are stored twice."""
 CLOCKS = 64
-"""Sets of edges whose steps are kept."""
+"""Cached step grids by edges."""
 REPORTS = {
     Status.OK: (0.0, 0.0, 0.0),
     Status.LONG_STEP: (0.0, 1.0, 0.0),
@@ -80,23 +78,23 @@ class VariantSetup:
     """[s]"""
     samples: int
     step: float | None
-    """Longest step [s] of runs without an error control; None for runs to a tolerance."""
+    """Longest step [s] of runs on equal steps; None for runs to a tolerance."""
     outputs: tuple[str, ...]
     runtime: str = "c"
     precision: str = "float64"
     lanes: int | None = None
-    """Runs on given steps that march together; by default what suits the runtime."""
+    """Batch size on given steps; by default suited to the runtime."""
     tolerance: float = 1e-4
-    """Accepted error of what is judged, as a fraction of its range, if no step is given."""
+    """Accepted error of judged outputs, as a fraction of their ranges, without a given step."""
     chunk: int | None = None
-    """Runs that a GPU marches at a time; by default as many as its memory holds."""
+    """Runs per GPU batch; by default limited by memory."""
     devices: int | None = 1
-    """Threads of C that share the runs; all if None."""
+    """Threads in C; all cores if None."""
     measures: tuple[AbstractMeasure, ...] = ()
     """Measures of every run; their columns are among the outputs."""
 
     def __post_init__(self) -> None:
-        """Raise `InputError` for a runtime or a precision that there is not."""
+        """Raise `InputError` for an unknown runtime or precision."""
         require_known("runtime", self.runtime, RUNTIMES)
         if self.precision not in SOLVED_TO:
             raise ParameterError(f"Argument `precision` must be float64 or float32, but is `{self.precision}`.")
@@ -139,7 +137,7 @@ class VariantSetup:
     def _to_tolerance(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
     ) -> Ensemble:
-        """Runs with an error control; refused ones are not made."""
+        """Return runs with step size control, without refused runs."""
         found = Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED, len(self.measures))
         good = np.flatnonzero(~refusal[rows])
         if not len(good):
@@ -175,13 +173,13 @@ class VariantSetup:
 
     @cached_property
     def measuring(self) -> Measuring:
-        """Return the measures, and where their columns are among the outputs."""
+        """Return the measures with the indices of their outputs."""
         columns = [[self.outputs.index(name) for name in one.columns(self.system)] for one in self.measures]
         return Measuring(self.measures, columns)
 
     @cached_property
     def plan(self) -> MarchPlan:
-        """Return the common plan of runs with an error control."""
+        """Return the common plan of runs with step size control."""
         return MarchPlan(
             self.compiled,
             arrange_waveforms(self.system, self.waveforms),
@@ -223,7 +221,7 @@ class VariantSetup:
     def _block(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
     ) -> Ensemble:
-        """Runs that march together; missing and refused ones are nominal, and struck out."""
+        """Return a batch of runs; missing and refused runs are nominal and then removed."""
         bad = refusal[rows]
         good: Places = rows[~bad]
         if not len(good):
@@ -246,12 +244,12 @@ class VariantSetup:
 
     @property
     def longest(self) -> float:
-        """Return the longest step of runs on given steps [s]; those in discrete time have their own."""
+        """Return the longest step of runs on given steps [s], or the sample time in discrete time."""
         return self.step or self.system.sample_time()
 
     @property
     def times(self) -> list[float]:
-        """Sample times [s]."""
+        """Return the sample times [s]."""
         if self.controlled:
             return [self.duration * k / (self.samples - 1) for k in range(self.samples)]
         return np.asarray(self._common.times)[self._common.stored].tolist()
@@ -263,7 +261,7 @@ class VariantSetup:
 
     @cached_property
     def places(self) -> tuple[int, ...]:
-        """Return the places of the wanted outputs."""
+        """Return the indices of the requested outputs."""
         return tuple(self.compiled.outputs.index(name) for name in self.outputs)
 
     def table(self, values: Values) -> list[Any]:
@@ -273,7 +271,7 @@ class VariantSetup:
 
     @cached_property
     def engine(self) -> Callable[[Values, TimeGrid | LaneGrid, int], OnSteps]:
-        """Return the function that marches on given steps, from (values, grid, runs)."""
+        """Return the function for runs on given steps, from (values, grid, runs)."""
         if self.runtime == "cuda":
             return partial(_load_cuda().march_on_cuda, self)
         return self._march_c if self.runtime == "c" else self._march_floats
@@ -285,7 +283,7 @@ class VariantSetup:
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
 
     def _march_floats(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-        """Make one run after another, for machines without a compiler; a failed run has a report above the limit."""
+        """Return runs on floats, one by one; a failed run has a report above the limit."""
         columns = np.full((len(self.outputs), runs, len(grid.times)), np.nan)
         reports, left = np.zeros((3, runs)), np.full(runs, np.inf)
         for run in range(runs):
@@ -294,7 +292,7 @@ class VariantSetup:
                 functions, size = bind_march(system)
                 border = Border(self.compiled, functions, envelope_of(system))
                 found = march_floats(functions, size, grid if isinstance(grid, TimeGrid) else grid.lane(run), border)
-            except ArithmeticError:  # a value that depends on parameters alone is not a number
+            except ArithmeticError:  # a value that depends on parameters alone is not finite
                 reports[:, run] = BROKEN
                 continue
             reports[:, run] = REPORTS.get(found.status, BROKEN)
@@ -305,7 +303,7 @@ class VariantSetup:
         return list(columns), reports, left
 
     def _grid(self, signals: Mapping[str, Values], rows: Places) -> TimeGrid | LaneGrid:
-        """Return the steps of all, or of every batch element where waveforms vary."""
+        """Return common steps, or individual steps for varied waveforms."""
         if not signals:
             return self._common
         known: dict[tuple[float, ...], TimeGrid] = {}
@@ -328,7 +326,7 @@ class VariantSetup:
         return bool(self.measures) and self.runtime != "cuda"
 
     def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
-        """Return the grid of some waveforms; waveforms with the same edges share its steps."""
+        """Return the grid of some waveforms; equal edges share cached steps."""
         if self.system.sample_time():
             shape = self.duration, self.samples, self.longest
             return grid_of(self.system, waveforms, *shape, every=self.keeps_steps)
@@ -361,7 +359,7 @@ class VariantSetup:
 
 
 def _load_cuda() -> Any:
-    """Import what marches on a GPU."""
+    """Import the GPU implementation."""
     from martensite.simulate.cuda import march
 
     return march

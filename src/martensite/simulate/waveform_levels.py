@@ -1,16 +1,15 @@
-r"""Levels of waveforms as parameters of a system, so that runs and derivatives know them.
+r"""Levels of waveforms as system parameters, with exact derivatives.
 
 A waveform is affine in its levels q: its signal is
 
-    u(t) = u_0(t) + Σ_k q_k φ_k(t)
+u(t) = u_0(t) + Σ_k q_k φ_k(t)
 
-A steered system is driven by u_0 and all φ_k, which are fixed, and has the levels among its
-parameters. So levels differ from batch element to batch element of a batch, and derivatives with respect to them are
-exact like any others. Times of a waveform cannot be steered: they move its edges, on which steps
-end.
+The extended system is driven by the fixed signals u_0 and φ_k, and its parameters include the levels. Levels can
+therefore vary within a batch and have exact derivatives. Times of a waveform cannot be parameters, since they move
+the edges at which steps end.
 
-    high          a level that the waveform declares
-    peak          the largest signal of the run: all of the waveform is scaled
+high          a level that the waveform declares
+peak          the largest signal of the run, as a scale of the whole waveform
 """
 
 from __future__ import annotations
@@ -34,24 +33,24 @@ from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 
 PEAK = "peak"
 LOOKED_AT = 2001
-"""Times at which the peak of a waveform is looked for, and whether it is affine, beside edges."""
+"""Times in addition to edges for the peak of a waveform and the affinity check."""
 AFFINE = 1e-9
-"""Largest departure of a signal from what its levels say, as a fraction of the signal."""
+"""Largest relative deviation of a signal from its affine form."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """A level of the waveform of a drive."""
+    """Level of the waveform of a drive."""
 
     drive: str
     name: str
-    """`peak`, or the path of a level that the waveform declares."""
+    """`peak`, or the path of a declared level."""
     value: float
     """Value in the scenario, in the SI unit of the drive."""
 
 
 class Levels(Parametrised):
-    """Levels q0, q1, … in the unit of what they drive."""
+    """Levels q0, q1, … in the unit of their drive."""
 
     def __init__(self, **levels: float) -> None:
         self.__dict__.update(levels)
@@ -63,7 +62,7 @@ class Levels(Parametrised):
 
 
 class Combined(AbstractWaveform):
-    """A sum of waveforms, each times a factor."""
+    """Weighted sum of waveforms."""
 
     terms: tuple[tuple[float, AbstractWaveform], ...] = part("factors and waveforms")
 
@@ -72,15 +71,15 @@ class Combined(AbstractWaveform):
         return math.fsum(factor * wave.value(time) for factor, wave in self.terms)
 
     def edges(self, duration: float) -> list[float]:
-        """Return the edges of all its terms."""
+        """Return the edges of all terms."""
         return sorted({edge for _, wave in self.terms for edge in wave.edges(duration)})
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Return the sums of those of its terms."""
+        """Return the summed segments of all terms."""
         return add_segments([(factor, wave.segments(begin)) for factor, wave in self.terms])
 
     def tones(self) -> tuple[Tone, ...]:
-        """Return the tones of all its terms."""
+        """Return the tones of all terms."""
         return tuple(
             tone._replace(amplitude=factor * tone.amplitude) for factor, wave in self.terms for tone in wave.tones()
         )
@@ -92,7 +91,7 @@ def pair_name(first: int, second: int) -> str:
 
 
 def hand_on(name: str) -> Callable[..., Any]:
-    """Return a method that the driven system answers."""
+    """Return a method that delegates to the driven system."""
 
     def answer(self: WaveformLevelSystem, *values: Any) -> Any:
         return getattr(self.system, name)(*values)
@@ -101,14 +100,14 @@ def hand_on(name: str) -> Callable[..., Any]:
 
 
 class WaveformLevelSystem(AbstractSystem, init=False):
-    """A system whose signals are put together from fixed ones and levels."""
+    """System with signals that are sums of fixed signals and levels."""
 
     system: AbstractSystem = part("what is driven")
     levels: Levels = part("levels of its waveforms", default=Levels())
     owners: tuple[str, ...] = part("the drive that each level belongs to", default=())
 
     def layout(self) -> tuple[int, ...]:
-        """Which drive each level belongs to."""
+        """Return the drive of each level."""
         names = [drive.name for drive in self.system.drives()]
         return tuple(names.index(owner) for owner in self.owners)
 
@@ -131,7 +130,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """Return the drives of the system, of the constant part, of each level, and of pairs."""
         own = self.system.drives()
         levels = zip(self.levels.declarations, self.layout(), strict=True)
-        # The drive of every pair.
+        # Drive of every pair.
         pairs = zip([self.layout()[k] for _, k in self.pairs()], self.pairs(), strict=True)
         return [
             *own,
@@ -140,7 +139,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         ]
 
     def pairs(self) -> list[tuple[int, int]]:
-        """Return the pairs of signals of one drive, whose product counts: two levels, or -1 for its rest."""
+        """Return the pairs of signals of a drive with relevant product: two levels, or -1 for u_0."""
         layout = self.layout()
         own = self.system.drives()
         found = [(-1, k) for k in range(len(layout))]
@@ -148,7 +147,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         return [pair for pair in found if not own[layout[pair[1]]].at_end]
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
-        """Return the system at rest under the signals put together."""
+        """Return the initial state under the summed signals."""
         return self.system.init(xp, *self._signals(drives))
 
     def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
@@ -163,11 +162,11 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         return known + [None] * (len(self.drives()) - len(known))
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
-        """Everything that can be measured."""
+        """Return all outputs."""
         return self.system.observe(xp, state, *self._signals(drives))
 
     def _signals(self, drives: Sequence[Scalar]) -> list[Scalar]:
-        """u = u_0 + Σ q φ of every drive of the system."""
+        """Return u = u_0 + Σ q φ of every drive of the system."""
         places, numbers = self.layout(), list(self.levels.__dict__.values())
         count = len(self.system.drives())
         found = list(drives[:count])
@@ -206,7 +205,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
 
 @dataclass(frozen=True)
 class WaveformLevels:
-    """The waveforms of a system, and which of their levels are parameters."""
+    """Waveforms of a system with selected levels as parameters."""
 
     system: AbstractSystem
     waveforms: Waveforms
@@ -221,14 +220,14 @@ class WaveformLevels:
         return dict(zip(names, arrange_waveforms(self.system, self.waveforms), strict=True))
 
     def with_levels(self, levels: Sequence[Level]) -> WaveformLevels:
-        """With these levels as parameters; `ParameterError` if a signal is not affine in its levels."""
+        """Return the waveforms with these levels as parameters; `ParameterError` if a signal is not affine."""
         found = WaveformLevels(self.system, self.waveforms, self.duration, tuple(levels))
         for drive in found.own:
             found.require_affine(drive)
         return found
 
     def available(self) -> list[Level]:
-        """Return all levels that could be steered: declared ones, and the peak of each waveform."""
+        """Return all possible levels: declared levels, and the peak of each waveform."""
         units = {drive.name: drive.unit for drive in self.system.drives()}
         found: list[Level] = []
         for name, wave in self.own.items():
@@ -241,7 +240,7 @@ class WaveformLevels:
         return found
 
     def level(self, drive: str, name: str) -> Level:
-        """Return a level that can be steered, by its name; raise `ParameterError` if no level has that name."""
+        """Return a level of a drive by name; raise `ParameterError` if the name is unknown."""
         known = {(level.drive, level.name): level for level in self.available()}
         if (drive, name) not in known:
             names = [level for owner, level in known if owner == drive]
@@ -250,7 +249,7 @@ class WaveformLevels:
 
     @cached_property
     def whole(self) -> AbstractSystem:
-        """Return the compiled system: the system, or the steered one around it."""
+        """Return the compiled system: the original or the extended one."""
         if not self.levels:
             return self.system
         numbers = {f"q{k}": level.value for k, level in enumerate(self.levels)}
@@ -288,7 +287,7 @@ class WaveformLevels:
         return wave.rebuilt(declared) if declared else wave
 
     def require_affine(self, drive: str) -> None:
-        """Raise `ParameterError` unless the signal follows from its levels as this file says."""
+        """Raise `ParameterError` unless the signal is affine in its levels."""
         mine = [level for level in self.levels if level.drive == drive]
         if not mine:
             return
@@ -310,7 +309,7 @@ class WaveformLevels:
                 )
 
     def _shape(self, level: Level) -> AbstractWaveform:
-        """φ: the change of the signal per change of a level."""
+        """Return φ, the change of the signal per change of a level."""
         reach = _choose_reach(level)
         here, there = self.own[level.drive], self.at(level.drive, {level.name: level.value + reach})
         if level.name == PEAK:
@@ -318,7 +317,7 @@ class WaveformLevels:
         return Combined(terms=((1.0 / reach, there), (-1.0 / reach, here)))
 
     def _rest(self, drive: str) -> AbstractWaveform:
-        """u_0: what does not move with the levels of a drive."""
+        """Return u_0, the part of a drive that is independent of its levels."""
         mine = [level for level in self.levels if level.drive == drive]
         if not mine:
             return self.own[drive]
@@ -336,5 +335,5 @@ class WaveformLevels:
 
 
 def _choose_reach(level: Level) -> float:
-    """Return the change of a level for its slope."""
+    """Return the increment of a level for its derivative."""
     return abs(level.value) or 1.0

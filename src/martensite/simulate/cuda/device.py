@@ -1,6 +1,6 @@
-"""The GPU: its driver, and NVRTC, which makes of CUDA C what it runs; both through NVIDIA's `cuda-bindings`.
+"""Access to the GPU driver and to the compiler NVRTC through NVIDIA's `cuda-bindings`.
 
-Made programs are kept in the cache folder. NVRTC needs neither a driver nor a device.
+Compiled programs are cached. NVRTC needs neither a driver nor a device.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from martensite.simulate.cuda.source import THREADS
 
 ELSE = "use the runtime `c` (or `floats`)"
 FLAGS = ("--std=c++17", "--fmad=true", "-diag-suppress=550")
-"""Products and sums are fused; all else is to the last bit what IEEE 754 asks for."""
+"""Compiler flags: fused products and sums, otherwise exact IEEE 754."""
 SHARE = 0.8
 """Fraction of the free memory that is used for arrays."""
 
 
 class DeviceError(MartensiteError, RuntimeError):
-    """The driver, NVRTC or the device returned an error, whose name is kept."""
+    """Error of the driver, NVRTC or the device, with its name."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"The GPU failed ({name}); {ELSE}.")
@@ -46,10 +46,10 @@ class Device(NamedTuple):
 
 @cache
 def open_device() -> Device:
-    """Return the first CUDA device of this machine.
+    """Return the first CUDA device.
 
     Raises:
-        InputError: there is none, or no driver, or the extra `cuda` is not installed.
+        InputError: no device or driver exists, or the extra `cuda` is not installed.
     """
     driver = import_extra("cuda.bindings.driver", "cuda", "`cuda-bindings`")
     try:
@@ -66,17 +66,17 @@ def open_device() -> Device:
         )
         name = take_answer(driver.cuDeviceGetName(128, device)).split(b"\0")[0].decode()
         context = take_answer(driver.cuDevicePrimaryCtxRetain(device))
-    except RuntimeError as error:  # that of a missing driver is one too
+    except RuntimeError as error:  # also the error of a missing driver
         reason = error.name if isinstance(error, DeviceError) else "there is no NVIDIA driver"
         raise InputError(f"No CUDA device was found ({reason}); {ELSE}.") from None
     return Device(driver, context, name, 10 * major + minor)
 
 
 def take_answer(answer: tuple[Any, ...]) -> Any:
-    """Return the results of a function of the driver or of NVRTC; raise an error for a bad status.
+    """Return the results of a driver or NVRTC call; raise an error for a bad status.
 
     Raises:
-        DeviceError: it failed.
+        DeviceError: the call failed.
     """
     status, *rest = answer
     if int(status) != 0:
@@ -88,15 +88,15 @@ def take_answer(answer: tuple[Any, ...]) -> Any:
 
 
 def list_architectures() -> list[int]:
-    """Compute capabilities that NVRTC compiles for, without minor letters."""
+    """Return the compute capabilities that NVRTC compiles for, without minor letters."""
     return sorted(take_answer(_load_nvrtc().nvrtcGetSupportedArchs()))
 
 
 def choose_target(capability: int, known: Iterable[int]) -> str:
-    """Return the target of NVRTC: machine code of the device, or code that a newer device translates.
+    """Return the target of NVRTC: machine code for the device, or PTX for a newer device.
 
     Raises:
-        InputError: the device is older than all that NVRTC knows.
+        InputError: NVRTC no longer supports the device.
     """
     older = [one for one in known if one <= capability]
     if not older:
@@ -111,8 +111,8 @@ def compile_source(text: str, target: str, more: Sequence[str] = ()) -> bytes:
     """Compile a source to machine code, or to PTX for a target `compute_*`.
 
     Raises:
-        CompileError: NVRTC failed.
-        InputError: it is not installed.
+        CompileError: the compilation failed.
+        InputError: NVRTC is not installed.
     """
     nvrtc = _load_nvrtc()
     options = [f"--gpu-architecture={target}", *FLAGS, *more]
@@ -142,7 +142,7 @@ def _load_nvrtc() -> Any:
 
 
 def _compile_once(text: str, target: str, more: tuple[str, ...]) -> bytes:
-    """Compile a source, and keep the result in the cache folder, if the folder is writable."""
+    """Compile a source, and cache the result if the folder is writable."""
     said = repr((text, target, FLAGS, more, take_answer(_load_nvrtc().nvrtcVersion())))
     path: Path | None = None
     with suppress(OSError):
@@ -166,11 +166,11 @@ class Resources(NamedTuple):
     """Resources that a kernel uses on the device."""
 
     registers: int
-    """Registers of a thread."""
+    """Registers per thread."""
     stack: int
-    """Memory of a thread for what has no register [bytes]."""
+    """Local memory per thread [bytes]."""
     threads: int
-    """On one multiprocessor at a time."""
+    """Threads per multiprocessor."""
 
 
 class DeviceProgram:
@@ -192,7 +192,7 @@ class DeviceProgram:
         return int(take_answer(self.device.driver.cuModuleGetGlobal(self._module, name.encode()))[0])
 
     def launch(self, name: str, threads: int, arguments: Sequence[ctypes.c_int | ctypes.c_longlong]) -> None:
-        """Run a kernel in the given number of threads, and wait for it."""
+        """Run a kernel in the given number of threads and wait for its end."""
         driver = self.device.driver
         packed = tuple(one.value for one in arguments), tuple(type(one) for one in arguments)
         take_answer(driver.cuEventRecord(self._clock[0], 0))
@@ -204,7 +204,7 @@ class DeviceProgram:
         self.seconds = 1e-3 * take_answer(driver.cuEventElapsedTime(*self._clock))
 
     def measure(self, name: str) -> Resources:
-        """Return the resources of a thread of a kernel."""
+        """Return the resources of a kernel."""
         driver, kinds, kernel = self.device.driver, self.device.driver.CUfunction_attribute, self._find(name)
         registers = take_answer(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_NUM_REGS, kernel))
         stack = take_answer(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES, kernel))
@@ -216,7 +216,7 @@ class DeviceProgram:
 
 
 class DeviceMemory:
-    """Arrays on the device for as long as a `with` lasts."""
+    """Arrays on the device within a `with` block."""
 
     def __init__(self) -> None:
         self.device = open_device()
@@ -231,11 +231,11 @@ class DeviceMemory:
             self.device.driver.cuMemFree(self._taken.pop())
 
     def count_free(self) -> int:
-        """Return the bytes for arrays; some are left for what the driver needs."""
+        """Return the bytes available for arrays, with a reserve for the driver."""
         return int(SHARE * take_answer(self.device.driver.cuMemGetInfo())[0])
 
     def take(self, size: int, fill: int | None = None) -> int:
-        """Return the address of the given number of bytes, which are all `fill` if that is given."""
+        """Return the address of new memory [bytes], filled with `fill` if given."""
         place = int(take_answer(self.device.driver.cuMemAlloc(max(size, 1))))
         self._taken.append(place)
         if fill is not None and size:
@@ -255,6 +255,6 @@ class DeviceMemory:
             take_answer(self.device.driver.cuMemcpyDtoD(target, source, size))
 
     def fetch(self, place: int, array: Any) -> None:
-        """Fill an array with what lies at an address."""
+        """Copy memory at an address into an array."""
         if array.nbytes:
             take_answer(self.device.driver.cuMemcpyDtoH(array.ctypes.data, place, array.nbytes))

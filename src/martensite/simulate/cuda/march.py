@@ -1,6 +1,6 @@
-"""Batches on given steps on a GPU: what `martensite.simulate.variants` asks of the runtime `cuda`.
+"""Batches on given steps on a GPU, for the runtime `cuda` of `martensite.simulate.variants`.
 
-Chunks are as large as the free memory of the device allows. Only samples of the wanted outputs come back.
+Batches fill the free device memory. Only samples of requested outputs are copied back.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 __all__ = ["count_together", "march_batch", "march_on_cuda", "march_to_ends"]
 Rows: TypeAlias = "tuple[Numbers, Numbers, Numbers]"
 OWN_SIGNALS = 1 << 28
-"""Bytes of signals in a block of runs with different signals."""
+"""Memory [bytes] for signals in a batch of runs with different signals."""
 OWN_ROWS = 1 << 29
-"""Bytes of samples in a block of runs to a tolerance, which are held twice."""
+"""Memory [bytes] for samples in a batch of runs to a tolerance, which are stored twice."""
 
 
 def count_together(course: VariantSetup, own: bool, count: int) -> int:
-    """Return how many runs march together: all, or as many as fit in memory if each has different signals.
+    """Return the batch size: all runs, or the number that fits in memory with individual signals.
 
     Raises:
         InputError: no device was found, or more than one device is requested.
@@ -51,7 +51,7 @@ def count_together(course: VariantSetup, own: bool, count: int) -> int:
 
 
 def march_on_cuda(course: VariantSetup, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-    """March runs; return columns (runs, samples), reports (2, runs), and exits from the envelope [s], (runs,).
+    """Return columns (runs, samples), reports (2, runs), and times of leaving the envelope [s], (runs,).
 
     Raises:
         InputError: no device was found, or a run does not fit into its memory.
@@ -71,15 +71,15 @@ def march_on_cuda(course: VariantSetup, values: Values, grid: TimeGrid | LaneGri
 def march_batch(
     source: MarchSource, nominal: Any, table: Any, grid: TimeGrid | LaneGrid, limits: Any, chunk: int | None = None
 ) -> Rows:
-    """Return the rows (samples, outputs, runs), reports (2, runs), and when runs left the envelope [s], (runs,).
+    """Return rows (samples, outputs, runs), reports (2, runs), and times of leaving the envelope [s], (runs,).
 
     Args:
-        source: what is compiled.
-        nominal: all parameters of the program, of which the varied ones do not count.
+        source: source to compile.
+        nominal: all parameters of the program; varied ones are ignored.
         table: the varied parameters, (varied, runs).
-        grid: the steps of all, or of every run.
-        limits: of the envelope, low and high, (2, envelope), with an axis of runs if they vary.
-        chunk: runs at a time; by default as many as have room.
+        grid: common or individual steps.
+        limits: limits of the envelope, low and high, (2, envelope), with an axis of runs if they vary.
+        chunk: batch size; by default limited by memory.
     """
     march, runs = load_march(source), table.shape[1]
     with device.DeviceMemory() as memory:
@@ -96,16 +96,16 @@ def march_batch(
 
 
 class GivenStepsMarch:
-    """A march on given steps on the device."""
+    """Time integration on given steps on the device."""
 
     def __init__(self, source: MarchSource) -> None:
         self.source, self.program = source, device.DeviceProgram(source.text)
 
     def count_fitting(self, free: int, samples: int, steps: int, runs: int) -> int:
-        """Return how many of some runs fit in the given number of bytes at a time.
+        """Return the number of runs that fit in the given number of bytes.
 
         Raises:
-            InputError: not one has.
+            InputError: a single run does not fit.
         """
         source, sizes = self.source, self.source.sizes
         signals = steps * (sizes["INPUTS"] + 1) + samples * sizes["DRIVES"]
@@ -120,7 +120,7 @@ class GivenStepsMarch:
         return min(runs, fitting)
 
     def run(self, nominal: Any, given: Sequence[Any], shapes: Sequence[tuple[int, ...]], intervals: int) -> list[Any]:
-        """Run some runs; return rows, reports, and times, with the given numbers per run."""
+        """Return rows, reports and exit times of a batch with individual values."""
         kind, runs = self.source.kind, given[0].shape[1]
         kinds = kind, kind, np.dtype(float)
         made = [np.empty((*shape, runs), k) for shape, k in zip(shapes, kinds, strict=True)]
@@ -140,5 +140,5 @@ class GivenStepsMarch:
 
 @lru_cache(maxsize=32)
 def load_march(source: MarchSource) -> GivenStepsMarch:
-    """Return the compiled source, cached for the next call."""
+    """Return the compiled program, cached."""
     return GivenStepsMarch(source)

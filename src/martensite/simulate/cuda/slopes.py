@@ -1,9 +1,8 @@
-"""Derivatives of batches on given steps on a GPU: a run with slopes is a run whose state has more numbers.
+"""Derivatives of batches on given steps on a GPU.
 
-Beside every number of the state stand its derivatives, and beside an output those of it. They are plain numbers of the
-traced graph, so the march, its chunks and its memory are those of runs without them (`martensite.simulate.cuda.march`).
-Values and what derivatives have in common are computed once for all directions; a parameter moves nothing but itself,
-and what follows from parameters alone is computed before the march.
+States and outputs are followed by their derivatives in the traced graph. Integration and memory management are
+therefore unchanged (`martensite.simulate.cuda.march`). Common terms are computed once for all directions, and terms
+of parameters alone before the run.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from martensite.simulate.cuda.source import MarchSource
 from martensite.simulate.grid import TimeGrid
 
 DIRECTIONS = 4
-"""In one march: with four a wire takes 252 of the 255 registers of a thread and nothing spills; with eight it does."""
+"""Directions per run: a wire needs 252 of 255 registers with four, and spills with eight."""
 
 
 def march_slopes(
@@ -35,9 +34,9 @@ def march_slopes(
     Args:
         compiled: the system.
         table: its parameters, (parameters, runs).
-        wrt: places of the parameters by which the output is differentiated.
+        wrt: indices of the differentiation parameters.
         grid: the steps of all runs.
-        place: that of the output.
+        place: index of the output.
 
     Raises:
         InputError: no device was found, or a run does not fit into its memory.
@@ -56,16 +55,16 @@ def march_slopes(
 def print_slopes(
     compiled: CompiledMarch, wrt: tuple[int, ...], outputs: tuple[int, ...], varied: tuple[int, ...]
 ) -> MarchSource:
-    """Return the source to be compiled for derivatives."""
+    """Return the source for derivatives."""
     twin = add_slopes(compiled, wrt, outputs)
     return MarchSource(twin, tuple(range(len(twin.outputs))), varied)
 
 
 @cache_answers(32)
 def add_slopes(compiled: CompiledMarch, wrt: tuple[int, ...], outputs: tuple[int, ...]) -> CompiledMarch:
-    """Return a march whose states and wanted outputs are followed by their derivatives by parameters, in order.
+    """Return a system with states and outputs followed by their parameter derivatives, in order.
 
-    It looks at no envelope: nor do derivatives in C.
+    The envelope is not checked, as in C.
     """
     known, size = compiled.program, compiled.size
     program = Program(known.graph, list(known.parameters), dict(known.functions))

@@ -1,11 +1,10 @@
-"""CUDA C of a traced system and its march on given steps, one run per thread.
+"""CUDA C of a traced system on given steps, one run per thread.
 
-It is printed from the same graph as the C of `martensite.kernels.c99`, and is C but for a few words of CUDA: a C
-compiler that is told what they mean makes the same march for the processor, which is how the tests try it.
+The graph is the same as for `martensite.kernels.c99`. The code is C except for a few CUDA keywords, so tests can
+compile it for the processor.
 
-What follows from parameters that no run varies is computed by one thread, and read by all from constant memory, where
-an operand costs nothing. Divisions by one number share its inverse, and products and sums are fused: results differ
-from those of C by rounding.
+One thread computes all values of common parameters, and all threads read them from constant memory. Divisions by
+the same value share an inverse, and products and sums are fused. Results therefore differ from C by rounding.
 """
 
 from __future__ import annotations
@@ -28,9 +27,9 @@ from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
 
 REPORTS = 2
-"""Numbers of the report of a step that a batch asks for."""
+"""Step reports in a batch."""
 THREADS = 128
-"""In a block."""
+"""Threads per block."""
 
 
 WORDS = """#ifdef __cplusplus
@@ -50,21 +49,21 @@ WORDS = """#ifdef __cplusplus
 
 @dataclass(frozen=True)
 class NumberType:
-    """A type of numbers in CUDA C."""
+    """Floating-point type in CUDA C."""
 
     name: str
     number: str
     suffix: str
-    """Suffix of literals and of functions of the library."""
+    """Suffix of literals and library functions."""
     largest: float
-    """Value of an exponential, and of a power."""
+    """Largest value of an exponential or power."""
     highest: float
-    """Argument of an exponential; from as far below 0 on it is 0, and no number whose inverse overflows."""
+    """Largest argument of an exponential; below its negative value, the result is 0."""
     least: float
-    """Argument of a logarithm."""
+    """Smallest argument of a logarithm."""
 
     def literal(self, value: float | bool) -> str:
-        """Return a constant; a number that the type cannot hold becomes the nearest that it can, and never 0."""
+        """Return a literal, rounded to the nearest representable value and never to 0."""
         if isinstance(value, bool):
             return str(int(value))
         if math.isinf(value) or math.isnan(value):
@@ -93,7 +92,7 @@ class NumberType:
         return replace(dialect, shares_inverses=True)
 
     def prelude(self) -> str:
-        """Type and functions."""
+        """Return the C text of types and functions."""
         at, s = self.literal, self.suffix
         return (
             f"typedef {self.number} number;\n"
@@ -108,7 +107,7 @@ class NumberType:
         )
 
     def _polynomial(self, coefficients: list[float]) -> str:
-        """Return a polynomial in z, with the powers that it needs."""
+        """Return a polynomial in z with its powers."""
         powers, text = evaluate_estrin(coefficients, constant=f"{{!r}}{self.suffix}")
         return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 
@@ -124,26 +123,26 @@ NUMBER_TYPES = {
 
 @dataclass(frozen=True)
 class MarchSource:
-    """Source that is compiled for runs of a system; changed parameter values do not change it."""
+    """Source of runs of a system, independent of parameter values."""
 
     compiled: CompiledMarch
     outputs: tuple[int, ...]
     varied: tuple[int, ...]
-    """Places of the parameters that differ from run to run."""
+    """Indices of the parameters that differ from run to run."""
     precision: str = "float64"
     own_steps: bool = False
-    """True if every run has separate signals and steps."""
+    """True for individual signals and steps."""
     own_limits: bool = False
-    """True if every run has a separate envelope."""
+    """True for individual envelopes."""
 
     @property
     def kind(self) -> np.dtype[Any]:
-        """Type of its numbers."""
+        """Return the floating-point type."""
         return np.dtype(self.precision)
 
     @cached_property
     def text(self) -> str:
-        """CUDA C of functions and march."""
+        """Return the CUDA C of functions and time integration."""
         constants = {
             **self.sizes,
             "THREADS": THREADS,
@@ -173,7 +172,7 @@ class MarchSource:
 
     @cached_property
     def _functions(self) -> list[Function]:
-        """Return the functions of the march, with the wanted outputs."""
+        """Return the functions of the time integration, with the requested outputs."""
         traced, judged = self.compiled.program.functions, len(self.compiled.convergence_scales)
         end = judged + len(self.compiled.envelope)
         outputs = {
@@ -186,7 +185,7 @@ class MarchSource:
 
     @cached_property
     def _varying(self) -> set[int]:
-        """Return the nodes that a varied parameter is in."""
+        """Return the nodes that depend directly on a varied parameter."""
         graph = self.compiled.program.graph
         found = {graph.input(f"p{place}", PARAMETER).index for place in self.varied}
         for index in range(len(graph.operations)):
@@ -201,7 +200,7 @@ class MarchSource:
 
     @cached_property
     def _common(self) -> list[Expr]:
-        """Return the values that depend on shared parameters only, and are used by the march or by varied values."""
+        """Return the values of common parameters that the run or varied values use."""
         graph, varying = self.compiled.program.graph, self._varying
         reached = graph.walk([n.index for n in self._prepared], lambda i: graph.children(i) if i in varying else ())
         shared = sorted(i for i in reached if i not in varying and graph.depends[i] & PARAMETER)
@@ -218,7 +217,7 @@ class MarchSource:
         parameters = [graph.input(f"p{place}", PARAMETER) for place in range(len(self.compiled.paths))]
 
         def share(nodes: Sequence[Expr], array: str) -> None:
-            """Nodes as places of an array, in which conditions are numbers."""
+            """Return nodes as array elements, with conditions as numbers."""
             test = f"({{}} != {precision.literal(0.0)})"
             texts = [f"{array}[{k}]" for k in range(len(nodes))]
             flagged = [test.format(t) if printer.is_flag(n.index) else t for t, n in zip(texts, nodes, strict=True)]

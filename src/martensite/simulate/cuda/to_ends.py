@@ -1,7 +1,7 @@
-"""Runs with an error control on a GPU: the very C of `martensite.simulate.marching_native`, one run per thread.
+"""Runs with step size control on a GPU, with the C code of `martensite.simulate.marching_native`.
 
-NVRTC compiles it as it stands, for the device by default. A thread keeps its run in local memory, which the compiler
-interleaves so that threads access neighbouring addresses.
+Each thread runs one simulation. NVRTC compiles the unchanged code for the device. The compiler interleaves local
+memory for coalesced access.
 """
 
 from __future__ import annotations
@@ -23,8 +23,7 @@ from martensite.simulate.ledger import EMPTY
 from martensite.simulate.marching_native import MarchArrays, MarchKernel, MarchRows, Runs, kernel_of
 
 FLAGS = ("-default-device", "-diag-suppress=177")
-"""Options of NVRTC: code without a mark is for the device; suppress warnings on functions that this march does not use.
-"""
+"""NVRTC options: compile for the device by default, without warnings on unused functions."""
 NAMES = """
 #ifdef __CUDACC__
 #define restrict __restrict__
@@ -36,7 +35,7 @@ NAMES = """
 
 
 def march_to_ends(runs: Runs) -> MarchRows:
-    """March runs to their ends, each with a separate error control.
+    """Simulate runs to their ends with individual step size control.
 
     Raises:
         ParameterError: a drive has too many segments.
@@ -51,7 +50,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
     with device.DeviceMemory() as memory:
 
         def locate(array: Any) -> int:
-            """Return the rows need not be copied to be empty."""
+            """Return the device address of an array; empty rows need no copy."""
             return memory.take(array.nbytes, EMPTY_BYTE) if array is arrays.rows else memory.give(array)
 
         march = arrays.describe(locate)
@@ -65,11 +64,11 @@ def march_to_ends(runs: Runs) -> MarchRows:
 
 
 EMPTY_BYTE = 0xFF
-"""Eight of them are no number."""
+"""Fill byte; eight of them are NaN."""
 
 
 def print_source(kernel: MarchKernel) -> str:
-    """CUDA C of a march."""
+    """Return the CUDA C of a time integration."""
     text = re.sub(r"^#include .*$", "", kernel.source(), flags=re.MULTILINE)
     return f"#define THREADS {THREADS}\n{WORDS}{NAMES}{text}{_read_kernel()}"
 
@@ -80,11 +79,11 @@ def _read_kernel() -> str:
 
 @lru_cache(maxsize=32)
 def load_program(kernel: MarchKernel) -> Any:
-    """Return the compiled program, cached for the next call."""
+    """Return the compiled program, cached."""
     return device.DeviceProgram(print_source(kernel), FLAGS)
 
 
 @lru_cache(maxsize=32)
 def _leave_out_ledger(compiled: CompiledMarch) -> CompiledMarch:
-    """Return the batches tell no balance."""
+    """Return the system without ledger, since batches report no balance."""
     return replace(compiled, book=EMPTY)
