@@ -1,4 +1,5 @@
 """Simulation to a tolerance, in Python floats or compiled C.
+
 A run is repeated with local tolerances that are `FINER` times smaller. The difference of two passes times
 `ERROR_SAFETY` bounds the error of the second pass. Passes are repeated until this bound is below the tolerance. For
 random wires, the error is a quarter of the difference in the median and 1.4 times in one of a hundred. The reported

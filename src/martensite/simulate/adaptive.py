@@ -614,8 +614,7 @@ def stretch_length(length: float, end: float) -> float:
 
 
 def find_extreme(first: float, middle: float, last: float) -> tuple[float, float]:
-    """Return the fraction of a step at which a parabola turns, and its height beyond the points; 1 if it does not turn.
-    """
+    """Return the relative position of a parabola's turn and its height beyond the points; 1 without a turn."""
     one, two = middle - first, last - middle
     bend, rise = two - one, one + two
     if not abs(rise) < 2.0 * abs(bend):

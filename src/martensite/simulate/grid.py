@@ -142,13 +142,13 @@ class LaneGrid:
 
     times: list[float]
     sampled: Any
-    """Signals at the sample times, (samples, drives, batch elements)."""
+    """Signals at the sample times, (samples, drives, lanes)."""
     counts: Any
     """Steps in each interval, (intervals,)."""
     drives: Any
-    """Drive inputs in every step, (steps, inputs, batch elements)."""
+    """Drive inputs in every step, (steps, inputs, lanes)."""
     lengths: Any
-    """Length of every step [s], (steps, batch elements); 0 for unused steps."""
+    """Length of every step [s], (steps, lanes); 0 for unused steps."""
     stored: Any = ...
     """True for requested samples."""
 

@@ -70,7 +70,7 @@ def march_lanes(
     A `LaneGrid` gives individual signals and steps.
 
     Returns:
-        Outputs (samples, outputs, batch elements) and the worst reports (3, batch elements).
+        Outputs (samples, outputs, lanes) and the worst reports (3, lanes).
     """
     return march_inside(compiled, values, grid, lanes, outputs, None)[:2]
 
@@ -84,7 +84,7 @@ def march_inside(
     limits: Any,
     states: Any = None,
 ) -> tuple[Any, Any, Any]:
-    """Simulate a batch and return the times [s] of leaving the envelope, (batch elements,), too.
+    """Simulate a batch and return the times [s] of leaving the envelope, (lanes,), too.
 
     The time is the end of a step, and infinite for variants that stay inside. Reports cover the run until then. The
     limits are low and high, (2, envelope) or (2, envelope, lanes), or None. The `states`, (states, lanes), are

@@ -151,7 +151,7 @@ class _RestingLanes:
         self._before = high if direction == "cooling" else None
 
     def signals(self, row: Numbers) -> Numbers:
-        """Return the signals of all drives, shape (drives, batch elements)."""
+        """Return the signals of all drives, shape (drives, lanes)."""
         table = np.repeat(self._base[:, None], len(row), axis=1)
         table[self._place] = row
         return table
@@ -183,7 +183,7 @@ class _RestingLanes:
 
 
 def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, settled: float = SETTLED) -> None:
-    """Hold signals, (drives, batch elements), in doubling stretches until judged outputs settle.
+    """Hold signals, (drives, lanes), in doubling stretches until judged outputs settle.
 
     Raises:
         SolveError: the outputs do not settle in time.

@@ -1,1 +1,1 @@
-"""Numbers that sum up a run, such as the stroke or the hottest temperature; one file each."""
+"""Measures of a run, such as the stroke or the maximum temperature, in one file each."""

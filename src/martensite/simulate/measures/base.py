@@ -1,10 +1,10 @@
-"""Measures: one number per run from the rows of a `RunTable`, and its derivatives by every row.
+"""Measures: one value per run from the rows of a `RunTable`, and its derivatives by every row.
 
-    max(stress)   stroke   rise-time   energy   at(position, time=2 s)
+max(stress)   stroke   rise-time   energy   at(position, time=2 s)
 
-A measure reads one output, or all outputs of that name of a system with several elements
-(`temperature` finds `first.temperature`, `second.temperature` …). Rows are the accepted steps of a
-run (`martensite.simulate.track`), so a short pulse in a long run is measured as it was computed.
+A measure reads one output, or all outputs of a name in a system with several elements (`temperature` finds
+`first.temperature`, `second.temperature` …). Rows are the accepted steps of a run (`martensite.simulate.track`),
+which include short pulses of long runs.
 """
 
 from __future__ import annotations
@@ -23,51 +23,51 @@ from martensite.base.registry import Registry
 from martensite.simulate.measures.run_table import Numbers, RunTable, tabulate_samples
 
 FIRST = ""
-"""Stands for the first coordinate of the mechanism."""
+"""Placeholder for the first coordinate of the mechanism."""
 _CALL = re.compile(r"^\s*([A-Za-z][\w-]*)\s*(?:\(\s*([^()]*?)\s*\))?\s*$")
 
 
 class AbstractMeasure(Parametrised):
-    """One number per run."""
+    """Measure with one value per run."""
 
     averages: ClassVar[bool] = False
     """True if the measure is an integral over time."""
     follows_curve: ClassVar[bool] = False
-    """True if it needs the curve between steps, not only extremes and integrals."""
+    """True if the measure needs the curve between steps in addition to extremes and integrals."""
 
     seeks_turn: ClassVar[bool] = False
-    """True if the measure depends on which value is farthest from the first."""
+    """True if the measure depends on the value farthest from the first."""
 
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 
     @abstractmethod
     def unit(self, unit: str) -> str:
-        """SI unit of the number, from that of the output."""
+        """Return the SI unit of the value for the unit of the output."""
 
     @abstractmethod
     def value(self, table: RunTable) -> Numbers:
-        """Return the number of every run, (runs,); infinite where something never happens."""
+        """Return the value of every run, (runs,); infinite for events that never happen."""
 
     @abstractmethod
     def derivatives(self, table: RunTable) -> Numbers:
-        """Return the derivatives of the number by every value, (columns, rows, runs).
+        """Return the derivatives of the measure by every value, (columns, rows, runs).
 
-        Where the number has none, as between two rows that are both the largest, it is the derivative on one side.
+        At nondifferentiable points, such as equal maxima, the derivative is one-sided.
         """
 
     def spread(self, table: RunTable, off: Numbers) -> float:
-        """Return how far the number of the first run may be off.
+        """Return the error bound of the measure for the first run.
 
         Args:
-            table: of the run.
-            off: how far values may be off, (columns,).
+            table: table of the run.
+            off: error bounds of the values, (columns,).
         """
         slopes = np.abs(self.derivatives(table)[:, :, 0])
         most = np.minimum(np.abs(table.values[:, :, 0]), off[:, None]) if self.averages else off[:, None]
         return float((slopes * most).sum())
 
     def columns(self, system: AbstractSystem) -> tuple[str, ...]:
-        """Return the names of the outputs that are looked at.
+        """Return the names of the required outputs.
 
         Raises:
             ParameterError: the output does not exist.
@@ -83,7 +83,7 @@ class AbstractMeasure(Parametrised):
         return tuple(found)
 
     def unit_in(self, system: AbstractSystem) -> str:
-        """SI unit of the number for a system."""
+        """Return the SI unit of the measure for a system."""
         return self.unit(system.outputs()[self.columns(system)[0]].unit)
 
 
@@ -91,10 +91,10 @@ MEASURES: Registry[AbstractMeasure] = Registry("measure", "martensite.simulate.m
 
 
 def parse_measure(words: str) -> AbstractMeasure:
-    """Return the measure that words such as `stroke`, `max(stress)` or `at(position, time=2 s)` name.
+    """Return the measure for text such as `stroke`, `max(stress)` or `at(position, time=2 s)`.
 
     Raises:
-        ParameterError: the words name none, or an option of it is wrong.
+        ParameterError: the measure is unknown, or an option is wrong.
     """
     found = _CALL.match(words)
     if found is None:
@@ -105,7 +105,7 @@ def parse_measure(words: str) -> AbstractMeasure:
 
 
 def _parse_options(words: str) -> dict[str, Any]:
-    """Parse the text in the brackets: an output first, then options by name."""
+    """Return the options in the brackets: an output first, then options by name."""
     given: dict[str, Any] = {}
     for place, piece in enumerate(filter(None, (p.strip() for p in words.split(",")))):
         name, equals, value = (part.strip() for part in piece.partition("="))
@@ -116,12 +116,12 @@ def _parse_options(words: str) -> dict[str, Any]:
 
 
 def list_needed(measures: Iterable[AbstractMeasure], system: AbstractSystem) -> tuple[str, ...]:
-    """Return every output that some measures look at, once."""
+    """Return the required outputs of several measures, without duplicates."""
     return tuple(dict.fromkeys(n for one in measures for n in one.columns(system)))
 
 
 def measure_samples(
     one: AbstractMeasure, system: AbstractSystem, times: Numbers, columns: Mapping[str, Numbers]
 ) -> Numbers:
-    """Return the number of every run from stored samples, (runs, samples) by name."""
+    """Return the measure of every run from stored samples, (runs, samples) by name."""
     return one.value(tabulate_samples(times, np.stack([columns[name].T for name in one.columns(system)])))

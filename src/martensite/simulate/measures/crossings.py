@@ -1,7 +1,7 @@
 """Rise time, fall time, time to a fraction of the change, and time of the peak.
 
-The change is that from the first row to the row farthest from it. A crossing that does not happen
-is at an infinite time, and so is every crossing of a change that is rounding.
+The change is measured from the first row to the farthest row. A missing crossing, or a crossing of a change within
+rounding, has an infinite time.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from martensite.simulate.measures.run_table import Numbers, RunTable
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 LEAST_WAY = 1e-12, 1e-9
-"""Least way, in SI and as a fraction of the largest sample."""
+"""Smallest relevant change, in SI and as a fraction of the largest sample."""
 
 
 @MEASURES.register("rise-time")
@@ -34,7 +34,7 @@ class RiseTime(AbstractMeasure):
     high: Number = param("1", "share of the way at which it ends", low=0.0, high=1.0, default=0.9)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless the way goes somewhere."""
+        """Raise `ParameterError` unless the fractions of the change are valid."""
         if self.low >= self.high:
             raise ParameterError(
                 f"Parameter `low` of `{self.registered_name}` must be below `high` "
@@ -42,16 +42,16 @@ class RiseTime(AbstractMeasure):
             )
 
     def unit(self, unit: str) -> str:
-        """Seconds."""
+        """Return the unit second."""
         return "s"
 
     def value(self, table: RunTable) -> Numbers:
-        """t(high) − t(low)."""
+        """Return t(high) − t(low)."""
         begin, end = (self._crossing(table, share) for share in (self.low, self.high))
         return _measure_lasting(begin, end).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Return the derivatives of both crossings; 0 where one never happens."""
+        """Return the derivatives of both crossings; 0 without a crossing."""
         begin, end = (self._crossing(table, share) for share in (self.low, self.high))
         lasting = _measure_lasting(begin, end)
         longest = np.arange(len(table.values))[:, None] == lasting.argmax(axis=0)
@@ -60,12 +60,12 @@ class RiseTime(AbstractMeasure):
         return (end.slopes() - begin.slopes()) * np.where(counted, later, 0.0)[:, None, :]
 
     def spread(self, table: RunTable, off: Numbers) -> float:
-        """Return how far both crossings move together."""
+        """Return the error bound from both crossings."""
         levels = (self.low, self.high)
         return sum(measure_spread(lambda way: self._cross(table, way), table, share, off) for share in levels)
 
     def _crossing(self, table: RunTable, share: float) -> Crossing:
-        """Return the crossing of a fraction of the way."""
+        """Return the crossing of a fraction of the change."""
         return self._cross(table, ColumnCrossings(table.values, share))
 
     def _cross(self, table: RunTable, way: ColumnCrossings) -> Crossing:
@@ -92,21 +92,21 @@ class ReachTime(AbstractMeasure):
     share: Number = param("1", "share of the way that is reached", above=0.0, high=1.0, default=0.9)
 
     def unit(self, unit: str) -> str:
-        """Seconds."""
+        """Return the unit second."""
         return "s"
 
     def value(self, table: RunTable) -> Numbers:
-        """t(share) − t(start)."""
+        """Return t(share) − t(start)."""
         return (self._crossing(table).time - table.times[0]).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Return the derivatives of the crossing that is last; 0 where it never happens."""
+        """Return the derivatives of the last crossing; 0 without a crossing."""
         found = self._crossing(table)
         longest = np.arange(len(table.values))[:, None] == found.time.argmax(axis=0)
         return found.slopes() * longest[:, None, :]
 
     def spread(self, table: RunTable, off: Numbers) -> float:
-        """Return how far the crossing moves."""
+        """Return the error bound of the crossing."""
         return measure_spread(lambda way: cross_outwards(table, way), table, self.share, off)
 
     def _crossing(self, table: RunTable) -> Crossing:
@@ -120,15 +120,15 @@ class PeakTime(AbstractMeasure):
     follows_curve = seeks_turn = True
 
     def unit(self, unit: str) -> str:
-        """Seconds."""
+        """Return the unit second."""
         return "s"
 
     def value(self, table: RunTable) -> Numbers:
-        """Return the time at which the slope is zero; for several outputs the longest time."""
+        """Return the time of zero derivative; the longest time for several outputs."""
         return (self._find_peaks(table)[0] - table.times[0]).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Return the derivatives by the farthest row and its neighbours; 0 for a peak at an end of the run."""
+        """Return the derivatives by the farthest row and its neighbours; 0 for a peak at a run end."""
         when, place, slopes = self._find_peaks(table)
         longest = np.arange(len(table.values))[:, None] == when.argmax(axis=0)
         found = np.zeros(table.values.shape)
@@ -137,10 +137,9 @@ class PeakTime(AbstractMeasure):
         return found
 
     def spread(self, table: RunTable, off: Numbers) -> float:
-        """Return how far the peak is from all times at which the change may be larger.
+        """Return the distance of the peak from all times with a possibly larger change.
 
-        Between the last row that may be larger and the next row the change follows a parabola with its turn at the
-        first of both.
+        Between two candidate rows the change follows a parabola with its turning point at the first.
         """
         gone = np.abs(table.values - table.values[:, :1])[:, :, 0]
         level = gone.max(axis=1, keepdims=True) - 2.0 * off[:, None]
@@ -155,7 +154,7 @@ class PeakTime(AbstractMeasure):
         return float(farthest.max())
 
     def _find_peaks(self, table: RunTable) -> tuple[Numbers, Places, list[Numbers]]:
-        """Return time, inner row next to it, and derivatives by three rows, of every column and run."""
+        """Return time, inner row and derivatives by three rows of the peak, by column and run."""
         seen, times = table.values, np.broadcast_to(table.times, table.values.shape)
         turn: Places = np.abs(seen - seen[:, :1]).argmax(axis=1)
         place = np.clip(turn, 1, seen.shape[1] - 2)
@@ -170,7 +169,7 @@ class PeakTime(AbstractMeasure):
         start, length = middle - 0.5 * first, 0.5 * (first + second)
         by_rise, by_fall = (np.where(inner, length * one / bend**2, 0.0) for one in (-fall, rise))
         slopes = [-by_rise / first, by_rise / first - by_fall / second, by_fall / second]
-        vertex = inner & (table.highest is None)  # else there is a row at the peak
+        vertex = inner & (table.highest is None)  # otherwise a row lies at the peak
         return np.where(vertex, start + length * rise / bend, _take_sample(times, turn)), place, slopes
 
 
@@ -182,13 +181,13 @@ def cross_outwards(table: RunTable, way: ColumnCrossings) -> Crossing:
 
 
 def measure_spread(cross: Callable[[ColumnCrossings], Crossing], table: RunTable, share: float, off: Numbers) -> float:
-    """Return how far a crossing of the first run may be off, infinite if it may never happen.
+    """Return the error bound of a crossing of the first run; infinite if the crossing may not exist.
 
     Args:
-        cross: the crossing of a way.
-        table: of the run.
-        share: of the way.
-        off: how far values may be off, (columns,). The turn may be at any row that is nearly the farthest.
+        cross: crossing of a change.
+        table: table of the run.
+        share: fraction of the change.
+        off: error bounds of the values, (columns,). The turn may be at any row that is nearly the farthest.
     """
     here = ColumnCrossings(table.values, share)
     meant, ends = cross(here), here.find_turns(2.0 * off)
@@ -199,7 +198,7 @@ def measure_spread(cross: Callable[[ColumnCrossings], Crossing], table: RunTable
 
 
 class Crossing:
-    """When a fraction of the way is crossed, by column and run, in given intervals (−1: never)."""
+    """Crossing of a fraction of the change, by column and run, in given intervals (−1: never)."""
 
     def __init__(self, times: Numbers, way: ColumnCrossings, place: Places) -> None:
         self.way, self.place, self.missing = way, np.maximum(place, 0), (place < 0) | way.none
@@ -213,7 +212,7 @@ class Crossing:
         self.by_end = begin / apart**2 * length
 
     def slopes(self) -> Numbers:
-        """Return the derivatives of the time by every sample; 0 where it never is."""
+        """Return the derivatives of the time by every sample; 0 without a crossing."""
         way, found = self.way, np.zeros(self.way.beyond.shape)
         level = -(self.by_begin + self.by_end)
         _add_sample(found, self.place, self.by_begin)
@@ -224,7 +223,7 @@ class Crossing:
 
 
 class ColumnCrossings:
-    """The way of every column and run, and how far samples are beyond a fraction of it."""
+    """Changes by column and run, and distances of samples from a fraction of the change."""
 
     def __init__(self, seen: Numbers, share: float) -> None:
         gone = seen - seen[:, :1]
@@ -241,13 +240,13 @@ class ColumnCrossings:
         """True if an interval is before the turn."""
 
     def find_turns(self, off: Numbers) -> tuple[Places, Places]:
-        """Return the first and the last row that are not nearer than the turn by more than `off`, (columns, runs)."""
+        """Return the first and last row within `off` of the farthest, (columns, runs)."""
         level = _take_sample(self.beyond, self.turn) - off[:, None]
         near = self.beyond >= level[:, None]
         return near.argmax(axis=1), near.shape[1] - 1 - near[:, ::-1].argmax(axis=1)
 
     def shift(self, turn: Places, off: Numbers) -> ColumnCrossings:
-        """Return the way with another turn, to a level that is farther by `off`, (columns,)."""
+        """Return the change with another turn, to a level that is farther by `off`, (columns,)."""
         intervals = np.arange(self.out.shape[1], dtype=np.intp)[None, :, None]
         found = copy(self)
         found.turn, found.out, found.beyond = turn, intervals < turn[:, None, :], self.beyond - off[:, None, None]

@@ -24,7 +24,7 @@ class Largest(AbstractMeasure):
         return unit
 
     def value(self, table: RunTable) -> Numbers:
-        """max y."""
+        """Return max y."""
         return table.find_highest().max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
@@ -37,7 +37,7 @@ class Smallest(Largest):
     """Smallest value, of all elements."""
 
     def value(self, table: RunTable) -> Numbers:
-        """min y."""
+        """Return min y."""
         return table.find_lowest().min(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
@@ -54,7 +54,7 @@ class Stroke(Largest):
         return DEGREES if unit == "K" else unit
 
     def value(self, table: RunTable) -> Numbers:
-        """max y − min y, the widest of several."""
+        """Return max y − min y, the largest of several."""
         return (table.find_highest() - table.find_lowest()).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
@@ -74,13 +74,13 @@ class Change(Stroke):
     """Largest change from the first value, with its sign; of several outputs the one that changes most."""
 
     def value(self, table: RunTable) -> Numbers:
-        """y(t) − y(0) where it is largest in size."""
+        """Return y(t) − y(0) at its largest absolute value."""
         first = table.values[:, 0]
         both = np.stack([table.find_highest() - first, table.find_lowest() - first]).reshape(-1, first.shape[1])
         return both[np.abs(both).argmax(axis=0), np.arange(first.shape[1], dtype=np.intp)]
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Return 1 at that row and −1 at the first."""
+        """Return 1 at the farthest row and −1 at the first."""
         seen = table.values
         found, runs = np.zeros(seen.shape), np.arange(seen.shape[2], dtype=np.intp)
         most = np.abs(seen - seen[:, :1]).max(axis=1).argmax(axis=0)
@@ -114,17 +114,17 @@ class At(AbstractMeasure):
         return unit
 
     def value(self, table: RunTable) -> Numbers:
-        """y(t)."""
+        """Return y(t)."""
         return np.einsum("sr,csr->cr", self._weigh_rows(table), table.values).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Return the weights of both neighbours, in the column that is largest."""
+        """Return the weights of both neighbours, in the column with the largest value."""
         shares = self._weigh_rows(table)
         largest = np.einsum("sr,csr->cr", shares, table.values).argmax(axis=0)
         return shares * (np.arange(len(table.values))[:, None] == largest)[:, None, :]
 
     def _weigh_rows(self, table: RunTable) -> Numbers:
-        """Return the weights of the rows on both sides of the time, (rows, runs); behind a jump at that time."""
+        """Return the weights of the rows on both sides of the time, (rows, runs); after a jump at that time."""
         times = table.times
         last = times[-1]
         when = np.where(math.isinf(self.time), last, self.time)

@@ -10,9 +10,9 @@ from martensite.simulate.measures.run_table import Numbers, RunTable
 
 
 def sum_weighted(counts: Numbers, values: Numbers) -> Numbers:
-    """Return the sum of all values of every run, each times its weight, (runs,).
+    """Return the weighted sum of the values of every run, (runs,).
 
-    Rows are added one after another, so that the sum of a run does not depend on the other runs.
+    Rows are added in sequence, so that sums are independent of the other runs.
     """
     shares = (counts[None] * values).reshape(-1, values.shape[2])
     return np.add.accumulate(shares, axis=0)[-1]
@@ -48,7 +48,7 @@ class ElectricalEnergy(Integral):
     of: str = text("power that is added up", default="power")
 
     def unit(self, unit: str) -> str:
-        """Return the Joule for a power in watt."""
+        """Return joule for a power in watt."""
         return "J" if unit == "W" else super().unit(unit)
 
 

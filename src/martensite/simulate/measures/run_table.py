@@ -1,4 +1,4 @@
-"""Input of measures: the rows of many runs in one table, from tracks or from stored samples."""
+"""Input of measures: the rows of many runs in one table, from tracks or stored samples."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Numbers: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class RunTable:
-    """Rows of runs in the order of time; shorter runs repeat their last row, with no weight."""
+    """Rows of runs in time order; shorter runs repeat their last row with zero weight."""
 
     times: Numbers
     """[s], (rows, runs); the same time on both sides of a jump."""
@@ -25,7 +25,7 @@ class RunTable:
     weights: Numbers
     """Weight of every row in an integral over time [s], (rows, runs)."""
     highest: Numbers | None = None
-    """Highest value of every column, peaks between rows included, (columns, runs); None where rows are all there is."""
+    """Maximum of every column with peaks between rows, (columns, runs); None if only rows exist."""
     lowest: Numbers | None = None
 
     @property
@@ -34,10 +34,10 @@ class RunTable:
         return self.times[-1] - self.times[0]
 
     def thin(self, first: int) -> RunTable:
-        """Return the table of the first run without every second row, save at jumps and at extreme values.
+        """Return the first run without every second row, except at jumps and extremes.
 
         Args:
-            first: 0 to leave out the rows 0, 2, 4, …, 1 to leave out the rows 1, 3, 5, ….
+            first: 0 to omit the rows 0, 2, 4, …, 1 to omit the rows 1, 3, 5, ….
         """
         times, kept = self.times[:, 0], np.arange(len(self.times)) % 2 != first
         jumps = np.diff(times) == 0.0
@@ -49,11 +49,11 @@ class RunTable:
         return RunTable(self.times[kept, :1], self.values[:, kept, :1], self.weights[kept, :1], *ends)
 
     def find_highest(self) -> Numbers:
-        """Return the highest value of every column, (columns, runs)."""
+        """Return the maximum of every column, (columns, runs)."""
         return self.values.max(axis=1) if self.highest is None else self.highest
 
     def find_lowest(self) -> Numbers:
-        """Return the lowest value of every column, (columns, runs)."""
+        """Return the minimum of every column, (columns, runs)."""
         return self.values.min(axis=1) if self.lowest is None else self.lowest
 
 
@@ -68,13 +68,13 @@ def tabulate_track(track: Track, columns: Sequence[int], runs: int, curve: bool)
     """Return the table of a track.
 
     Args:
-        track: of `runs` runs; a run without rows has no numbers.
-        columns: places of the outputs.
+        track: track of `runs` runs; a run without rows has NaN values.
+        columns: indices of the outputs.
         runs: number of runs.
-        curve: also give the course between steps.
+        curve: True to include points between steps.
     """
     some = track.choose(columns)
-    some = some.draw_curve() if curve and runs == 1 else some  # then there are rows at the extremes
+    some = some.draw_curve() if curve and runs == 1 else some  # extremes have their own rows
     highest, lowest = find_extremes(some, runs)
     some = some.draw_curve() if curve and runs > 1 else some
     counts = np.bincount(some.run, minlength=runs)
@@ -90,7 +90,7 @@ def tabulate_track(track: Track, columns: Sequence[int], runs: int, curve: bool)
 
 
 def find_extremes(track: Track, runs: int) -> tuple[Numbers, Numbers]:
-    """Return the highest and the lowest value of every output in every run, (outputs, runs); NaN for no rows."""
+    """Return the maximum and minimum of every output in every run, (outputs, runs); NaN without rows."""
     found = list[Numbers]()
     for sign in (1.0, -1.0):
         most = np.full((runs, track.values.shape[1]), -np.inf)
