@@ -91,8 +91,8 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
 def build_superelastic(guide: Guide) -> list[ThermomechanicalPath]:
     """Load austenite to a stress and unload it, at each of several temperatures.
 
-    Temperatures: A_f + 10, 25 and 40 K. Stress: the first one given for all temperatures, else
-    beyond the end of the transformation at each.
+    Temperatures: A_f + 10, 25 and 40 K. Stress: the first given value for all temperatures, else beyond the end of
+    each transformation.
     """
     fractions = guide.choices.fractions or AUSTENITE
 
@@ -106,10 +106,10 @@ def build_superelastic(guide: Guide) -> list[ThermomechanicalPath]:
 
 @register_path("tension", "temperatures", "strain", plane=LOOP)
 def build_tension(guide: Guide) -> list[ThermomechanicalPath]:
-    """Return the stretch to a strain and back to the start, at each of several temperatures.
+    """Stretch to a strain and return to the start, at each of several temperatures.
 
-    Temperatures: one at which martensite stays, and A_f + 15 K. Strain: beyond the end of the
-    transformation. A specimen that stays elongated goes slack.
+    Temperatures: one with stable martensite, and A_f + 15 K. Strain: beyond the end of the transformation. A
+    specimen with residual strain goes slack.
     """
     temperatures = guide.choices.temperatures or (guide.cold_state[0], *guide.hot(15.0))
 
@@ -128,8 +128,7 @@ def build_tension(guide: Guide) -> list[ThermomechanicalPath]:
 def build_isobaric(guide: Guide) -> list[ThermomechanicalPath]:
     """Cool austenite and heat it again, at each of several constant stresses.
 
-    Stresses: 50, 100 and 200 MPa. Temperatures: from beyond A_f at the highest to beyond M_f at
-    the lowest.
+    Stresses: 50, 100 and 200 MPa. Temperatures: from above A_f at the highest stress to below M_f at the lowest.
     """
     stresses = guide.choices.stresses or (50e6, 100e6, 200e6)
     hot = max(guide.marks_at(stress).A_f for stress in stresses) + 10.0
@@ -141,10 +140,10 @@ def build_isobaric(guide: Guide) -> list[ThermomechanicalPath]:
 
 @register_path("free-recovery", "temperatures", "stresses", plane=RECOVERY)
 def free_recovery(guide: Guide) -> list[ThermomechanicalPath]:
-    """Load and unload cold, then heat without load: the strain comes back.
+    """Load and unload cold, then heat without load: the strain recovers.
 
-    Temperature: the cold one; by default below M_f where twinned martensite turns under stress,
-    else between M_s and A_s. Stress: beyond the end of the transformation there.
+    Temperature: by default below M_f if stress orients twinned martensite, else between M_s and A_s. Stress: beyond
+    the end of the transformation.
     """
     return [_build_recovery(guide, "load, unload, heat", cool=False)]
 
@@ -169,9 +168,9 @@ def _build_recovery(guide: Guide, label: str, *, cool: bool) -> Thermomechanical
 
 @register_path("constrained-recovery", "temperatures", "strain", plane=("temperature", "stress"))
 def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
-    """Return the stretch and unload cold, clamp, heat to A_f + 60 K and cool: the stress of recovery.
+    """Stretch and unload cold, clamp, heat to A_f + 60 K and cool: the recovery stress.
 
-    Temperature: as for free-recovery. Strain: half of what completes the transformation there.
+    Temperature: as for free-recovery. Strain: half of the strain that completes the transformation.
     """
     temperature, fractions = guide.cold_state
     peak = guide.choices.strain or 0.5 * guide.top(temperature, fractions).strain
@@ -188,7 +187,7 @@ def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
 
 @register_path("minor-loops", "stresses", plane=RECOVERY)
 def minor_loops(guide: Guide) -> list[ThermomechanicalPath]:
-    """Return a whole thermal cycle at constant stress, then partial heatings from cold.
+    """Run a complete thermal cycle at constant stress, then partial heatings from cold.
 
     Stress: 100 MPa. The partial heatings end 75, 60, 45 and 30 % of the way from A_s to A_f.
     """
