@@ -1,4 +1,4 @@
-"""`read_problem` and `fit`: from scenarios and logs to a problem, and to its solution."""
+"""Build fit problems from scenarios and logs, and solve them."""
 
 from __future__ import annotations
 
@@ -36,20 +36,19 @@ def read_problem(
     """Return the fit problem of scenarios and logs, from files.
 
     Args:
-        scenario: one for all logs, or one for each: files, or scenarios.
+        scenario: one scenario or file for all logs, or one for each log.
         logs: files with headings, `data:<data set>/<file>`, or records; missing samples are NaN.
         free: parameters common to all logs: `A_s`, `A_s=40..90 degC`, `A_s=40..90 degC@60 degC`.
-        each: what every log has for itself: such parameters, `offset`, `offset.OUTPUT`, `delay`.
-        hold_out: held-out data: auto (default), none, names of records, or
-            `25 %`.
-        columns: outputs that are compared, `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`;
-            all that logs and system share if left out, but for what drives.
+        each: separate parameters of each log: as in `free`, and `offset`, `offset.OUTPUT`, `delay`.
+        hold_out: held-out data: auto (default), none, names of records, or `25 %`.
+        columns: compared outputs: `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`.
+            The default is all outputs that logs and system have in common, without the drives.
         noise: output -> standard deviation of its measurement, with unit or in SI.
-        step: longest step of all runs [s]; that of the scenario, or one to its tolerance.
+        step: longest step of all runs [s]; by default the step of the scenario, or a step chosen by the tolerance.
         overrides: changes to the scenarios, by dotted path.
 
     Raises:
-        InputError: something is unknown, missing, or does not fit; one sentence says what.
+        InputError: an entry is unknown, missing, or inconsistent.
         SolveError: a run at the start values fails.
     """
     task = build_task(scenario, logs, free).with_changes(
@@ -78,8 +77,8 @@ def fit_logs(
 ) -> Fit:
     """Fit parameters of scenarios to logs.
 
-    With the path of a fit file in place of all three it does what that says, but for what is
-    given beside it; see `martensite.fit.fit_file`.
+    A fit file as `scenario` replaces `logs` and `free`; other arguments override its entries
+    (`martensite.fit.fit_file`).
 
     Args:
         scenario: as in `read_problem`, or a fit file.
@@ -91,16 +90,16 @@ def fit_logs(
         noise: as in `read_problem`.
         step: as in `read_problem`.
         overrides: as in `read_problem`.
-        method: trf (if left out), coordinate, or evolution; see `solve`.
-        loss: linear (if left out), soft-l1, huber, or cauchy.
-        starts: further local searches, from the best of many points within the bounds.
-        seed: of those points.
-        tell: called after every evaluation.
-        state: a file in which the search is kept, and taken up again.
+        method: trf (default), coordinate, or evolution; see `solve`.
+        loss: linear (default), soft-l1, huber, or cauchy.
+        starts: number of further local searches, from the best of many points within the bounds.
+        seed: seed of these points.
+        tell: callback after every evaluation.
+        state: file that stores the search, so that it can be resumed.
 
     Raises:
-        InputError: something is unknown, missing, or does not fit; one sentence says what.
-        SolveError: the runs fail at the start, and at every point tried.
+        InputError: an entry is unknown, missing, or inconsistent.
+        SolveError: the runs fail at the start and at all points tried.
     """
     task = _read_task(scenario) if logs is None or free is None else build_task(scenario, logs, free)
     task = task.with_changes(
@@ -116,10 +115,10 @@ def fit_logs(
 
 
 def build_task(scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges) -> FitTask:
-    """Return the task of some logs, one scenario or one for each, and free parameters.
+    """Return the task of logs, one scenario or one for each log, and free parameters.
 
     Raises:
-        DataError: scenarios are neither one nor as many as logs.
+        DataError: the number of scenarios is neither 1 nor the number of logs.
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     models = [scenario] if isinstance(scenario, (str, Path, Scenario)) else list(scenario)

@@ -1,13 +1,13 @@
-"""Predictions without a model, of what a fit keeps back: a model that does not beat them explains nothing.
+"""Baseline predictions of held-out data without a model, which a useful model must beat.
 
-    mean of training    the mean of what was fitted, of the same record where it has fitted rows
-    last cycle          of a periodic record: what was fitted in the cycle before
+    mean of training    the mean of the fitted samples, of the same record if possible
+    last cycle          of a periodic record: the fitted samples one cycle earlier
     first-order lag     a + b x, where x is the drive (squared, for volts and amperes) behind a lag
-    straight line       a + b x, where x is a strain, force or position that is prescribed
+    straight line       a + b x, where x is a prescribed strain, force or position
     nearest record      of temperatures: the loop under the nearest load; others of loops as in `loop_rivals`
-    linear scaling      from the nearest record, or condition, in proportion to what drives
+    linear scaling      from the nearest record, or condition, in proportion to the drive
 
-All are made of rows that were fitted. Temperatures and times are not scaled but taken over from the nearest.
+All use fitted rows only. Temperatures and times are copied from the nearest record, without scaling.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ MEAN, CYCLE, LAG, LINE = "mean of training", "last cycle", "first-order lag", "s
 NEAREST, SCALING = "nearest record", "linear scaling"
 NEIGHBOURS, MAJOR = "neighbouring loads", "scaled major loop"
 DRIVE = "drive"
-"""Column of what drives, whatever it is called in a record."""
+"""Column name of the drive in all records."""
 HALF = 0.5
-"""Least part of the held-out rows for which there is a cycle before."""
+"""Least fraction of held-out rows with an earlier cycle."""
 CYCLES = 2.0
-"""Periods from which on a record is periodic."""
+"""Least number of periods of a periodic record."""
 
 
 @dataclass(frozen=True)
 class BaselineScore:
-    """Error of a prediction without a model, in the held-out rows of one output of one record."""
+    """Error of a baseline in the held-out rows of one output of one record."""
 
     record: str
     output: str
     name: str
-    """Name of the prediction, as above."""
+    """Name of the baseline, from the module table."""
     unit: str
     """SI unit of the output."""
     rms: float
@@ -61,7 +61,7 @@ class BaselineScore:
 def score_baselines(found: Fit | Problem) -> list[BaselineScore]:
     """Return the errors of all baselines in the held-out rows, by record and output.
 
-    If the records were left out in turn, each is predicted from all others.
+    If each record was left out in turn, all others predict it.
     """
     if isinstance(found, Problem):
         return list(_score_all(found.experiments, found.experiments))
@@ -75,7 +75,7 @@ def score_baselines(found: Fit | Problem) -> list[BaselineScore]:
 
 
 def pool_baselines(scores: Sequence[BaselineScore], output: str) -> dict[str, float]:
-    """Return the root-mean-square error over all records of every baseline of an output that all have [unit]."""
+    """Return the root-mean-square error [unit] over all records, for every common baseline of an output."""
     own = [one for one in scores if one.output == output]
     records = len({one.record for one in own})
     found: dict[str, float] = {}
@@ -111,7 +111,7 @@ def predict_naively(fitted: Sequence[Experiment], one: Experiment, output: str) 
 
 
 def _predict_all(known: Mapping[str, Experiment], one: Experiment, output: str, own: Any) -> dict[str, Any]:
-    """Return the baselines beside the mean; `own` marks the fitted rows of the record itself."""
+    """Return the baselines other than the mean; `own` marks the fitted rows of the record."""
     k, unit = one.outputs.index(output), one.describe_outputs()[output].unit
     others = [x for x in known.values() if (x.name == one.name) == own.any()]
     if isinstance(one, ConditionExperiment):
@@ -125,7 +125,7 @@ def _predict_all(known: Mapping[str, Experiment], one: Experiment, output: str, 
 
 
 def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: str) -> dict[str, Any]:
-    """By what drives: a lag, a straight line, or the same temperature of another loop."""
+    """Return the predictions from the drive: a lag, a straight line, or the same temperature of another loop."""
     driving = _find_unit(one)
     alike = [x for x in known.values() if _find_unit(x) == driving]
     if not driving or not alike:
@@ -163,13 +163,13 @@ def _show_loop(one: Experiment, output: str) -> LoopColumns:
 
 
 def _find_unit(one: Experiment) -> str:
-    """Return the unit of what drives; empty for nothing."""
+    """Return the unit of the drive; empty without a drive."""
     drive = find_drive(one)
     return one.record.units[one.follows[drive]] if drive else ""
 
 
 def _show_fitted(one: Experiment, output: str) -> Record:
-    """Return the drive and an output over time; NaN where the output is held out."""
+    """Return the drive and an output over time; NaN for held-out output samples."""
     column, seen = one.follows[find_drive(one)], np.full(len(one.record), np.nan)
     seen[one.rows] = _find_fitted(one, output)
     columns = {"time": one.record.times, DRIVE: one.record[column], output: seen.tolist()}
@@ -183,11 +183,11 @@ def _find_fitted(one: Experiment, output: str) -> Any:
     return np.where(one.kept_back, np.nan, one.measured[:, one.outputs.index(output)])
 
 
-# ---------------------------------------------------------------- the cycle before
+# ---------------------------------------------------------------- earlier cycle
 
 
 def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
-    """Return the fitted values whole periods earlier; None for a record that is not periodic."""
+    """Return the fitted values whole periods earlier; None for a record without periods."""
     period = refine_period(one)
     length = float(one.times[-1] - one.times[0])
     if not 0.0 < period <= length / CYCLES:
@@ -203,11 +203,11 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
     return found if np.isfinite(found[one.kept_back]).mean() > HALF else None
 
 
-# ---------------------------------------------------------------- the nearest record, or condition
+# ---------------------------------------------------------------- nearest record or condition
 
 
 def _find_loads(ones: Sequence[Experiment], output: str) -> list[float]:
-    """Return the mean loads of records; without a load that is prescribed, their mean temperatures or drives."""
+    """Return the mean loads of records; without prescribed loads, their mean temperatures or drives."""
     drives = [x.follows[find_drive(x)] for x in ones]
     known = [n for n in ("stress", "force", "temperature") if n not in (output, *drives)]
     column = next((n for n in known if all(n in x.record.columns for x in ones)), "")
@@ -215,7 +215,7 @@ def _find_loads(ones: Sequence[Experiment], output: str) -> list[float]:
 
 
 def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, unit: str) -> Any:
-    """Return the record whose drive is nearest in size, as far as it goes from its start, in proportion."""
+    """Return the record with the nearest drive, scaled about its start in proportion to the drive."""
     mine = _measure_drive(one)
     sizes = [_measure_drive(x) for x in others]
     apart = [abs(math.log(size / mine)) if size > 0.0 and mine > 0.0 else math.inf for size in sizes]
@@ -229,13 +229,13 @@ def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, un
 
 
 def _measure_drive(one: Experiment) -> float:
-    """Return the root-mean-square of the first drive over the record, in its unit; 0 where there is none."""
+    """Return the root-mean-square of the first drive over the record, in its unit; 0 without a drive."""
     waves = arrange_waveforms(one.system, one.waveform)
     return math.sqrt(float(np.mean([waves[0].value(float(t)) ** 2 for t in one.times + one.lead]))) if waves else 0.0
 
 
 def _scale_conditions(others: Sequence[Experiment], one: ConditionExperiment, output: str, unit: str) -> Any:
-    """Every row from the nearest condition that was fitted, in proportion to what drives, or else differs first."""
+    """Return every row scaled from the nearest fitted condition, in proportion to the drive or the first difference."""
     rows = [(c.inputs, x) for e in others for c, x in _pair_rows(e, output) if math.isfinite(x)]
     paths = sorted(one.input_units, key=lambda path: path != one.level)
     table = np.array([[inputs.get(path, math.nan) for path in paths] for inputs, _ in rows])

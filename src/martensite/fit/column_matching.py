@@ -1,14 +1,10 @@
-"""Which columns of a log are compared with which outputs, and what drives instead.
+"""Assignment of log columns to compared outputs and to drives.
 
-Without a word every column is compared that is an output of the system, but for those that say
-what drives it, and those that never change. Otherwise they are named: `position=laser*0.5` says
-that the output `position` is half the column `laser`.
+By default every column that is an output of the system is compared, except drives and constant columns. Explicit
+texts such as `position=laser*0.5` mean that output `position` is half the column `laser`.
 
-Columns whose headings were swapped: what a fit finds with two of them exchanged.
-
-Only where a fit follows what is compared worse than a constant would. Then the numbers of every
-pair of a column that drives and one that is compared are exchanged, as they probably stand in the
-file, and the record is fitted once more by itself.
+A second check finds swapped headings. If a fit predicts an output worse than a constant, each pair of a drive and a
+compared column is exchanged, and the record is fitted again.
 """
 
 from __future__ import annotations
@@ -41,30 +37,30 @@ from martensite.search.free_numbers import read_difference
 from martensite.signals.records import Record
 
 CONVINCING_FIT = 50.0
-"""Fit [%] with exchanged columns from which on they look swapped."""
+"""Fit [%] with exchanged columns above which they look swapped."""
 MOST_EVALUATIONS = 30
-"""Evaluations of such a fit."""
+"""Largest number of evaluations of such a fit."""
 SPELLINGS = {"1": ("1", "%"), "m": ("mm", "m"), "Pa": ("MPa", "Pa"), "K": ("degC", "K")}
-"""SI unit -> units in which such a column is usually written; others as they are."""
+"""SI unit -> usual units of such a column; other units stay as they are."""
 
 Model = Callable[[Record], Scenario]
 _COLUMN = re.compile(r"^\s*([^=*]+?)\s*(?:=\s*([^*]+?)\s*(?:\*\s*(.+?)\s*)?)?$")
 ECHOES = {"K": ("temperature", "hottest"), "V": ("voltage",), "A": ("current",), "W": ("power",)}
-"""Unit of a drive -> outputs that only say what drives."""
+"""Unit of a drive -> outputs that only repeat the drive."""
 
 
 @dataclass(frozen=True)
 class ComparedColumn:
-    """An output that is to be compared with a column."""
+    """Output compared with a column."""
 
     output: str
     column: str
     factor: float = 1.0
-    """From the column in SI to the output in SI."""
+    """Factor from the column in SI to the output in SI."""
 
 
 def list_echoes(system: AbstractSystem) -> set[str]:
-    """Return the outputs that repeat what drives a system."""
+    """Return the outputs that repeat a drive of a system."""
     found = set(system.signals())
     for port, one in system.actuators().items():
         names = ("drive", *ECHOES.get(one.source.unit, ()))
@@ -78,13 +74,13 @@ def match_columns(
     """Return output -> column of a record, the record with scaled columns, and the left-out columns.
 
     Args:
-        record: as measured.
-        system: that is to explain it.
-        wanted: outputs that are asked for; all in common if empty.
-        follows: drive -> column that it follows.
+        record: measured record.
+        system: system that models the record.
+        wanted: requested outputs; empty for all common outputs.
+        follows: drive -> followed column.
 
     Raises:
-        DataError: a column is missing, or there is none to compare.
+        DataError: a column is missing, or no column can be compared.
     """
     if wanted:
         return _match_asked(record, wanted, system)
@@ -163,12 +159,12 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
 def read_noise(
     noise: Mapping[str, str | float], known: Mapping[str, Output], followed: Mapping[str, str]
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the standard deviations in SI of measured outputs, and of columns that drive; numbers are in SI already.
+    """Return the standard deviations of outputs and drive columns in SI; plain numbers are in SI already.
 
     Args:
         noise: name -> amount.
-        known: the outputs.
-        followed: column that drives -> its SI unit.
+        known: outputs.
+        followed: drive column -> its SI unit.
 
     Raises:
         InputError: a name is unknown, or an amount is not above 0.
@@ -196,7 +192,7 @@ def _read_noise(text: str, name: str, unit: str) -> float:
 
 
 def read_columns(columns: str | Sequence[str] | Mapping[str, str] | None) -> list[ComparedColumn]:
-    """Return the outputs and the columns they are compared with; empty where none are named.
+    """Return the outputs and their columns; empty columns if the texts contain no names.
 
     Raises:
         InputError: an entry cannot be read.
@@ -226,11 +222,11 @@ def _read_column(text: str) -> ComparedColumn:
 
 
 def refuse_swapped(fit: Fit, models: dict[str, tuple[Scenario, Model]]) -> None:
-    """Raise `DataError` if a record makes far more sense with two columns exchanged.
+    """Raise `DataError` if a record fits far better with two columns exchanged.
 
     Args:
-        fit: to the records as given.
-        models: record -> its scenario, and what makes it with another record.
+        fit: fit to the records as given.
+        models: record -> its scenario, and a function that builds it with another record.
     """
     useless = {(s.record, s.output): s for s in fit.scores if s.part == "training"}
     for one in fit.problem.experiments:
@@ -277,7 +273,7 @@ def _exchange_columns(record: Record, one: str, other: str) -> Iterator[Record]:
 
 
 def _convert_column(record: Record, column: str, spelling: str, to: str, new: str) -> list[float]:
-    """Return the numbers of a column in one unit, read as those of another column in another unit."""
+    """Return the values of a column in one unit, read as another column in another unit."""
     factor, offset = units.find_conversion(spelling, record.units[column])
     new_factor, new_offset = units.find_conversion(new, record.units[to])
     return [(x - offset) / factor * new_factor + new_offset for x in record[column]]

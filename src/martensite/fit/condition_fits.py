@@ -1,12 +1,11 @@
-"""From tables of conditions to experiments: one per specimen, its rows the runs.
+"""Experiments from tables of conditions: one experiment per specimen, with the rows as runs.
 
-Rows of one condition are repeats: their mean counts as many times as they are, and how they scatter about it,
-pooled over the table, is the noise of the measure. Where a column has standard deviations s, a row counts by
-n/s². Kept back are, of one or two specimens, conditions at the edge and in the middle; of more a whole one.
+Rows of one condition are repeats. Their mean has the number of repeats as its weight. Their scatter about the mean,
+pooled over the table, is the noise of the measure. If a column has standard deviations s, the weight of a row is n/s².
 
-    auto     3 or more specimens: each is left out in turn; fewer: a fifth of the conditions
-    each     every specimen is left out in turn, from a fit to all others
-    25 %     so many of the conditions, the edge and the middle first
+    auto     3 or more specimens: leave out each in turn; fewer: a fifth of the conditions
+    each     leave out every specimen in turn, from a fit to all others
+    25 %     fraction of the conditions, first at the edge and in the middle
     A, B     specimens of these names
 """
 
@@ -37,18 +36,18 @@ if TYPE_CHECKING:
     from martensite.fit.fit_task import FitTask
 
 LEFT_OUT = 0.2
-"""Share of the conditions that is kept back by itself."""
+"""Default fraction of held-out conditions."""
 SPECIMENS = 3
-"""From which on each is left out in turn by itself."""
+"""Number of specimens from which each is left out in turn by default."""
 TRIED = 2
-"""Rows of a specimen for which a step is looked for."""
+"""Number of rows of a specimen in the choice of a step."""
 SPARE = 3
-"""Repeats to spare from which on their scatter is the noise of a measure."""
+"""Number of surplus repeats from which their scatter is used as the noise of a measure."""
 
 
 @dataclass(frozen=True)
 class ArrangedConditions:
-    """A problem, the scenario of its first row, and what is to be said."""
+    """Problem, scenario of its first row, and remarks."""
 
     problem: Problem
     scenario: Scenario
@@ -59,22 +58,22 @@ class ArrangedConditions:
 
 @dataclass(frozen=True)
 class _Row:
-    """Rows of one condition, put together."""
+    """Merged rows of one condition."""
 
     places: list[int]
-    """In the table."""
+    """Indices in the table."""
     values: dict[str, float]
     """Measure -> mean [SI]."""
     counts: dict[str, float]
-    """Measure -> repeats that the mean is of."""
+    """Measure -> number of repeats in the mean."""
 
 
 def arrange_conditions(task: FitTask) -> ArrangedConditions:
     """Return the problem of tables of conditions.
 
     Raises:
-        InputError: a log is among the tables, or tables, scenario and free parameters do not fit.
-        SolveError: a run that is to show the step fails.
+        InputError: a log is among the tables, or tables, scenario and free parameters are inconsistent.
+        SolveError: a test run for the choice of the step fails.
     """
     made, notes, noise = list[ConditionExperiment](), list[str](), dict[str, list[tuple[float, int]]]()
     known, first = dict[str, float](), None
@@ -127,7 +126,7 @@ def _build_problem(
 
 
 def _refuse_set(problem: Problem, scenario: Scenario, inputs: Sequence[str]) -> None:
-    """Raise `ParameterError` where a free parameter is what a column sets."""
+    """Raise `ParameterError` if a column sets a free parameter."""
     for leaf in scenario.system.leaves():
         path = scenario.places.path(leaf.path)
         for free in problem.free:
@@ -141,7 +140,7 @@ def _refuse_set(problem: Problem, scenario: Scenario, inputs: Sequence[str]) -> 
 def _build_experiments(
     table: ConditionTable, log: Log, scenario: Scenario, step: float | None, noise: dict[str, list[tuple[float, int]]]
 ) -> tuple[list[ConditionExperiment], list[str]]:
-    """Return one experiment for every combination of groups, and what to say of them."""
+    """Return one experiment for every combination of groups, and remarks on them."""
     count = len(table.measures[0].values)
     keys = list(zip(*table.groups.values(), strict=True)) if table.groups else [(log.name or table.name,)] * count
     made, notes = list[ConditionExperiment](), list[str]()
@@ -159,7 +158,7 @@ def _build_experiments(
 def _merge_repeats(
     table: ConditionTable, places: Sequence[int], noise: dict[str, list[tuple[float, int]]]
 ) -> list[_Row]:
-    """Return the rows of one condition put together, in the order of what drives; their scatter is noted."""
+    """Return the merged rows of each condition, ordered by their drives, with their scatter."""
     order = sorted(table.inputs, key=lambda one: not one.level)
     found: dict[tuple[float, ...], list[int]] = {}
     for k in places:
@@ -180,7 +179,7 @@ def _merge_repeats(
 
 
 def _weigh_row(table: ConditionTable, one: MeasureColumn, k: int) -> float:
-    """Return the repeats of a row, over its variance in units of the mean variance where it is known."""
+    """Return the repeats of a row, divided by its variance in units of the mean variance if known."""
     count = table.counts[k] if table.counts and math.isfinite(table.counts[k]) else 1.0
     if not one.spreads or not math.isfinite(one.spreads[k]):
         return count
@@ -188,7 +187,7 @@ def _weigh_row(table: ConditionTable, one: MeasureColumn, k: int) -> float:
 
 
 def _pool_spread(one: MeasureColumn) -> float:
-    """Return the standard deviation of single runs, by the root of the mean square of the column."""
+    """Return the standard deviation of single runs, as the root mean square of the column."""
     return math.sqrt(float(np.nanmean(np.square(one.spreads))))
 
 
@@ -227,7 +226,7 @@ def _build_experiment(
 
 
 def _list_measures(table: ConditionTable, rows: Sequence[_Row]) -> tuple[list[MeasureColumn], dict[str, list[float]]]:
-    """Return the measures that at least one row has, and the values of all measures."""
+    """Return the measures present in at least one row, and the values of all measures."""
     measured = {one.words: [row.values[one.words] for row in rows] for one in table.measures}
     return [one for one in table.measures if np.isfinite(measured[one.words]).any()], measured
 
@@ -250,7 +249,7 @@ def _set_inputs(scenario: Scenario, inputs: Sequence[InputColumn], k: int) -> Sc
 
 
 def _choose_step(scenarios: Sequence[Scenario]) -> float:
-    """Return the shortest step that some of the rows need to be within the tolerance [s]."""
+    """Return the shortest step [s] that a sample of the rows needs for the tolerance."""
     places = sorted({round(k) for k in np.linspace(0, len(scenarios) - 1, TRIED)})
     tried = [scenarios[k] for k in places]
     return min(find_step(one.system, one.waveform, one.duration, one.tolerance, LEAST_STEPS + 1).step for one in tried)
@@ -262,7 +261,7 @@ def _choose_step(scenarios: Sequence[Scenario]) -> float:
 def _choose_scales(
     made: Sequence[ConditionExperiment], noise: Mapping[str, list[tuple[float, int]]]
 ) -> tuple[dict[str, float], list[str]]:
-    """Return the noise of single runs by measure, where repeats tell it."""
+    """Return the noise of single runs by measure, if repeats determine it."""
     found, notes = dict[str, float](), list[str]()
     for words in dict.fromkeys(words for one in made for words in one.columns):
         values = np.concatenate([one.measured[:, one.outputs.index(words)] for one in made if words in one.columns])
@@ -298,7 +297,7 @@ def _choose_held_rows(
 
 
 def pick_rows(count: int, share: float) -> list[float]:
-    """Return the rows from 1 to `count` that are kept back: the last, the middle, the first, and halves between."""
+    """Return the held-out rows for counts from 1 to `count`: the last, the middle, the first, then halves between."""
     wanted = min(max(1, round(share * count)), count - 1)
     if wanted < 1:
         return []

@@ -1,12 +1,16 @@
-"""A table of conditions: one row per short run from rest, with what was set and what came out.
+"""Tables of conditions: one row per short run from the initial state, with its settings and measures.
 
     specimen, current [A], duration [s], load [gf], peak stroke [mm], peak stroke sd [mm], n
     A,        2.0,         5,            300,       8.1,              0.3,                 5
 
-A heading is something that the run is given (a well-known word, or a path as `--set` takes it), a measure
-of what comes out (`peak stroke`, `force rise`, `steady temperature`, `time to 90 % force`, or as written in
-`--goal`: `max(force)`), the standard deviation of a measure (`… sd`), the number of repeats (`n`), or a
-specimen or another group. A file is such a table if it has no times, and a heading that is a measure.
+A heading is one of these:
+
+- an input of the run: a well-known word, or a path as for `--set`;
+- a measure: `peak stroke`, `force rise`, `steady temperature`, `time to 90 % force`, or as for `--goal`: `max(force)`;
+- the standard deviation of a measure (`… sd`), or the number of repeats (`n`);
+- a specimen or another group.
+
+A file without times and with a measure in a heading is such a table.
 """
 
 from __future__ import annotations
@@ -36,7 +40,7 @@ from martensite.simulate.measures.base import AbstractMeasure, parse_measure
 from martensite.simulate.waveform_levels import Level
 
 GROUPS = ("specimen", "sample", "piece", "batch", "serial", "day")
-"""Headings of columns that say to what a row belongs, whatever their cells hold."""
+"""Headings of group columns, with any cells."""
 COUNTS = ("n", "count", "repeats", "number of repeats")
 SPREADS = ("sd", "std", "s.d.", "±", "+-", "spread", "standard deviation")
 INPUTS = {
@@ -55,20 +59,20 @@ INPUTS = {
     "film": ("environment.cooling.h",),
     "film coefficient": ("environment.cooling.h",),
 }
-"""Well-known word -> paths as `--set` takes them, the first that the scenario has."""
+"""Well-known word -> candidate paths for `--set`, in order of preference."""
 LEVELS = {name: CANONICAL[name] for name in (*list_quantities("drive"), "temperature")}
 """Drive quantities -> unit; such a column sets the level of the waveform."""
 PEAKS = ("level", "high", "first")
-"""Numbers of a waveform that are its level."""
+"""Waveform parameters that are a level."""
 HEAD_BYTES = 65536
-"""Bytes of a file that are looked at to tell a table from a log."""
+"""Number of bytes read to distinguish a table from a log."""
 GRAVITY = 9.80665
-"""[m/s²], by which a load given as a force is that of a mass."""
+"""Gravity [m/s²], which converts a load force to a mass."""
 
 
 @dataclass(frozen=True)
 class InputColumn:
-    """A column that sets a number of the scenario."""
+    """Column that sets a parameter of the scenario."""
 
     heading: str
     path: str
@@ -82,7 +86,7 @@ class InputColumn:
 
 @dataclass(frozen=True)
 class MeasureColumn:
-    """A column with a number that sums up a run."""
+    """Column with a measure of a run."""
 
     heading: str
     words: str
@@ -91,14 +95,14 @@ class MeasureColumn:
     unit: str
     """SI unit of the measure."""
     values: tuple[float, ...]
-    """In SI; NaN where nothing was measured."""
+    """In SI; NaN for missing measurements."""
     spreads: tuple[float, ...] = ()
-    """Standard deviations [unit], where the table has some."""
+    """Standard deviations [unit], if the table has them."""
 
 
 @dataclass(frozen=True)
 class ConditionTable:
-    """A table of conditions, and how its columns are understood."""
+    """Table of conditions with the meaning of its columns."""
 
     name: str
     path: Path
@@ -107,14 +111,14 @@ class ConditionTable:
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
     """Groups of the rows: heading -> cells."""
     counts: tuple[float, ...] = ()
-    """Repeats that each row is the mean of."""
+    """Number of repeats in the mean of each row."""
     notes: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
-    """Numbers of the rows in the file."""
+    """Row numbers in the file."""
 
 
 def is_condition_table(source: object, named: Mapping[str, str] | None = None) -> bool:
-    """Return whether a file is a table of conditions: without times, and with a measure in a heading or in `named`."""
+    """Return whether a file is a table of conditions: no times, and a measure in a heading or in `named`."""
     if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
         return False
     names = [split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
@@ -136,13 +140,12 @@ def read_condition_table(
     """Read a table of conditions and assign its columns to a scenario.
 
     Args:
-        source: a text file with one row per condition.
-        scenario: whose numbers the columns set.
-        named: headings for columns whose own do not say what they are, by heading or number.
+        source: text file with one row per condition.
+        scenario: scenario whose parameters the columns set.
+        named: replacement headings for unclear columns, by heading or number.
 
     Raises:
-        InputError: a column is neither input nor measure, its unit is missing or does not fit, or a cell is not a
-            number.
+        InputError: a column is neither input nor measure, a unit is missing or wrong, or a cell is not a number.
     """
     path = Path(source)
     sheet = read_rows(path, Layout(()))
@@ -163,21 +166,21 @@ def read_condition_table(
 
 
 class _Reading:
-    """Columns of a table, one after the other."""
+    """Reader of the columns of a table."""
 
     def __init__(self, path: Path, scenario: Scenario, rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> None:
         self.path, self.scenario, self.rows, self.numbers = path, scenario, rows, numbers
         self.where, self.outputs = f"`{path.name}`", scenario.system.outputs()
         self.known = _list_inputs(scenario)
         self.roles: dict[int, tuple[str, str, str]] = {}
-        """Column -> what it is, its heading, and the path, measure or group."""
+        """Column -> its role, heading, and path, measure or group."""
         self.units: dict[int, tuple[str, str]] = {}
         """Column -> unit as written, and in SI."""
         self.groups: dict[str, tuple[str, ...]] = {}
         self.notes: list[str] = []
 
     def add_column(self, place: int, heading: str) -> None:
-        """Say what a column is."""
+        """Assign a role to a column."""
         name, unit = split_heading(heading)
         cells = [row[place].strip() for row in self.rows]
         words = any(not is_gap(cell) and not is_number(cell) for cell in cells)
@@ -259,7 +262,7 @@ class _Reading:
         return words
 
     def _find_input(self, name: str) -> str:
-        """Return the path that a heading sets; empty if it sets none."""
+        """Return the path that a heading sets; empty if there is no such path."""
         if name in LEVELS:
             unit = LEVELS[name]
             return next((p for p, one in self.known.items() if one.level is not None and one.unit == unit), "")
@@ -270,10 +273,10 @@ class _Reading:
         return found[0] if len(found) == 1 else ""
 
     def finish(self, headings: Sequence[str]) -> ConditionTable:
-        """Return the table, when all columns are known.
+        """Return the complete table.
 
         Raises:
-            DataError: it has no measure, or cells that are no numbers.
+            DataError: the table has no measure, or cells that are not numbers.
         """
         kinds = [role for role, _, _ in self.roles.values()]
         if "measure" not in kinds:
@@ -300,7 +303,7 @@ class _Reading:
         return table
 
     def _convert_column(self, place: int, record: Record) -> tuple[float, ...]:
-        """Return a column in SI; that of a spread is a difference."""
+        """Return a column in SI, with spreads as differences."""
         spelling, si = self.units[place]
         difference = self.roles[place][0] == "spread" or spelling.startswith("delta_")
         name = f"c{place}"
@@ -313,7 +316,7 @@ class _Reading:
 
 
 def _spell_degrees(unit: str) -> str:
-    """Return a difference of temperatures, however its unit is written."""
+    """Return the unit of a temperature difference, for all spellings."""
     return "K" if unit in ("K", "degC", "°C", "C") else unit
 
 
@@ -343,7 +346,7 @@ def _list_inputs(scenario: Scenario) -> dict[str, Target]:
 
 
 def _mark_levels(found: Mapping[str, Target]) -> dict[str, Target]:
-    """Return the targets with the drive marked: the first parameter of every waveform that is its level."""
+    """Return the targets, with the first level parameter of every waveform marked as the drive."""
     marked = dict(found)
     for drive in dict.fromkeys(one.drive for one in found.values() if one.drive):
         own = {one.path: one for one in found.values() if one.drive == drive}
@@ -355,7 +358,7 @@ def _mark_levels(found: Mapping[str, Target]) -> dict[str, Target]:
 
 
 def _check_cells(table: ConditionTable, where: str, numbers: Sequence[int]) -> None:
-    """Raise `DataError` for what a table must hold and does not."""
+    """Raise `DataError` if required cells are missing."""
     for one in table.inputs:
         row = next((k for k, x in enumerate(one.values) if not math.isfinite(x)), None)
         if row is not None:

@@ -1,4 +1,4 @@
-"""The result of a fit: numbers, how far to trust them, and what was compared, output by output."""
+"""Result of a fit: parameters, their uncertainty, and the comparison by output."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from martensite.search.whiteness import LEAST_SAMPLES, Whiteness, assess_whitene
 
 TRAINING, HELD_OUT = "training", "held-out"
 BOUND_DISTANCE = 1e-4
-"""Share of a range from a bound that counts as being there."""
+"""Fraction of a range within which a value counts as at its bound."""
 COVERED = ("temperature", "stress")
 """Outputs whose range limits the validity of fitted values."""
 
 
 @dataclass(frozen=True)
 class ComparedOutput:
-    """One output of one record beside the fitted model, all in SI."""
+    """Output of a record compared with the fitted model, in SI."""
 
     experiment: Experiment
     output: str
@@ -43,13 +43,13 @@ class ComparedOutput:
     times: Any
     """(rows,) [s]"""
     measured: Any
-    """(rows,); NaN where nothing was measured."""
+    """(rows,); NaN for missing samples."""
     model: Any
     """(rows,), with the offset of the record."""
     used: Any
-    """(rows,): True for what the fit saw."""
+    """(rows,): True for fitted samples."""
     raw: Any = None
-    """(rows,) of a record kept back, without what was fitted to it alone; None where nothing was."""
+    """(rows,) of a held-out record, without parameters fitted to this record; None if there are no such parameters."""
 
     @property
     def record(self) -> str:
@@ -58,26 +58,26 @@ class ComparedOutput:
 
     @property
     def column(self) -> str:
-        """Return the column of the record that was compared."""
+        """Return the name of the compared column of the record."""
         return self.experiment.columns[self.output]
 
     @property
     def residuals(self) -> Any:
-        """(rows,): modelled less measured; NaN where nothing was measured."""
+        """(rows,): model minus measurement; NaN for missing samples."""
         return self.model - self.measured
 
     @property
     def held(self) -> Any:
-        """(rows,): True for what was measured but kept back."""
+        """(rows,): True for held-out samples."""
         return np.isfinite(self.measured) & ~self.used
 
     @property
     def missing(self) -> int:
-        """Return the rows without a measured number."""
+        """Return the rows without a measured value."""
         return int(np.sum(~np.isfinite(self.measured)))
 
     def score(self) -> Iterator[Score]:
-        """Yield the errors of `training` rows, and of `held-out` ones, where there are any."""
+        """Yield the errors of `training` rows, and of `held-out` rows if there are any."""
         for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
             if rows.any():
                 found = score_model(
@@ -93,7 +93,7 @@ class ComparedOutput:
 
     @property
     def raw_rms(self) -> float:
-        """Return the root-mean-square error without what was fitted to the record alone; NaN where nothing was."""
+        """Return the error without parameters fitted to this record alone; NaN without such parameters."""
         return math.nan if self.raw is None else float(np.sqrt(np.nanmean((self.raw - self.measured) ** 2)))
 
     def rms(self, part: str) -> float:
@@ -102,12 +102,12 @@ class ComparedOutput:
 
 
 def list_compared(fit: Fit) -> list[ComparedOutput]:
-    """Return all records and outputs of a fit: those that were fitted, then those kept back."""
+    """Return all records and outputs of a fit, fitted records before held-out records."""
     return list(_iterate_compared(fit))
 
 
 def compute_rms(rows: Iterable[ComparedOutput], part: str) -> float:
-    """Return the root-mean-square error of all `training` or `held-out` rows together; NaN for none."""
+    """Return the root-mean-square error of all `training` or `held-out` rows; NaN without rows."""
     pieces = [one.residuals[one.used if part == TRAINING else one.held] for one in rows]
     errors = np.concatenate(pieces) if pieces else np.zeros(0)
     return math.sqrt(float(np.mean(errors**2))) if errors.size else math.nan
@@ -123,7 +123,7 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
 
 
 def list_held_out(kept: HeldOutRecord) -> list[ComparedOutput]:
-    """Return all outputs of a record that was kept back, beside what is predicted."""
+    """Return all outputs of a held-out record, with their predictions."""
     raw = kept.raw if kept.numbers else None
     return list(_split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw))
 
@@ -136,7 +136,7 @@ def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> I
 
 
 def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
-    """Return least and largest temperature [K] and stress [Pa] of the elements while they were fitted."""
+    """Return the least and largest temperature [K] and stress [Pa] of the elements in the fitted runs."""
     found: dict[str, tuple[float, float]] = {}
     for k, one in enumerate(fit.problem.experiments):
         system = fit.system(k)
@@ -150,15 +150,15 @@ def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
 
 @dataclass(frozen=True)
 class HeldOutRecord:
-    """A record that was kept back, and what the fit predicts for it."""
+    """Held-out record with its prediction by the fit."""
 
     experiment: Experiment
     model: Any
     """(rows, outputs) in SI."""
     numbers: dict[str, float]
-    """Parameters of the record alone, such as the zero of its sensor, fitted to it [SI]."""
+    """Separate parameters of the record, such as a sensor offset, fitted to it [SI]."""
     raw: Any = None
-    """(rows, outputs) in SI, without the numbers that are fitted to it."""
+    """(rows, outputs) in SI, without the parameters that are fitted to the record."""
 
 
 @dataclass(frozen=True)
@@ -166,34 +166,34 @@ class Fit:
     """Fitted parameters."""
 
     problem: Problem
-    """With the records that the search saw."""
+    """Problem with the fitted records."""
     values: tuple[float, ...]
     """Values of the free parameters, as fractions of their ranges."""
     evaluation: Evaluation
-    """Residuals and Jacobian there."""
+    """Residuals and Jacobian at the optimum."""
     method: str
     loss: str
     reason: str
-    """Why the search ended: converged, stalled, cap, interrupted, …"""
+    """Stop reason: converged, stalled, cap, interrupted, …"""
     simulations: int
-    """Runs of single experiments that the search took."""
+    """Number of runs of single experiments in the search."""
     jacobians: int
-    """Runs of single experiments with derivatives in all directions."""
+    """Number of runs with derivatives in all directions."""
     seconds: float
     history: tuple[tuple[int, float], ...]
     """(runs, cost) at each improvement."""
     kept: tuple[HeldOutRecord, ...] = ()
-    """Records that the search did not see."""
+    """Held-out records."""
     transfer: tuple[HeldOutRecord, ...] = ()
-    """Every record as fits to all others predict it, where each was left out in turn."""
+    """Predictions of each record by a fit to all other records."""
     scenario: Scenario | None = None
-    """Scenario of the first log before the fit, for a fit to logs."""
+    """Scenario of the first log before the fit; for fits to logs only."""
     notes: tuple[str, ...] = ()
     """Remarks on the logs before the search."""
     cautions: tuple[str, ...] = ()
-    """Effects of halving the steps at the optimum, if noticeable."""
+    """Effects of halved steps at the optimum, if noticeable."""
     input_noise: tuple[FollowedNoise, ...] = ()
-    """Noise of columns that drive, where it counts in numbers and intervals."""
+    """Noise of drive columns, if it affects parameters and intervals."""
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -201,26 +201,26 @@ class Fit:
         return self.problem.numbers(self.values)
 
     def __getitem__(self, name: str) -> float:
-        """Return a fitted number in SI."""
+        """Return a fitted parameter in SI."""
         return self.numbers[name]
 
     @property
     def cost(self) -> float:
-        """Return the mean of the squared residuals, as shares of noise or range."""
+        """Return the mean of the squared residuals, in units of noise or range."""
         return self.evaluation.cost
 
     def system(self, record: int = 0) -> Any:
-        """Return the system of an experiment with the fitted numbers."""
+        """Return the system of an experiment with the fitted parameters."""
         return self.problem.system(record, self.values)
 
     def at_bound(self) -> list[str]:
-        """Return the parameters that ended on a bound of their search."""
+        """Return the parameters at a bound of their search."""
         pairs = zip(self.problem.names, self.values, strict=True)
         return [name for name, u in pairs if not BOUND_DISTANCE < u < 1.0 - BOUND_DISTANCE]
 
     @cached_property
     def undetermined(self) -> dict[str, str]:
-        """Return the parameter -> why its number must not be called determined."""
+        """Return the undetermined parameters with the reason."""
         found = {
             free.name: self._refuse_number(free, u) for free, u in zip(self.problem.free, self.values, strict=True)
         }
@@ -243,13 +243,13 @@ class Fit:
         return ""
 
     def _allowed(self, free: FreeNumber) -> tuple[float, float]:
-        """Return the declared bounds of a parameter; parameters of a single record are unbounded."""
+        """Return the declared bounds of a parameter; separate parameters of records are unbounded."""
         leaves = () if is_nuisance(free.path) or free.base else self.system().leaves()
         return next((leaf.declared.bounds for leaf in leaves if free.moves(leaf.path)), (-math.inf, math.inf))
 
     @cached_property
     def scores(self) -> tuple[Score, ...]:
-        """Return the errors per record and output, those of held-out rows apart."""
+        """Return the errors per record and output, with separate errors of held-out rows."""
         return tuple(score for one in list_compared(self) for score in one.score())
 
     @cached_property
@@ -268,7 +268,7 @@ class Fit:
 
     @property
     def weights(self) -> Any:
-        """(n,): roots of the weights that the loss gives to the squared residuals."""
+        """(n,): square roots of the weights of the squared residuals by the loss."""
         residuals = self.evaluation.residuals
         if self.loss == "linear":
             return np.ones_like(residuals)
@@ -276,7 +276,7 @@ class Fit:
 
     @cached_property
     def identifiability(self) -> Identifiability:
-        """Which combinations of the parameters the data leave open."""
+        """Return the combinations of parameters that the data do not determine."""
         noise = self.uncertainty.noise
         found = assess_identifiability(
             self.evaluation.jacobian,
@@ -290,10 +290,10 @@ class Fit:
 
     @cached_property
     def whiteness(self) -> tuple[Whiteness, ...]:
-        """Return whether the residuals of every record and output look like noise."""
+        """Return the whiteness test of the residuals of every record and output."""
         rows = [one for one in list_compared(self) if one.used.any()]
         parts = [one.residuals[one.used] for one in rows]
-        if self.input_noise:  # which scatters unevenly before it is whitened
+        if self.input_noise:  # uneven scatter before whitening
             parts = np.split(self.evaluation.residuals, np.cumsum(self.problem.lengths)[:-1])
         return tuple(
             assess_whiteness(part, f"{one.record}, {one.output}")

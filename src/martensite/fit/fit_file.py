@@ -1,8 +1,8 @@
-"""Fit files: a TOML document that says what is to be fitted to what, and how.
+"""Fit files: TOML documents with the records, parameters and settings of a fit.
 
     scenario = "isobaric.toml"
     free = ["A_s", "A_f=60..120 degC", "C_A=5..12 MPa/K"]
-    each = ["offset.strain"]          # what every record has for itself
+    each = ["offset.strain"]          # separate for every record
     hold_out = "auto"                 # none, names of records, or "25 %"
     noise = { strain = "0.02 %" }
     set = { "element.diameter" = "0.381 mm" }
@@ -11,9 +11,9 @@
     file = "log_100MPa.csv"           # relative to the fit file, or data:…
     set = { "mechanism.mass" = "1162.57 g" }
 
-Further keys of the file: title, column, step, method, loss, starts, seed. Further keys of a
-record: name, scenario, as (what columns are, such as `{ "2" = "stress[MPa]" }`), interval, weight, hold_out, group
-(what it belongs to, such as `{ specimen = "A" }`; see `free_parameters` for what groups may have for themselves).
+Further keys of the file are title, column, step, method, loss, starts and seed. Further keys of a record are name,
+scenario, interval, weight and hold_out; `as`, the columns, such as `{ "2" = "stress[MPa]" }`; and `group`, such as
+`{ specimen = "A" }`. Module `free_parameters` describes the separate parameters of groups.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ RECORD = ("file", "name", "scenario", "as", "interval", "set", "weight", "hold_o
 
 
 def is_fit_file(path: str | Path) -> bool:
-    """Return whether a path looks like that of a fit file, and not of a log."""
+    """Return whether a path has the form of a fit file, and not of a log."""
     return Path(path).suffix.lower() == ".toml" and not str(path).startswith(PREFIX)
 
 
 def read_fit_file(path: str | Path) -> FitTask:
-    """Return the task that a fit file describes.
+    """Return the task of a fit file.
 
     Raises:
-        InputError: the file is missing or malformed, a key is unknown, a value has no unit.
+        InputError: the file is missing or malformed, a key is unknown, or a value has no unit.
     """
     path = Path(path)
     where, text = f"Fit file `{path.name}`", read_text_file(path, "fit")
@@ -131,7 +131,7 @@ def _read_settings(table: Mapping[str, Any], where: str) -> dict[str, Any]:
 
 
 def _flatten_table(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Return the values by dotted path, whether the path was quoted or written as tables."""
+    """Return the values by dotted path, for quoted paths and for tables."""
     found: dict[str, Any] = {}
     for key, value in table.items():
         path = f"{above}{key}"

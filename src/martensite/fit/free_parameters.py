@@ -1,18 +1,16 @@
-"""Free parameters of a fit: common to all records, or of each record for itself.
+"""Free parameters of a fit, common to all records or separate for each record.
 
-Texts are those of `martensite.search.free_text`. A name may end several paths: they then move together, as one
-material of several wires does.
+Texts follow `martensite.search.free_text`. A name may match several paths, which then move together, as the material
+of several wires does. Further parameters of a record:
 
-Further parameters of a record:
+    offset.OUTPUT   constant added to the output of the model, in the unit of the output
+    delay           delay of the record behind the run [s]
 
-    offset.OUTPUT   added to what the model says, in the unit of the output
-    delay           seconds by which the record lags behind the run
+Any parameter of the system, such as `initial_fraction`, may be separate for each record or group (`h:by=specimen`).
+A spread makes it a random effect about a centre: the value of the scenario, or the common value if that is also free.
+A spread in % is log-normal, any other spread normal.
 
-Any parameter of the system may be free for each record as well, such as `initial_fraction`, or for each group of
-records (`h:by=specimen`). With a spread it is drawn to a centre: the value of the scenario, or the common value if that
-is free, too. A spread in % is log-normal, any other normal.
-
-`A_f-A_s` is how far A_f lies above A_s. Both may be free, A_s first: then they keep their order wherever a search goes.
+`A_f-A_s` is the distance of A_f above A_s. If both are free, A_s first, every search keeps their order.
 """
 
 from __future__ import annotations
@@ -45,11 +43,11 @@ from martensite.search.free_text import FreeText, parse_free
 FIT_FORMS = ("range", "spread")
 """Forms of the text of a free parameter in a fit."""
 OFFSET, DELAY = "offset", "delay"
-"""Parameters of a single record: the zero of a sensor, the delay of its clock."""
+"""Parameters of a single record: offset of a sensor, delay of its clock."""
 LONGEST_DELAY = 0.05
-"""Longest delay either way, as a share of the record."""
+"""Longest delay in both directions, as a fraction of the record."""
 LARGEST_OFFSET = 2.0
-"""Largest offset either way, in measured ranges."""
+"""Largest offset in both directions, in measured ranges."""
 SPREADS = 5.0
 """Search range about the centre of a parameter with a spread, in spreads."""
 
@@ -69,13 +67,13 @@ def read_ranges(
     """Return the requested free parameters.
 
     Args:
-        texts: one per parameter.
-        systems: systems that have the parameters.
-        own: True if every record has separate values, so that offsets, delays, groups and spreads are allowed.
-        outputs: outputs that may have an offset; those of the first system by default.
+        texts: one text per parameter.
+        systems: systems with these parameters.
+        own: True for separate values per record, which permits offsets, delays, groups and spreads.
+        outputs: outputs that may have an offset; by default the outputs of the first system.
 
     Raises:
-        InputError: a text cannot be read, or names no parameter.
+        InputError: a text cannot be read, or its name matches no parameter.
     """
     given = [texts] if isinstance(texts, (str, SearchRange)) else texts
     seen = systems[0].outputs() if outputs is None else outputs
@@ -112,12 +110,12 @@ def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
 
 
 def is_difference(name: str) -> bool:
-    """True for a number that is counted from another, `A_f-A_s`."""
+    """Return whether a parameter is a difference, such as `A_f-A_s`."""
     return "-" in name and not is_nuisance(name)
 
 
 def is_nuisance(path: str) -> bool:
-    """True for what belongs to the record and not to the system."""
+    """Return whether a parameter belongs to the record and not to the system."""
     return path == DELAY or path.partition(".")[0] == OFFSET
 
 
@@ -128,11 +126,11 @@ def build_free_numbers(
 
     Args:
         ranges: names with optional bounds and starts.
-        systems: those in which the parameters are looked for; the first gives the start.
-        record: the experiment that has these parameters for itself.
+        systems: systems with these parameters; the first system gives the start.
+        record: experiment to which these parameters belong.
 
     Raises:
-        ParameterError: an unknown name, invalid bounds, or a start outside of them.
+        ParameterError: an unknown name, invalid bounds, or a start outside of the bounds.
     """
     known = [Target.from_leaf(leaf) for system in systems for leaf in system.leaves()]
     return [
@@ -142,7 +140,7 @@ def build_free_numbers(
 
 
 def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:
-    """Return a number that is counted from another of the same unit."""
+    """Return a parameter that is a difference from another parameter of the same unit."""
     name, _, base = wanted.name.partition("-")
     one, other = (_build_one(SearchRange(part), known, record) for part in (name, base))
     if one.unit != other.unit:
@@ -162,7 +160,7 @@ def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str 
 
 
 def _unshift(unit: str) -> str:
-    """Return the unit of a difference: that of temperatures has no zero that readers would have shifted."""
+    """Return the unit of a difference, without the zero shift of temperatures."""
     return units.DEGREES if unit == "K" else unit
 
 
@@ -185,7 +183,7 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
 
 
 def _widen_range(wanted: SearchRange, target: Target) -> SearchRange:
-    """Return a range of some spreads to both sides of the centre, on the scale on which it is normal."""
+    """Return a range of several spreads on both sides of the centre, on the scale of the normal distribution."""
     centre, (least, most) = target.value if wanted.start is None else wanted.start, target.bounds
     if wanted.relative:
         if not centre > 0.0:
@@ -198,9 +196,9 @@ def _widen_range(wanted: SearchRange, target: Target) -> SearchRange:
 
 
 def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Experiment]) -> list[FreeNumber]:
-    """Return the free parameters that are separate for every experiment.
+    """Return the separate free parameters of every experiment.
 
-    `offset` alone stands for all outputs that are compared.
+    `offset` alone represents all compared outputs.
 
     Raises:
         ParameterError: an unknown name, or invalid bounds.
@@ -218,7 +216,7 @@ def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Ex
 
 
 def _find_label(wanted: SearchRange, experiment: Experiment) -> str:
-    """Return the record or group that has a number for itself."""
+    """Return the record or group of a separate parameter."""
     if not wanted.by:
         return experiment.name
     if wanted.by not in experiment.groups:
@@ -256,7 +254,7 @@ def _build_own(wanted: SearchRange, path: str, unit: str, reach: float, record: 
 
 
 def delay_model(times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int) -> tuple[Any, Any]:
-    """Return the outputs seen `delay` [s] late, and their derivatives."""
+    """Return the outputs delayed by `delay` [s], and their derivatives."""
     first, last = times[0], times[-1]
     at = np.clip(times - delay, first, last)
     curve = _interpolate_rows(times, model)
@@ -269,6 +267,6 @@ def delay_model(times: Any, model: Any, slopes: Any, delay: float, slope: float,
 
 
 def _interpolate_rows(times: Any, rows: Any) -> Any:
-    """Smooth columns through rows: cubic Hermite pieces, so that their slopes are exact."""
+    """Interpolate columns by cubic Hermite pieces, with exact derivatives."""
     made = import_module("scipy.interpolate").CubicHermiteSpline
     return made(times, rows, np.gradient(rows, times, axis=0))

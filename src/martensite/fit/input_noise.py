@@ -1,22 +1,20 @@
-"""Noise in a followed column, such as a measured temperature, counts in fit and intervals.
+"""Noise in a followed column, such as a measured temperature, and its effect on fit and intervals.
 
-A model that follows a measured column X = x + v runs under the noise v too. To first order about
-estimates x̂ of what truly drove, with the sensitivity B = ∂y/∂x of what is compared to every row of
-the column, residuals have the covariance
+A model that follows a measured column X = x + v also sees the noise v. The sensitivity B = ∂y/∂x of the compared
+outputs is taken about estimates x̂ of the true rows. To first order, the residuals have the covariance V:
 
     d = f(p, x̂) + B (X - x̂) - y,    V = s² I + C Cᵀ,    C = B diag(σ)
 
-and p is fitted to V^(-1/2) d, after which x̂ = X - σ Cᵀ V⁻¹ d, and so on until p rests: the
-Gauss-Newton method for errors in variables (Britt and Luecke (1973), Technometrics 15; Fuller
-(1987), Measurement Error Models, ch. 3). On steep rows it is a regression of the column on the output,
-on flat ones of the output on the column, so that steep loops are not flattened. With C = U δ Wᵀ
+The fit of p to V^(-1/2) d alternates with x̂ = X - σ Cᵀ V⁻¹ d until p converges. This is the Gauss-Newton method for
+errors in variables (Britt and Luecke (1973), Technometrics 15; Fuller (1987), Measurement Error Models, ch. 3). On
+steep rows it is a regression of the column on the output. On flat rows it is a regression of the output on the
+column, so that steep loops are not flattened. With C = U δ Wᵀ
 
     s V^(-1/2) d = d - U (1 - s/√(s² + δ²)) Uᵀ d
 
-keeps residuals in their units. B is taken by central differences, of ±σ in the first rounds and of
-±σ/4 in the last: runs side by side. A record of more than 200 rows is cut into pieces of so many,
-of which one row each is moved in the same run; where the model remembers for longer, blocks of
-rows are moved together and stand for their mean.
+keeps residuals in their units. B comes from central differences in batches, with steps of ±σ in the first rounds and
+±σ/4 in the last. A record of more than 200 rows is cut into pieces, and one run moves one row of each piece. If the
+model has a longer memory, blocks of rows are moved together and represent their mean.
 """
 
 from __future__ import annotations
@@ -34,32 +32,34 @@ from martensite.fit.problem import Problem
 from martensite.search.batch_runner import LANES
 
 MOST_ROWS = 200
-"""Rows that are moved one by one."""
+"""Largest number of rows that are moved separately."""
 STEPS = (1.0, 1.0, 0.5)
-"""By how much in the first rounds, in standard deviations of their noise: far enough to see the slope
-behind a kink; from then on `LAST_STEP`."""
+"""Steps of the first rounds, in standard deviations of the noise, wide enough to reach beyond a kink.
+
+Later rounds use `LAST_STEP`.
+"""
 LAST_STEP = 0.25
 MOVES = (-3.0, -2.0, -1.2, -0.6, 0.6, 1.2, 2.0, 3.0)
-"""By how much single rows are moved to see whether they are on the wrong side of a kink, in the same units."""
+"""Trial moves of single rows across a kink, in standard deviations of the noise."""
 WORTHWHILE = 1.0
-"""By how much such a move must make the sum of squares less."""
+"""Least decrease of the sum of squares that justifies such a move."""
 MOST_ROUNDS = 16
-"""Linearisations, at most."""
+"""Largest number of linearisations."""
 RESTING = 0.05
-"""Change of all numbers in standard errors at which rounds end."""
+"""Change of all parameters, in standard errors, at which rounds end."""
 SETTLED_NOISE = 0.03
 """Relative change of the noise of the output at which rounds end."""
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
-"""Fractions of a step, tried until one improves the cost."""
+"""Fractions of a step, tried in order until the cost improves."""
 NEGLIGIBLE = 0.1
-"""Largest effect of the noise, as a share of the noise of the output, that is left alone."""
+"""Largest negligible effect of the noise, as a fraction of the noise of the output."""
 EXPLAINED = 0.5
-"""Part of the effect of noise on all rows at once that pieces must give, or blocks are moved."""
+"""Least fraction of the total noise effect that pieces must explain; otherwise blocks are moved."""
 Descend = Callable[[Problem, Any, Evaluation], Any]
 
 
 class _FollowedRuns:
-    """Runs of one experiment with other rows in the columns that it follows."""
+    """Runs of an experiment with changed rows in its followed columns."""
 
     def __init__(self, problem: Problem, k: int, noise: Sequence[FollowedNoise]) -> None:
         self.problem, self.k, self.one = problem, k, problem.experiments[k]
@@ -71,15 +71,15 @@ class _FollowedRuns:
         self.sigma = np.repeat([one.sigma for one in self.drives], sizes)
         self.times = np.concatenate([np.asarray(table.times, float) for table in self.tables] or [np.zeros(0)])
         self.rows = self.logged.copy()
-        """Estimates of what truly drove."""
+        """Estimates of the true rows."""
         self.pieces = list[tuple[Any, Any, Any]]()
         """Used residuals, rows of columns, and C between them."""
         self.blocks = False
         self.step = 1.0
-        """By how much rows are moved, in standard deviations of their noise."""
+        """Step of the rows, in standard deviations of their noise."""
         used = problem.used[k]
         self.seen = np.nonzero(used.T)
-        """Output and row of every residual that counts."""
+        """Output and row of every used residual."""
         self.at = self.one.times[self.seen[1]] + self.one.lead
         self.sizes = problem.residual_sizes(k)[self.seen[0]]
         self.measured = self.one.measured[self.seen[1], self.seen[0]] * self.sizes
@@ -89,7 +89,7 @@ class _FollowedRuns:
         return {one.drive: rows[a:b] for one, a, b in zip(self.drives, self.ends, self.ends[1:], strict=False)}
 
     def run(self, u: Any, variants: Any) -> Any:
-        """Return the compared outputs (variants, used residuals, as residuals) for other rows; NaN for a failed run."""
+        """Return the compared outputs (variants, used residuals), in units of residuals; NaN for a failed run."""
         runner, values = self.problem.runners[self.k], self.problem.change_values(self.k, u)
         answers = list[Any]()
         for k in range(0, len(variants), LANES):
@@ -105,7 +105,7 @@ class _FollowedRuns:
         return np.stack(delayed)[:, self.seen[1], self.seen[0]] * self.sizes
 
     def linearise(self, u: Any, seed: int = 0) -> None:
-        """C about the estimated rows."""
+        """Compute C about the estimated rows."""
         count = len(self.rows)
         if not self.blocks and count <= MOST_ROWS:
             groups = [np.array([k]) for k in range(count)]
@@ -126,7 +126,7 @@ class _FollowedRuns:
             self.pieces = [(np.arange(len(self.at)), np.array([g[0] for g in groups]), self._move(u, groups, mean).T)]
 
     def _linearise_pieces(self, u: Any) -> None:
-        """Pieces of so many rows of one column; the same row of every piece is moved at once."""
+        """Compute pieces of one column, moving the same row of every piece in one run."""
         self.pieces = []
         for a, b in zip(self.ends, self.ends[1:], strict=False):
             groups = [np.arange(a + k, b, MOST_ROWS) for k in range(min(MOST_ROWS, b - a))]
@@ -149,7 +149,7 @@ class _FollowedRuns:
         return np.where(np.isfinite(half), half, 0.0)
 
     def shift(self) -> Any:
-        """C/σ (X - x̂), (used residuals,)."""
+        """Compute C/σ (X - x̂), (used residuals,)."""
         found = np.zeros(len(self.at))
         if not self.blocks:
             for seen, rows, part in self.pieces:
@@ -165,7 +165,7 @@ class _FollowedRuns:
         return InputCorrection(self.inputs(self.rows), self.shift(), tuple(parts))
 
     def _merged(self) -> list[tuple[Any, Any, Any]]:
-        """Return the pieces of several columns over the same residuals side by side."""
+        """Merge the pieces of several columns over the same residuals."""
         joined: dict[bytes, tuple[Any, list[Any], list[Any]]] = {}
         for seen, rows, part in self.pieces:
             _, places, parts = joined.setdefault(seen.tobytes(), (seen, [], []))
@@ -174,7 +174,7 @@ class _FollowedRuns:
         return [(s, np.concatenate(places), np.concatenate(parts, axis=1)) for s, places, parts in joined.values()]
 
     def spectrum(self, residuals: Any) -> tuple[Any, Any, float]:
-        """Return the variances δ² along directions, residuals squared along them, and squares of the rest."""
+        """Return the variances δ² along directions, squared residuals along them, and the squares of the remainder."""
         sizes, along = list[Any](), list[Any]()
         for seen, _, part in self._merged():
             left, found, _ = np.linalg.svd(part, full_matrices=False)
@@ -184,7 +184,7 @@ class _FollowedRuns:
         return np.concatenate(sizes), told, max(total - float(told.sum()), 0.0)
 
     def estimate_rows(self, correction: InputCorrection, whitened: Any, noise: float) -> Any:
-        """x̂ = X - σ Cᵀ V⁻¹ d, of residuals that were whitened."""
+        """Compute x̂ = X - σ Cᵀ V⁻¹ d from whitened residuals."""
         rows = self.logged.copy()
         if not self.blocks:
             twice = correction.whiten(whitened) / noise**2
@@ -193,9 +193,9 @@ class _FollowedRuns:
         return rows
 
     def search_rows(self, u: Any, noise: float) -> float:
-        """Move single rows where that makes the sum of squares less by much; by how much it falls.
+        """Move single rows if this lowers the sum of squares noticeably, and return the decrease.
 
-        A row on the wrong side of a kink has no slope that would lead it back.
+        The derivative of a row on the wrong side of a kink does not lead back.
         """
         count = len(self.rows)
         if self.blocks or count > MOST_ROWS:
@@ -233,15 +233,15 @@ def _cut_blocks(first: int, last: int) -> list[Any]:
 def correct_for_inputs(
     problem: Problem, u: Any, descend: Descend
 ) -> tuple[Problem, Any, list[FollowedNoise], list[str]]:
-    """The problem with the noise of what drives, its optimum, that noise where it counts, and what is to be said.
+    """Return the problem with the noise of its drives, its optimum, the relevant noise, and remarks.
 
     Args:
-        problem: with the records that a fit sees.
-        u: the optimum without that noise.
-        descend: a local search of a problem from a point.
+        problem: problem with the fitted records.
+        u: optimum without this noise.
+        descend: local search of a problem from a point.
 
     Raises:
-        SolveError: a run fails with the rows that are estimated of what drove.
+        SolveError: a run with the estimated drive rows fails.
     """
     noise, notes = find_input_noise(problem)
     if not noise:

@@ -1,7 +1,7 @@
-"""From logs alone to a model: which experiment, which scenario, its numbers, and whether it predicts.
+"""Models from logs alone: experiment, scenario, parameters and held-out test.
 
-The experiment is recognised, scenarios are proposed, each is fitted from several starts and tested on held-out data.
-The simplest one is kept unless a richer one predicts clearly better (`log_trials`).
+The experiment is recognised, and scenarios are proposed. Each is fitted from several starts and tested on held-out
+data. The simplest is chosen unless a richer scenario predicts clearly better (`log_trials`).
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ from martensite.search.time_box import TimeBox
 from martensite.signals.records import Record
 
 UNCERTAIN = 10.0
-"""Half of the interval of a transformation temperature from which on it is not called determined [K]."""
+"""Half width [K] of the interval above which a transformation temperature is undetermined."""
 TIME_BOX = 60.0
-"""Processor time of all trials [s]."""
+"""Processor time limit of all trials [s]."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +70,11 @@ class LogModel:
     records: tuple[Record, ...] = ()
     """Records as in the logs."""
     named: tuple[str, ...] | None = ()
-    """Texts for `--as` that reproduce the reading of the logs; None if the files differ too much for it."""
+    """Texts for `--as` that reproduce the column assignment; None if it differs between files."""
     stopped: str = ""
-    """`interruption` or `time box` if the trials ended early."""
+    """Stop reason of an early end: `interruption` or `time box`."""
     moves: tuple[AssumedMove, ...] = ()
-    """How far the parameters move with each assumed value."""
+    """Sensitivity of the parameters to each assumed value."""
 
     @property
     def fit(self) -> Fit:
@@ -83,12 +83,12 @@ class LogModel:
 
     @property
     def predicts(self) -> bool:
-        """Return whether the model predicts the main output of the experiment, by held-out data."""
+        """Return whether the model predicts the main output of the experiment, tested on held-out data."""
         return bool(self.chosen.pooled) and self.chosen.pooled[0].predicts
 
     @property
     def follows_logs(self) -> bool:
-        """Return whether the scenario follows columns that the logs hold, and not ones that were computed from them."""
+        """Return whether the scenario follows logged columns, and not columns computed from them."""
         held = {one.name: set(one.columns) for one in self.records}
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
         made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
@@ -102,7 +102,7 @@ class LogModel:
 
     @cached_property
     def input_noise(self) -> tuple[list[FollowedNoise], list[str]]:
-        """Return the noise of what drives, which no interval counts, and sentences; loops are smoothed instead."""
+        """Return the noise of drives that no interval includes, with remarks; loops are smoothed instead."""
         if self.experiment.kind.axis:
             return [], []
         return find_input_noise(self.fit.problem)
@@ -130,14 +130,14 @@ class LogModel:
 
     @property
     def time_constant(self) -> tuple[float, float, float] | None:
-        """Return the time constant [s] of an element left to cool, with its interval; None for other experiments."""
+        """Return the time constant [s] of a cooling element, with its interval; None for other experiments."""
         return self.experiment.kind.find_time_constant(self.fit)
 
     def predict_record(self, record: Record) -> dict[str, Any]:
-        """Output -> (rows,) in SI of what the model says of another record, with the mean zero of those fitted.
+        """Return the predictions of another record, output -> (rows,) in SI, with the mean offset of fitted records.
 
         Raises:
-            InputError: the record lacks a column that drives or is compared.
+            InputError: the record lacks a drive or compared column.
             SolveError: the run fails.
         """
         proposal, numbers = self.chosen.proposal, self.fit.numbers
@@ -156,7 +156,7 @@ class LogModel:
         }
 
     def write_scenario(self) -> str:
-        """Return the scenario with the numbers found, as TOML."""
+        """Return the scenario with the fitted parameters, as TOML."""
         fit, places = self.fit, read_proposal(self.chosen.proposal).places
         shared = [free for free in fit.problem.free if free.record is None]
         found = {
@@ -170,7 +170,7 @@ class LogModel:
 def _read_files(
     logs: Sequence[Source], named: Mapping[str, str], interval: float | None
 ) -> tuple[list[Record], list[str], list[LabFile]]:
-    """Return the records of logs, sentences about how they were read, and the files."""
+    """Return the records of logs, remarks on reading them, and the files."""
     found: list[Record] = []
     files: list[LabFile] = []
     for log in logs:
@@ -189,7 +189,7 @@ def _read_files(
 
 
 def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None:
-    """Return texts that name the columns of files with headings `name [unit]` and unknown names."""
+    """Return texts that assign the columns of files with headings `name [unit]` and unknown names."""
     own = [one for one in files if one.renamed]
     said = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
     if not own:
@@ -198,7 +198,7 @@ def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None
 
 
 def _describe_file(file: LabFile) -> list[str]:
-    """Return the columns that were told by their values, and what was noticed on reading."""
+    """Return the columns identified by their values, and remarks on reading."""
     guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
     said = [f"by their values columns are taken, {', '.join(guessed)} (`--as`)."] if guessed else []
     return [*said, *file.notes]
@@ -219,25 +219,25 @@ def model_logs(
     tell: Stage | None = None,
     keep: Keep | None = None,
 ) -> LogModel:
-    """Build a model of logs without a scenario: proposed, fitted, and judged by held-out data.
+    """Build a model of logs without a scenario: propose, fit, and test on held-out data.
 
     Args:
         logs: files, or records in SI.
-        experiment: what they hold, where it is known; see `martensite.fit.experiment_kinds`.
+        experiment: kind of experiment, if known; see `martensite.fit.experiment_kinds`.
         overrides: settings of the experiment, by dotted path, such as `element.diameter`.
-        named: what columns of files are, by heading or number, where it is not to be guessed (`read_lab_file`).
+        named: meaning of columns, by heading or number, which replaces a guess (`read_lab_file`).
         interval: time between rows [s] of files without times.
-        free: texts of free parameters, such as `C_A=5..12 MPa/K`, instead of those proposed.
-        fixed: names of parameters that are not free, each with `=VALUE` if the value is known.
+        free: texts of free parameters, such as `C_A=5..12 MPa/K`, in place of the proposed parameters.
+        fixed: names of fixed parameters, each with `=VALUE` if the value is known.
         hold_out: held-out data, as in `fit_logs`; by default each record in turn, or parts of one or two.
-        starts: further local searches; as proposed if left out.
-        time_box: processor time [s].
-        tell: told what is being done.
-        keep: told of every evaluation: the problem, and the best so far.
+        starts: number of further local searches; by default as proposed.
+        time_box: processor time limit [s].
+        tell: callback with a progress sentence.
+        keep: callback after every evaluation, with the problem and the best point.
 
     Raises:
-        DataError: logs that cannot be read, or recognised, or lack what is indispensable.
-        InputError: a free or fixed parameter, or what is held out, is unknown.
+        DataError: logs cannot be read or recognised, or lack required columns.
+        InputError: a free, fixed or held-out name is unknown.
         SolveError: no proposal can be run.
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
@@ -272,10 +272,10 @@ def model_logs(
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
-    """Return the records in which all that is to be explained changes, and sentences about the others.
+    """Return the records in which all compared outputs change, and remarks on the others.
 
     Raises:
-        DataError: a column is missing in one of the records.
+        DataError: a column is missing in a record.
     """
     for one in records:
         lost = next((name for name in measured if not set(_list_alike(name)) & set(one.columns)), None)
@@ -288,5 +288,5 @@ def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[lis
 
 
 def _list_alike(name: str) -> tuple[str, ...]:
-    """Return the columns of which one is enough: strain or position, stress or force, or the column alone."""
+    """Return the equivalent columns: strain or position, stress or force, or the column alone."""
     return next((tuple(group) for group in (DEFORMATIONS, LOADS) if name in group), (name,))

@@ -1,8 +1,8 @@
-"""A fit as a material file: its numbers, how far to trust each, and what they rest on.
+"""Material files from fits: parameters, their uncertainty, and their sources.
 
-`[law]` holds the law and its options that the numbers hold for, `[sources]` the fit and the
-sources of what was not fitted, `[values]` all numbers, a fitted one with its intervals and
-bounds, and `[fit]` how it was searched, what was free, and the records with hashes and errors.
+Table `[law]` has the law and its options. `[sources]` has the fit and the sources of fixed parameters. `[values]` has
+all parameters, fitted ones with intervals and bounds. `[fit]` has the search, the free parameters, and the records
+with hashes and errors.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 MANY_RECORDS = 5
-"""Records up to which they are named one by one."""
+"""Largest number of records that are listed by name."""
 
 
 def write_material(
@@ -41,25 +41,24 @@ def write_material(
     port: str | None = None,
     digits: int | None = None,
 ) -> None:
-    """Write a material file with the numbers of a fit; an existing file is replaced.
+    """Write a material file with the parameters of a fit, replacing an existing file.
 
-    The name of the material is that of the file. A scenario takes it by
-    `material = "./mine.toml"`, and `load_material` reads it.
+    The name of the material is the name of the file. A scenario uses `material = "./mine.toml"`; `load_material` reads
+    the file.
 
     Args:
-        fit: a finished fit.
-        path: the file to write, ending in .toml; its folder must exist.
-        scenario: what the fit began with, if the fit does not know. It says which numbers are
-            not fitted, and where they come from; without it they are called assumed.
-        title: of the material; made from law and records if left out.
-        cite: key of the records in the bibliography; that of a published data set, else of this
-            package, if left out.
-        port: the actuator whose numbers are written; needed only where several differ.
-        digits: significant digits of the fitted numbers; all if left out.
+        fit: finished fit.
+        path: path of the file, ending in .toml; its folder must exist.
+        scenario: scenario at the start of the fit, if the fit does not have it. It gives the sources of fixed
+            parameters; without it they are labelled as assumed.
+        title: title of the material; by default from law and records.
+        cite: bibliography key of the records; by default the key of a published data set, or of this package.
+        port: actuator with the parameters; required only if several differ.
+        digits: significant digits of fitted parameters; by default all.
 
     Raises:
-        InputError: the path does not end in .toml, the file cannot be written, or the actuators
-            of the fitted system have different numbers.
+        InputError: the path does not end in .toml, the file cannot be written, or the actuators of the fitted system
+            have different parameters.
     """
     path = Path(path)
     if path.suffix.lower() != ".toml":
@@ -70,7 +69,7 @@ def write_material(
 
 
 def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -> str:
-    """Return the text of a material file; arguments as of `write_material`."""
+    """Return the text of a material file; arguments as in `write_material`."""
     fit = numbers.fit
     key = cite or next(iter(list_published(fit)), PACKAGE)
     list_entries([key])

@@ -1,11 +1,10 @@
-"""Numbers that are in order by construction: M_f below M_s, A_s below A_f, and what else a law declares.
+"""Order constraints of parameters, such as M_f below M_s and A_s below A_f, kept by construction.
 
-A search runs over places v from 0 to 1. A number is at the part v of what its bounds leave it above those that
-must be below it, and so that there is room for those that must be above:
+A search runs over places v from 0 to 1. The value u, as a fraction of its range, is
 
     u_i = a_i + v_i (b_i - a_i),   a_i = max(low_i, x_k + gap),   b_i = min(high_i, b_k - gap)
 
-as shares u of its range. Without an order u is v.
+The ends a and b leave space for the parameters below and above. Without an order, u is v.
 """
 
 from __future__ import annotations
@@ -26,21 +25,21 @@ if TYPE_CHECKING:
     from martensite.fit.evaluation import Evaluation
 
 INSIDE = 0.1
-"""Part of the room of a number by which a start out of order is moved inside."""
+"""Fraction of the allowed interval by which a start out of order is moved inside."""
 GAP = 1e-4
-"""Least distance of two numbers in order, as a share of the range of the upper one."""
+"""Least distance of two ordered parameters, as a fraction of the range of the upper parameter."""
 
 
 class NumberOrder(NamedTuple):
-    """Which of two numbers is below; one that is not free has its value."""
+    """Order of two parameters; a fixed parameter is given by its value."""
 
     below: int | float
-    """Place among the free numbers, or a value [SI]."""
+    """Index of the free parameter, or a value [SI]."""
     above: int | float
 
 
 def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -> list[NumberOrder]:
-    """Return the orders that the laws of all experiments declare, as far as a free parameter takes part."""
+    """Return the orders that the laws of all experiments declare and that involve a free parameter."""
     found: dict[NumberOrder, None] = {}
     for one in experiments:
         values = {leaf.path: float(leaf.value) for leaf in one.system.leaves()}
@@ -54,7 +53,7 @@ def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -
 
 
 def _list_ordered(one: Experiment, values: Mapping[str, float]) -> Iterator[tuple[str, str]]:
-    """Yield the paths of two values of an experiment, of which the first must be the smaller."""
+    """Yield the paths of two values of an experiment, the smaller value first."""
     laws = [part for part in one.system.tree() if isinstance(part, AbstractLaw)]
     for low, high in dict.fromkeys(pair for law in laws for pair in law.orders):
         for path in values:
@@ -64,19 +63,19 @@ def _list_ordered(one: Experiment, values: Mapping[str, float]) -> Iterator[tupl
 
 
 def _find_mover(acting: Sequence[tuple[int, FreeNumber]], path: str, value: float) -> int | float:
-    """Return the free number that moves a parameter, its own before the common one; else its value."""
+    """Return the free parameter that moves a path, a separate before a common parameter; otherwise its value."""
     movers = sorted((i for i, x in acting if x.moves(path)), key=lambda i: dict(acting)[i].record is None)
     return movers[0] if movers else value
 
 
 class OrderedNumbers:
-    """From places to shares of ranges, and back."""
+    """Map from places to fractions of ranges, and its inverse."""
 
     def __init__(self, free: Sequence[FreeNumber], orders: Sequence[NumberOrder]) -> None:
-        """Find what every number must leave room for.
+        """Find the space that each parameter must leave for others.
 
         Raises:
-            ParameterError: bounds leave none.
+            ParameterError: the bounds leave no space.
         """
         self.free, count = free, len(free)
         self.below: list[list[int]] = [[] for _ in range(count)]
@@ -102,12 +101,12 @@ class OrderedNumbers:
 
     @property
     def active(self) -> bool:
-        """Return whether any order concerns the free numbers."""
+        """Return whether any order concerns the free parameters."""
         ends = [(one.low, one.high) for one in self.free]
         return any(self.below) or ends != list(zip(self.lowest, self.highest, strict=True))
 
     def find_shares(self, places: Any) -> Any:
-        """Return the shares u (free,) of places v (free,)."""
+        """Return the fractions u (free,) of places v (free,)."""
         return self._walk(np.asarray(places, float))[0]
 
     def find_slopes(self, places: Any) -> Any:
@@ -115,7 +114,10 @@ class OrderedNumbers:
         return self._walk(np.asarray(places, float))[1]
 
     def find_places(self, shares: Any, inside: float = 0.0) -> Any:
-        """Return the places v of shares u; what is out of order comes to the nearest end, or a part `inside` of it."""
+        """Return the places v of fractions u.
+
+        A value out of order moves to the nearest end, or by the fraction `inside` of the interval from it.
+        """
         places = np.asarray(shares, float).copy()
         if not self.active:
             return places
@@ -128,11 +130,11 @@ class OrderedNumbers:
         return places
 
     def repair(self, shares: Any) -> Any:
-        """Return the shares, in order; what was not is moved a tenth of its room inside."""
+        """Return the fractions in order; values out of order move inside by a tenth of their interval."""
         return self.find_shares(self.find_places(shares, INSIDE)) if self.active else np.asarray(shares, float)
 
     def turn_slopes(self, found: Evaluation, places: Any) -> Evaluation:
-        """Return an evaluation with derivatives by places."""
+        """Return an evaluation with derivatives with respect to places."""
         return replace(found, jacobian=found.jacobian @ self.find_slopes(places)) if self.active else found
 
     def _walk(self, places: Any) -> tuple[Any, Any]:
@@ -149,7 +151,7 @@ class OrderedNumbers:
         return shares, slopes
 
     def _find_ends(self, i: int, shares: Any) -> tuple[float, float, int | None]:
-        """Return the shares between which a number is, and the one below it that says where it begins."""
+        """Return the ends of a parameter as fractions, and the parameter below that sets its lower end."""
         free, least, lower = self.free[i], self.lowest[i], None
         for k in self.below[i]:
             value = self.free[k].value(float(shares[k])) + self._gap(i)

@@ -1,10 +1,9 @@
-"""The problem of a fit: experiments, free parameters, and residuals with their Jacobian.
+"""Problem of a fit: experiments, free parameters, and residuals with their Jacobian.
 
     r = √w (y(p) + offset - measured)/scale
 
-over all rows that were measured and are not kept back. `scale` is the given noise of an output,
-else the range over which it was measured; a cost is the mean of r². All derivatives are exact
-where there is a C compiler, and are taken along the numbers u from 0 to 1 of the search.
+The residuals cover all fitted samples. `scale` is the given noise of an output, or otherwise its measured range. The
+cost is the mean of r². With a C compiler, derivatives with respect to the fractions u of the search are exact.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ from martensite.search.free_numbers import FreeNumber, SearchRange
 from martensite.simulate.refusals import find_refused
 
 FEW_STEPS = 10_000
-"""Steps of all runs below which threads would cost more than they gain."""
+"""Number of steps of all runs below which threads are not worthwhile."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +47,17 @@ class Problem:
     experiments: tuple[Experiment, ...]
     free: tuple[FreeNumber, ...]
     noise: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Output -> standard deviation of its measurement [SI], where it is known."""
+    """Output -> standard deviation of its measurement [SI], if known."""
     step: float | None = None
-    """Longest step of all runs [s]; that of each experiment if None."""
+    """Longest step of all runs [s]; None for the step of each experiment."""
     later: tuple[FreeNumber, ...] = ()
-    """Parameters of held-out records alone, fitted to them afterwards."""
+    """Separate parameters of held-out records, fitted afterwards."""
     input_noise: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Column that drives -> standard deviation of its noise [SI], where it is known."""
+    """Drive column -> standard deviation of its noise [SI], if known."""
     corrections: tuple[InputCorrection, ...] = ()
-    """One per experiment, where noise in what drives it counts."""
+    """One correction per experiment, if noise of its drives matters."""
     prior_scale: float = 1.0
-    """Noise of residuals, by which spreads of numbers are weighed against them; 1 where all noise is known."""
+    """Noise of residuals, as the weight of spreads; 1 if all noise is known."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` for a problem that has no solution."""
@@ -87,24 +86,23 @@ class Problem:
 
     @property
     def start(self) -> Any:
-        """Return the start of the search: a value from 0 to 1 for every free parameter."""
+        """Return the start of the search: a fraction from 0 to 1 for every free parameter."""
         return self.order.repair(np.array([free.share(free.start) for free in self.free]))
 
     @cached_property
     def order(self) -> OrderedNumbers:
-        """Return the constraints that keep the parameters in the order that laws declare."""
+        """Return the order constraints that the laws declare."""
         return OrderedNumbers(self.free, list_orders(self.free, self.experiments))
 
     @property
     def training(self) -> Problem:
-        """Return the problem without the records that are kept back."""
+        """Return the problem without the held-out records."""
         return replace(self, experiments=tuple(one for one in self.experiments if not one.held_out), later=())
 
     def hold_out(self, names: Container[str]) -> Problem:
-        """Return the problem with some records kept back whole.
+        """Return the problem with some records held out.
 
-        What they have for themselves is fitted to them afterwards, but for numbers with a spread: those are at
-        their centres.
+        Their separate parameters are fitted afterwards; parameters with a spread stay at their centres.
         """
         made = [replace(one, held=ALL) if one.name in names else one for one in self.experiments]
         labels = {None, *(label for one in made if not one.held_out for label in one.labels)}
@@ -133,7 +131,7 @@ class Problem:
         for one in self.experiments:
             for k, output in enumerate(one.outputs):
                 column = one.measured[:, k]
-                if not one.over_time:  # what varies between specimens counts
+                if not one.over_time:  # variance between specimens counts
                     columns.setdefault(output, []).append(column)
                     column = np.concatenate(columns[output])
                 reach = float(np.nanmax(column) - np.nanmin(column))
@@ -142,12 +140,12 @@ class Problem:
 
     @cached_property
     def runners(self) -> tuple[BatchRunner, ...]:
-        """Return one per experiment."""
+        """Return one runner per experiment."""
         found = tuple(one.runner(self.step) for one in self.experiments)
         return self._drive_runners(found) if self.corrections else found
 
     def _drive_runners(self, runners: Sequence[BatchRunner]) -> tuple[BatchRunner, ...]:
-        """Return the runners that follow what the corrections say instead of what was logged."""
+        """Return the runners that follow the corrected instead of the logged drives."""
         rows = zip(runners, self.experiments, self.corrections, strict=True)
         return tuple(
             runner.with_grid(one.driven_grid([fix.inputs], self.step).lane(0)) if fix.inputs else runner
@@ -155,19 +153,19 @@ class Problem:
         )
 
     def with_corrections(self, corrections: Sequence[InputCorrection]) -> Problem:
-        """Return the problem with corrections for noise in what drives."""
+        """Return the problem with corrections for noise of its drives."""
         found = replace(self, corrections=tuple(corrections))
         made = {name: getattr(self, name) for name in ("_ranges", "used", "_moving", "_values")}
-        found.__dict__.update(made, runners=found._drive_runners(self.runners))  # what need not be made anew
+        found.__dict__.update(made, runners=found._drive_runners(self.runners))  # cached values that stay valid
         return found
 
     @cached_property
     def used(self) -> list[Any]:
-        """True for what the fit sees, of every experiment, of shape (rows, outputs)."""
+        """Return the fitted samples of every experiment, True in arrays (rows, outputs)."""
         return [np.isfinite(one.measured) & ~one.kept_back[:, None] for one in self.experiments]
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
-        """Return the residuals at a point, with their Jacobian if wanted; None where a run fails."""
+        """Return the residuals at a point, with their Jacobian on request; None if a run fails."""
         fitted = self._run_all(u, slopes)
         if fitted is None:
             return None
@@ -180,7 +178,7 @@ class Problem:
         return Evaluation(fitted, np.concatenate(residuals), np.concatenate(jacobian) if slopes else None)
 
     def _run_all(self, u: Sequence[float], slopes: bool) -> tuple[FittedRecord, ...] | None:
-        """Return all experiments at a point; None where a run fails."""
+        """Return the runs of all experiments at a point; None if a run fails."""
         moved = [self.change_values(k, u) for k in range(len(self.runners))]
         if any(values is None for values in moved):
             return None
@@ -191,18 +189,18 @@ class Problem:
         return fitted if len(fitted) == len(jobs) else None
 
     def split(self, residuals: Any) -> list[Any]:
-        """Return the residuals of measurements that count, by experiment."""
+        """Return the residuals of fitted samples, by experiment."""
         ends = np.cumsum([int(used.sum()) for used in self.used])
         return np.split(residuals[: ends[-1]], ends[:-1])
 
     @property
     def knows_noise(self) -> bool:
-        """Return whether the noise of all that is compared is known."""
+        """Return whether the noise of all compared outputs is known."""
         return all(name in self.noise for one in self.experiments for name in one.outputs)
 
     @cached_property
     def spreads(self) -> list[tuple[int, int | None]]:
-        """Return every number with a spread, and the common number that is its centre, by their places."""
+        """Return the indices of every parameter with a spread and of its common centre."""
         common = {free.path: i for i, free in enumerate(self.free) if free.record is None}
         return [(i, common.get(free.path)) for i, free in enumerate(self.free) if free.spread and free.record]
 
@@ -222,7 +220,7 @@ class Problem:
         return totals / (counts + len(self.spreads))
 
     def _list_slopes(self, k: int, fitted: FittedRecord) -> Any:
-        """Return the derivatives (n, free) of the residuals of an experiment that count."""
+        """Return the derivatives (n, free) of the used residuals of an experiment."""
         found = fitted.jacobian.transpose(1, 0, 2)[self.used[k].T]
         return self.corrections[k].whiten(found) if self.corrections else found
 
@@ -231,7 +229,7 @@ class Problem:
         return total if math.isfinite(total) else math.inf
 
     def _list_residuals(self, k: int, fitted: FittedRecord) -> Any:
-        """Return the residuals of an experiment that count, (n,), corrected for noise in what drives it."""
+        """Return the used residuals (n,) of an experiment, corrected for noise of its drives."""
         found = fitted.residuals.T[self.used[k].T]
         if not self.corrections:
             return found
@@ -267,11 +265,11 @@ class Problem:
 
     @cached_property
     def _values(self) -> dict[int, tuple[tuple[float, ...], Any]]:
-        """Return the experiment -> the last point, and its parameter values."""
+        """Return the last point and its parameter values, by experiment."""
         return {}
 
     def change_values(self, k: int, u: Sequence[float]) -> Any:
-        """Return the parameter values of an experiment at a point; None if they contradict each other."""
+        """Return the parameter values of an experiment at a point; None if they are inconsistent."""
         point = tuple(map(float, u))
         if self._values.get(k, ((),))[0] != point:
             try:
@@ -281,7 +279,7 @@ class Problem:
         return self._values[k][1]
 
     def _tabulate_values(self, k: int, points: Any) -> tuple[Any, Any]:
-        """Return `change_values` of many points, (m, parameters), and where they contradict each other, (m,)."""
+        """Return `change_values` of many points, (m, parameters), and a mask of inconsistent points, (m,)."""
         runner = self.runners[k]
         table = np.repeat(np.asarray(runner.base)[None], len(points), axis=0)
         for i, places in self._moving[k]:
@@ -342,7 +340,7 @@ class Problem:
 
 @cache
 def _start_threads() -> ThreadPoolExecutor:
-    """Return the runs in C release the interpreter, so that threads use all cores."""
+    """Return the threads for runs in C, which release the interpreter lock."""
     return ThreadPoolExecutor(max(1, cpu_count() or 1))
 
 
@@ -358,15 +356,15 @@ def build_problem(
     """Return a problem from experiments and names.
 
     Args:
-        experiments: at least one; names must differ.
+        experiments: at least one experiment, with distinct names.
         free: parameters common to all experiments.
-        each: what every experiment has for itself: parameters, `offset.OUTPUT`, `delay`.
+        each: separate parameters of every experiment: parameters, `offset.OUTPUT`, `delay`.
         noise: output -> standard deviation of its measurement [SI].
         step: longest step of all runs [s].
-        input_noise: column that drives -> standard deviation of its noise [SI].
+        input_noise: drive column -> standard deviation of its noise [SI].
 
     Raises:
-        InputError: a name is unknown, double, or has impossible bounds.
+        InputError: a name is unknown or repeated, or bounds are impossible.
     """
     systems = [one.system for one in experiments]
     shared = build_free_numbers([_read_name(x) for x in free], systems)
@@ -377,7 +375,7 @@ def build_problem(
 
 
 def _open_range(own: FreeNumber, shared: Sequence[FreeNumber]) -> FreeNumber:
-    """A number with a spread about a centre that is free: searched as far as that goes, and from where it starts."""
+    """Return a parameter with a spread about a free centre, with the bounds and start of that centre."""
     centre = next((x for x in shared if x.path == own.path and own.spread), None)
     if centre is None:
         return own
@@ -390,7 +388,7 @@ def _open_range(own: FreeNumber, shared: Sequence[FreeNumber]) -> FreeNumber:
 
 
 def _set_centres(one: Experiment, rest: Sequence[FreeNumber]) -> Experiment:
-    """Return a record that is kept back, with numbers that have a spread at their centres."""
+    """Return a held-out record with its random effects at their centres."""
     own = [x for x in rest if x.spread and x.record in one.labels and not is_nuisance(x.path)]
     centres = {leaf.path: x.start for x in own for leaf in one.system.leaves() if x.moves(leaf.path)}
     return replace(one, system=one.system.with_values(centres)) if centres else one

@@ -1,15 +1,12 @@
-"""Searches: from a problem to the parameters of least cost.
+"""Search methods for the parameters of least cost.
 
     trf          trust-region least squares within bounds (Branch, Coleman and Li; SciPy), with
                  exact Jacobians: a Levenberg–Marquardt method that respects bounds
     coordinate   coordinate search of the least cost, for comparison
     evolution    differential evolution (SciPy) in batches, then trf from its best point
 
-Starts and trf keep numbers in the order that a law declares (`ordered_numbers`); a start at which nothing transforms
-is left for others.
-
-With `starts`, trf begins from the scenario and from the best of a Sobol' sequence of points over
-the bounds, all evaluated in batches.
+Starts and trf keep the order constraints of laws (`ordered_numbers`). A start without transformation is replaced.
+With `starts`, trf begins from the scenario and from the best points of a Sobol' sequence, evaluated in batches.
 """
 
 from __future__ import annotations
@@ -52,17 +49,17 @@ from martensite.search.time_box import OutOfTimeError
 
 METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
-"""Sobol' points tried for each start."""
+"""Number of Sobol' points per start."""
 OTHERS = 4
-"""Starts tried where nothing transforms at the first."""
+"""Number of other starts if nothing transforms at the first."""
 REFINING = 20
-"""Evaluations of a search in one round of the correction for noise in what drives."""
+"""Evaluations of a search in one round of the correction for drive noise."""
 SPECIMEN = "specimen"
-"""The kind of group whose records are kept back together."""
+"""Kind of group whose records are held out together."""
 FIRST_NOISE = 0.02
-"""Noise as a share of the range with which spreads are first weighed, where it is not known."""
+"""First guess of unknown noise for the weight of spreads, as a fraction of the range."""
 ROUNDS, BALANCED = 6, 0.05
-"""Fits in which it is found, and the relative change that ends them."""
+"""Largest number of fits to find this noise, and the relative change that ends them."""
 
 
 def solve_problem(
@@ -77,24 +74,24 @@ def solve_problem(
     state: Path | None = None,
     inputs: bool = True,
 ) -> Fit:
-    """Find the free parameters of a problem.
+    """Fit the free parameters of a problem.
 
-    An interruption (KeyboardInterrupt) ends the search and keeps the best point so far.
+    An interruption (KeyboardInterrupt) ends the search and returns the best point.
 
     Args:
-        problem: what to fit to what.
+        problem: experiments and free parameters.
         method: trf, coordinate, or evolution.
         loss: linear, soft-l1, huber, or cauchy.
-        starts: further local searches, from the best of many points within the bounds.
-        seed: of those points.
-        most: evaluations of one local search.
-        tell: called after every evaluation.
-        state: a file in which the search is kept, and taken up again.
-        inputs: whether noise in columns that drive counts (`input_noise`).
+        starts: number of further local searches, from the best of many points within the bounds.
+        seed: seed of these points.
+        most: largest number of evaluations of one local search.
+        tell: callback after every evaluation.
+        state: file that stores the search, so that it can be resumed.
+        inputs: True to include noise of drive columns (`input_noise`).
 
     Raises:
         InputError: an unknown method or loss, or a state of another problem.
-        SolveError: the runs fail at the start, and at every point tried.
+        SolveError: the runs fail at the start and at all points tried.
     """
     require_known("method", method, METHODS)
     if problem.training.spreads and problem.prior_scale == 1.0 and not problem.knows_noise:
@@ -145,7 +142,7 @@ def solve_problem(
 
 
 class _CorrectedEnd(NamedTuple):
-    """End of a search, corrected for noise in the drives where that counts."""
+    """End of a search, corrected for drive noise if necessary."""
 
     problem: Problem
     point: Any
@@ -155,7 +152,7 @@ class _CorrectedEnd(NamedTuple):
 
 
 def _correct_end(end: _CorrectedEnd, loss: Loss) -> _CorrectedEnd:
-    """Return the end of a search with the noise of the drives; unchanged if that search fails or is interrupted."""
+    """Return the corrected end of a search; unchanged if the search fails or is interrupted."""
     try:
         problem, point, noise, notes = correct_for_inputs(*end[:2], _make_descent(loss, end.evaluation))
     except (KeyboardInterrupt, SolveError):
@@ -171,9 +168,9 @@ def _correct_end(end: _CorrectedEnd, loss: Loss) -> _CorrectedEnd:
 
 
 def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Problem:
-    """Return the problem with spreads weighed against the noise that a fit with them leaves, s² = Σ r²/(n - tr H).
+    """Return the problem with spreads weighed against the residual noise of a fit, s² = Σ r²/(n - tr H).
 
-    n are measurements, and tr H is the sum of their leverages: what of the free numbers they hold.
+    n is the number of measurements, and tr H is the sum of their leverages.
     """
     scale = FIRST_NOISE
     for _ in range(ROUNDS):
@@ -192,12 +189,12 @@ def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = N
     """Predict each specimen (or record, without specimens) from a fit to all others.
 
     Args:
-        problem: all records, none of them kept back.
-        how: method, loss and so on, as for `solve_problem`.
-        tell: called after every evaluation.
+        problem: all records, without held-out records.
+        how: method, loss and so on, as in `solve_problem`.
+        tell: callback after every evaluation.
 
     Raises:
-        SolveError: the runs of one of the fits fail.
+        SolveError: the runs of a fit fail.
     """
     wholes = [one.groups.get(SPECIMEN, one.name) for one in problem.experiments]
     found = list[HeldOutRecord]()
@@ -276,18 +273,18 @@ def _search_coordinates(watch: SearchMonitor) -> str:
 
 
 def _count_costs(watch: SearchMonitor) -> Callable[[Any], Any]:
-    """Return the costs of points whose parameters keep the order of laws by construction."""
+    """Return the costs of points, mapped to ordered parameters."""
     return lambda points: watch.costs(np.array([watch.problem.order.find_shares(v) for v in points]))
 
 
 def _find_points(watch: SearchMonitor, keep: int, count: int, seed: int) -> list[Any]:
-    """Return the best of a Sobol' sequence of points."""
+    """Return the best points of a Sobol' sequence."""
     found = find_starts(_count_costs(watch), len(watch.problem.free), count=count, keep=keep, seed=seed)
     return [watch.problem.order.find_shares(one.values) for one in found]
 
 
 def _find_moving_starts(watch: SearchMonitor, seed: int) -> list[tuple[str, Any]]:
-    """Return starts at which something transforms; empty if all runs fail."""
+    """Return starts with a transformation; empty if all runs fail."""
     watch.stage = "other starts: at the first runs fail, or nothing transforms"
     watch.evaluate(watch.problem.start.tolist())  # which is kept where no point is better
     try:
@@ -302,14 +299,14 @@ def _name_starts(points: Sequence[Any]) -> list[tuple[str, Any]]:
 
 
 def _judge_end(watch: SearchMonitor, loss: Loss, reason: str, most: int) -> str:
-    """Return how a search ended, after a test of its end for parameters without effect and for being stationary."""
+    """Return the stop reason, after tests of the end for idle parameters and stationarity."""
     if watch.best is not None and (idle := _find_unmoved(watch.problem, watch.best)):
         return _describe_rest(watch.problem, watch.best, idle)
     return verify_optimum(watch, loss, most) if reason == CONVERGED else reason
 
 
 def _find_unmoved(problem: Problem, u: Any) -> list[int] | None:
-    """Places of numbers that move nothing where all are so, or nothing transforms; None where a run fails."""
+    """Return the indices of idle parameters if all are idle or nothing transforms; None if a run fails."""
     found = problem.evaluate(u, slopes=True)
     if found is None:
         return None
@@ -320,7 +317,7 @@ def _find_unmoved(problem: Problem, u: Any) -> list[int] | None:
 
 
 def _describe_rest(problem: Problem, u: Any, idle: Sequence[int]) -> str:
-    """Describe the end of a search at which the parameters in the places `idle` have no effect."""
+    """Describe the end of a search with idle parameters at the indices `idle`."""
     numbers = [format_quantity(problem.free[i].value(float(u[i])), problem.free[i].unit) for i in idle]
     where = join_phrases([f"{problem.names[i]} = {number}" for i, number in zip(idle, numbers, strict=True)])
     what = "nothing that is compared changes" if detect_transformation(problem, u) else "nothing transforms"
