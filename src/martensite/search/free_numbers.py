@@ -1,14 +1,13 @@
-"""Free parameters: which may move, between which bounds, on which scale (texts: `martensite.search.free_text`).
+"""Free parameters with bounds and scale (texts: `martensite.search.free_text`).
 
-A search runs over shares u from 0 to 1 of the range, one per free parameter:
+A search runs over fractions u from 0 to 1 of the range, one per free parameter:
 
     linear        p = low + u (high - low)
     logarithmic   p = low (high/low)^u        both bounds of one sign
 
-Bounds that are not asked for are a box around the start inside what is declared: 50 K to both
-sides of a temperature, the fifth to the fivefold of what has a sign, all that is declared where
-this is finite and holds a zero. The scale is logarithmic where both bounds are positive and a
-factor of four apart, but for temperatures.
+Default bounds are a box around the start within the declared bounds: ±50 K for a temperature, and one fifth to five
+times the start for a value with a sign. Finite declared bounds that contain zero are used in full. The scale is
+logarithmic if both bounds are positive and their ratio is at least 4, except for temperatures.
 """
 
 from __future__ import annotations
@@ -34,19 +33,19 @@ if TYPE_CHECKING:
 BOX_TEMPERATURE = 50.0
 """Half the width of a box of temperatures [K]."""
 BOX_FACTOR = 5.0
-"""Box of a number of one sign: from the start over this factor to the start times it."""
+"""Factor of the box of a value with a sign: from the start divided by this factor to the start times this factor."""
 LOG_RATIO = 4.0
-"""Ratio of bounds from which a positive number is searched on its logarithm."""
+"""Ratio of bounds from which a positive parameter has a logarithmic scale."""
 BOUND_SHARE = 1e-3
-"""Part of a range from a bound that counts as being there."""
+"""Fraction of a range within which a value counts as at its bound."""
 LISTS = "`martensite params` lists those of a scenario or a part"
-"""Place of the names of all parameters, for messages."""
+"""Location of the list of all parameter names, for messages."""
 _AMOUNT = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 
 
 @dataclass(frozen=True)
 class Target:
-    """A number that a search or a sweep can move."""
+    """Parameter that a search or a sweep can move."""
 
     name: str
     """Path in the scenario, for `--set`."""
@@ -55,16 +54,16 @@ class Target:
     unit: str
     """SI unit."""
     value: float
-    """In the scenario [SI]."""
+    """Value in the scenario [SI]."""
     doc: str = ""
     drive: str | None = None
-    """Drive of the waveform that has it; None for a parameter of the system."""
+    """Drive of the waveform with this parameter; None for a parameter of the system."""
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    """Bounds of its declaration [SI]."""
+    """Declared bounds [SI]."""
     allowed: str = "finite"
     """Bounds in words."""
     level: Level | None = None
-    """The level of a waveform that it is."""
+    """Level of a waveform."""
 
     @classmethod
     def from_leaf(cls, leaf: Leaf, name: str | None = None) -> Target:
@@ -83,7 +82,7 @@ class Target:
 
 @dataclass(frozen=True)
 class SearchRange:
-    """A request for a free parameter, by its path or an ending of it; None is chosen."""
+    """Request for a free parameter, by its path or an ending of it."""
 
     name: str
     low: float | None = None
@@ -111,7 +110,7 @@ class SearchRange:
         Args:
             text: as in `martensite.search.free_text`; a text that is not parsed yet must be a range.
             unit: SI unit of the parameter.
-            convert: turns a quantity into a value [SI]; by default one of the unit.
+            convert: conversion of a quantity to a value [SI]; by default a quantity of the unit.
 
         Raises:
             ParameterError: the text is malformed, or a spread is not above 0.
@@ -134,11 +133,11 @@ class SearchRange:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Return both bounds [SI]; NaN for a bound that is not given."""
+        """Return both bounds [SI]; NaN for a missing bound."""
         return math.nan if self.low is None else self.low, math.nan if self.high is None else self.high
 
     def write(self, unit: str) -> str:
-        """Return the text of a range in an SI unit, which `read` reads back."""
+        """Return the text of a range in an SI unit, which `read` can parse."""
         spelling = "" if unit == "1" else f" {'K' if unit == units.DEGREES else unit}"
         low, high = ("" if end is None else f"{end:.10g}" for end in (self.low, self.high))
         ends = f"={low}..{high}{spelling}" if high else f"={low}{spelling}.." if low else ""
@@ -163,7 +162,7 @@ def read_difference(text: str, unit: str) -> float:
     """Return a difference in the SI `unit`, such as 0.5 K for `0.5 degC`.
 
     Raises:
-        UnitError: the text is not a number with a suitable unit.
+        UnitError: the text is not a quantity with a suitable unit.
     """
     zero = _AMOUNT.sub(lambda amount: f"0 {amount[2]}", text)
     return units.parse_quantity(text, unit) - units.parse_quantity(zero, unit)
@@ -171,12 +170,12 @@ def read_difference(text: str, unit: str) -> float:
 
 @dataclass(frozen=True)
 class FreeNumber:
-    """A parameter that a search, a fit or a sweep moves."""
+    """Parameter that a search, a fit or a sweep moves."""
 
     name: str
-    """Name as requested, unique in a problem; for several that move together their common part."""
+    """Name as requested, unique in a problem; the common part of several names that move together."""
     path: str
-    """Path, or ending of the paths of all parameters that take its value."""
+    """Path, or ending of the paths, of all targets."""
     unit: str
     """SI unit."""
     start: float
@@ -185,16 +184,16 @@ class FreeNumber:
     logarithmic: bool = False
     whole: bool = False
     record: str | None = None
-    """The one experiment, or group of them, that has it for itself; None if it is common to all."""
+    """Experiment or group with a separate value; None for a common parameter."""
     doc: str = ""
     targets: tuple[Target, ...] = ()
-    """Parameters that take its value."""
+    """Parameters that take this value."""
     spread: float = 0.0
-    """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
+    """Standard deviation about the common centre: [SI], or a fraction of it; 0 for no spread."""
     relative: bool = False
     """True if the spread is a fraction."""
     base: str = ""
-    """Path of the number from which this one is counted, so that order holds by construction; empty for none."""
+    """Path of the parameter from which this difference is counted; empty for a plain parameter."""
     choices: tuple[float, ...] = ()
     """Levels of a sweep [SI]; empty for a range."""
     count: int | None = None
@@ -210,13 +209,13 @@ class FreeNumber:
     @overload
     def value(self, share: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def value(self, share: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """Return the number [SI] at a share of its range."""
+        """Return the value [SI] at a fraction of the range."""
         if self.logarithmic:
             return self.low * (self.high / self.low) ** share
         return self.low + share * (self.high - self.low)
 
     def slope(self, share: float) -> float:
-        """d(value)/d(share) [SI]."""
+        """Compute d(value)/d(fraction) [SI]."""
         if self.logarithmic:
             return self.value(share) * math.log(self.high / self.low)
         return self.high - self.low
@@ -230,13 +229,13 @@ class FreeNumber:
 
     @property
     def width(self) -> float:
-        """Return the range in units of the number, or in powers of e on a logarithmic scale."""
+        """Return the width of the range in SI, or in powers of e on a logarithmic scale."""
         if self.logarithmic:
             return abs(math.log(self.high / self.low))
         return self.high - self.low
 
     def bound(self, share: float) -> str | None:
-        """`lower` or `upper` where a share is at a bound."""
+        """Return `lower` or `upper` if a fraction is at a bound."""
         if share <= BOUND_SHARE:
             return "lower"
         return "upper" if share >= 1.0 - BOUND_SHARE else None
@@ -245,7 +244,7 @@ class FreeNumber:
         """Return the values [SI] on a grid.
 
         Raises:
-            ParameterError: there are none.
+            ParameterError: there are no values.
         """
         import numpy as np
 
@@ -259,7 +258,7 @@ class FreeNumber:
         return self.quantile(np.linspace(0.0, 1.0, self.count))
 
     def quantile(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the values [SI] below which fractions of a sample lie: exactly the bounds at 0 and 1."""
+        """Return the quantiles [SI] of fractions of a sample, exactly the bounds at 0 and 1."""
         import numpy as np
 
         if self.choices:
@@ -271,7 +270,7 @@ class FreeNumber:
         return np.where(share >= 1.0, self.high, self.value(share))
 
     def extremes(self) -> tuple[float, ...]:
-        """Return the values of an axis that must be allowed; empty for a distribution without ends."""
+        """Return the extreme values of an axis; empty for an unbounded distribution."""
         return self.choices or (() if self.spread else (self.low, self.high))
 
     def moves(self, path: str) -> bool:
@@ -280,7 +279,7 @@ class FreeNumber:
 
 
 def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
-    """Return the numbers of a path in system or scenario, or else all whose paths it ends."""
+    """Return the parameters at a path in system or scenario, or otherwise all with this ending."""
     targets = list(known)
     names = {*find_paths(name, [one.name for one in targets])}
     paths = {*find_paths(name, [one.path for one in targets])}
@@ -290,15 +289,15 @@ def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
 
 
 def find_alike(name: str, known: Sequence[Target], several: bool = True) -> list[Target]:
-    """Return the parameters that a path, or an ending of paths, names.
+    """Return the parameters at a path or an ending of paths.
 
     Args:
         name: path, or ending of paths.
-        known: parameters that may be named.
-        several: True if several may be named that are alike in unit and value.
+        known: available parameters.
+        several: True to accept several parameters of the same unit and value.
 
     Raises:
-        ParameterError: there is none, or several that differ.
+        ParameterError: there is no match, or several that differ.
     """
     found = find_targets(name, known)
     if not found:
@@ -309,17 +308,17 @@ def find_alike(name: str, known: Sequence[Target], several: bool = True) -> list
 
 
 def make_missing_error(name: str, known: Iterable[Target]) -> ParameterError:
-    """Return the error for a parameter that does not exist, with the nearest valid names."""
+    """Return the error for an unknown parameter, with the nearest valid names."""
     names = [one.name for one in known]
     endings = {one.rpartition(".")[2] for one in names} if "." not in name else {*names}
     return ParameterError(f"There is no parameter `{name}`. {suggest_name(name, endings, LISTS)}")
 
 
 def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None) -> FreeNumber:
-    """Return a free number with its bounds and scale; the first target gives start, unit and what is allowed.
+    """Return a free parameter with bounds and scale; the first target gives start, unit and declared bounds.
 
     Raises:
-        ParameterError: there are no bounds, or they are none.
+        ParameterError: there are no bounds, or they are invalid.
     """
     first = targets[0]
     start = first.value if wanted.start is None else wanted.start
@@ -355,7 +354,7 @@ def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record
 def choose_bounds(
     wanted: SearchRange, target: Target, starts: Sequence[float], factor: float = BOX_FACTOR
 ) -> tuple[float, float]:
-    """Return bounds as asked for, and a box around starts [SI] where they are not; the last of these gives the sign.
+    """Return the requested bounds, or a box around starts [SI] if not requested; the last start gives the sign.
 
     Raises:
         ParameterError: all starts are 0, and the declaration sets no bounds.

@@ -1,17 +1,16 @@
-"""Uncertainty of the parameters of a fit: intervals, correlations, fewer samples.
+"""Uncertainty of fitted parameters: intervals, correlations, effective number of samples.
 
 With residuals r, their Jacobian J and n samples, near the optimum
 
     s² = Σ r_i²/(n - p),    covariance of z = s² (JᵀJ)⁻¹,    z ± t(level, n - p) error
 
-for parameters z scaled to their search ranges; a value x(z) has the error abs(dx/dz) error(z)
-(Laplace's approximation; Seber and Wild (1989), Nonlinear Regression, ch. 5). Directions that J
-does not determine at all are left out of the inverse and of the count p, and every parameter
-that takes part in one has an infinite error.
+for parameters z scaled to their search ranges. A value x(z) has the error abs(dx/dz) error(z) (Laplace's
+approximation; Seber and Wild (1989), Nonlinear Regression, ch. 5). The inverse and the count p omit directions that J
+does not determine. Every parameter in such a direction has an infinite error.
 
-The samples of a log are rarely independent. Where residuals are autocorrelated, n samples say
-as much as n_eff (`autocorrelation`), and errors are too small by √(n/n_eff): `widened` has
-intervals with this factor and with t(level, n_eff - p), `interval` those without.
+Samples of a log are rarely independent. With autocorrelation, n samples are equivalent to n_eff independent samples,
+and errors are too small by √(n/n_eff). `widened` intervals have this factor and t(level, n_eff - p); `interval` has
+neither.
 """
 
 from __future__ import annotations
@@ -33,12 +32,12 @@ from martensite.search.whiteness import count_effective_samples
 
 Matrix: TypeAlias = NDArray[np.float64]
 CONFOUNDED = 0.95
-"""Correlation from which on two parameters are named as hardly told apart."""
+"""Correlation above which two parameters are reported as confounded."""
 CHANCE = 1.1
-"""Errors of HC3 over those for even residuals that chance alone makes, in a hundred or more samples."""
+"""Ratio of HC3 errors to ordinary errors that chance alone can produce for 100 or more samples."""
 _TURNED = 1e-3
 _MANY = 10_000
-"""Degrees of freedom above which Student's t is taken as with so many; 1e-4 too wide at most."""
+"""Largest degrees of freedom for Student's t; beyond it t is at most 1e-4 too large."""
 
 
 @dataclass(frozen=True)
@@ -48,44 +47,45 @@ class Uncertainty:
     names: tuple[str, ...]
     values: tuple[float, ...]
     errors: tuple[float, ...]
-    """Standard errors for independent samples; infinite for a parameter that is not determined,
-    NaN without a sample to spare."""
+    """Standard errors for independent samples; infinite for an undetermined parameter, NaN without degrees of freedom.
+    """
     correlation: tuple[tuple[float, ...], ...]
-    """Correlation of the parameters; NaN beside one that is not determined."""
+    """Correlation of the parameters; NaN for an undetermined parameter."""
     noise: float
-    """Standard deviation s of a weighted residual; NaN without a sample to spare."""
+    """Standard deviation s of a weighted residual; NaN without degrees of freedom."""
     samples: int
     rank: int
-    """Number of directions that are determined."""
+    """Number of determined directions."""
     effective: float
-    """Number n_eff of independent samples that say as much."""
+    """Equivalent number n_eff of independent samples."""
 
     @property
     def freedom(self) -> int:
-        """Return the samples to spare, n - p."""
+        """Return the degrees of freedom, n - p."""
         return self.samples - self.rank
 
     @property
     def widening(self) -> float:
-        """√(n/n_eff), by which errors are larger for the autocorrelation of the residuals."""
+        """Compute √(n/n_eff), the factor on errors for autocorrelated residuals."""
         return math.sqrt(self.samples / self.effective)
 
     @property
     def covariance(self) -> tuple[tuple[float, ...], ...]:
-        """Return the covariance for independent samples; infinite or NaN where it is not determined."""
+        """Return the covariance for independent samples; infinite or NaN for undetermined parameters."""
         rows = zip(self.errors, self.correlation, strict=True)
         return tuple(tuple(c * one * other for c, other in zip(row, self.errors, strict=True)) for one, row in rows)
 
     def interval(self, name: str, level: float = LEVEL) -> Interval:
-        """Return the confidence interval of a parameter under the assumption that all samples are independent."""
+        """Return the confidence interval of a parameter for independent samples."""
         return self._about(name, level, self.freedom, 1.0)
 
     def widened(self, name: str, level: float = LEVEL) -> Interval:
-        """Return the confidence interval of a parameter from as many samples as are independent."""
+        """Return the confidence interval of a parameter for n_eff samples."""
         return self._about(name, level, self._spare, self.widening)
 
     def half_width(self, gradient: Any, level: float = LEVEL) -> float:
-        """Return half of the widened interval of a quantity, from its derivatives (n,) by the parameters in SI."""
+        """Return half the widened interval of a quantity, from its derivatives (n,) with respect to the values in SI.
+        """
         moving = np.flatnonzero(gradient)
         some = np.array(self.covariance)[np.ix_(moving, moving)]
         if self.freedom < 1 or not np.isfinite(some).all():
@@ -96,7 +96,7 @@ class Uncertainty:
 
     @property
     def _spare(self) -> int:
-        """Return the independent samples to spare."""
+        """Return the degrees of freedom of the independent samples."""
         return min(max(int(self.effective) - self.rank, 1) if self.freedom > 0 else 0, self.freedom)
 
     def confounded(self, limit: float = CONFOUNDED) -> list[tuple[str, str, float]]:
@@ -112,7 +112,7 @@ class Uncertainty:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Return the limits of the errors: undetermined, confounded, too few independent samples."""
+        """Return remarks on the errors: undetermined, confounded, too few independent samples."""
         found: list[str] = []
         if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
             found.append(f"The data do not determine {list_names(lost)}.")
@@ -130,7 +130,7 @@ class Uncertainty:
         return tuple(found)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name and the sentences, for JSON."""
+        """Return all values by name and the remarks, for JSON."""
         columns = zip(self.names, self.values, self.errors, strict=True)
         return {
             "parameters": {
@@ -171,22 +171,22 @@ def estimate_uncertainty(
     precision: float = PRECISION,
     uneven: bool = False,
 ) -> Uncertainty:
-    """Return the errors of the parameters of a fit from its residuals and their derivatives.
+    """Return the errors of fitted parameters from the residuals and their derivatives.
 
     Args:
         residuals: (samples,), weighted, at the optimum.
         jacobian: (samples, parameters), change of each residual per search range.
-        names: of the parameters.
-        values: of the parameters, in SI.
+        names: names of the parameters.
+        values: values of the parameters, in SI.
         scales: change of each value per search range, in SI (see `Axes`).
-        lengths: samples of each record in `residuals`; one record if left out.
+        lengths: samples of each record in `residuals`; by default one record.
         precision: relative precision of the Jacobian.
-        uneven: whether residuals may scatter unevenly for what a linear picture leaves out; errors are
-            then at least those of HC3, less a tenth for chance.
+        uneven: True for residuals with uneven scatter from nonlinearity. Errors are then at least the HC3 errors less
+            10 %.
 
     Raises:
-        DataError: residuals or Jacobian are not finite, or not equally many.
-        ParameterError: values, scales and names differ in number.
+        DataError: residuals or Jacobian are not finite, or differ in length.
+        ParameterError: values, scales and names differ in length.
     """
     free = scale_parameters(names, values, scales)
     matrix, errors = free.jacobian(jacobian), np.asarray(residuals, np.float64)
@@ -217,9 +217,9 @@ def estimate_uncertainty(
 
 
 def _estimate_uneven(matrix: Matrix, errors: Any, spread: Matrix) -> Any:
-    """Return the standard errors of HC3: every residual stands for its own scatter, made larger by its leverage.
+    """Return the standard errors of HC3, from each residual enlarged by its leverage.
 
-    MacKinnon and White (1985), Journal of Econometrics 29; NaN of what is not determined.
+    MacKinnon and White (1985), Journal of Econometrics 29; NaN for undetermined parameters.
     """
     inverse = np.where(np.isfinite(spread), spread, 0.0)
     leverage = np.clip(np.einsum("ij,jk,ik->i", matrix, inverse, matrix), 0.0, 0.99)
@@ -228,10 +228,11 @@ def _estimate_uneven(matrix: Matrix, errors: Any, spread: Matrix) -> Any:
 
 
 def _compute_unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, int]:
-    """(JᵀJ)⁻¹ with infinite variance of what is not determined, and the rank of J.
+    """Compute (JᵀJ)⁻¹ with infinite variance of undetermined parameters, and the rank of J.
 
-    A parameter counts as undetermined if its share in the directions left out is more than the
-    Jacobian's own imprecision turns them; in doubt it is undetermined.
+    A parameter is undetermined if its component in the omitted directions exceeds the effect of the imprecision of J.
+    In
+    doubt it is undetermined.
     """
     columns, norms = balance_columns(matrix)
     _, sizes, right = np.linalg.svd(reduce_rows(columns))
