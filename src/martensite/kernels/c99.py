@@ -1,12 +1,10 @@
-"""C99: the traced kernels as C source, which `martensite.kernels.compiler` compiles on the spot.
+"""C99 source of the traced kernels, compiled by `martensite.kernels.compiler`.
 
-No allocation, no library beyond libm, no second physics: the source is printed from the same
-graph as the Python. Arrays of a batch are laid out [variable][lane], so that the compiler can
-turn the loop over lanes into SIMD instructions.
+The source comes from the same graph as the Python code, without allocation and with libm only. Batch arrays have the
+layout [variable][lane], so that the compiler can use SIMD instructions over batch elements.
 
-With their derivatives, functions have values that are numbers and slopes that are short vectors: a
-compiler keeps a vector of derivatives in one or a few registers, so that all directions are computed
-beside a single evaluation of the values. That needs the vector types of gcc or clang.
+In differentiated functions, values are scalars and derivatives short vectors, which a compiler keeps in registers. All
+directions then share one evaluation of the values. This needs the vector types of gcc or clang.
 """
 
 from __future__ import annotations
@@ -31,12 +29,12 @@ def _print_constant(value: float | bool) -> str:
 
 
 def c_number(value: float) -> str:
-    """Return a number in C."""
+    """Return the C literal of a number."""
     return repr(value).replace("inf", "HUGE_VAL")
 
 
 _TYPES = {FLAG: "_Bool", NUMBER: "double", SLOPES: "slopes"}
-"""`slopes` is a vector type that the source declares where it has any."""
+"""C types by kind; `slopes` is a vector type that the source declares."""
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -69,24 +67,24 @@ def _print_loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
 
 
 def _declare_kind(kind: str, types: Mapping[str, str]) -> str:
-    """Type of what a loop holds: it stores flags as numbers."""
+    """Return the type of a loop variable, with flags stored as numbers."""
     return types[NUMBER if kind == FLAG else kind]
 
 
 @dataclass(frozen=True)
 class LoopCondition:
-    """Test that continues a loop, and expression that keeps the state of finished lanes."""
+    """Test that continues a loop, and expression that freezes finished batch elements."""
 
     test: str = "{} > 0.0"
-    """Test whether the first number of the state is above 0, in any lane."""
+    """Test whether the first state variable is above 0 in any batch element."""
     keep: str = "{new}"
-    """New value of a variable, from its `old` and `new` value and the first number, `going`."""
+    """New value of a variable, from `old`, `new` and the first state variable, `going`."""
 
 
 def _print_repetition(
     loop: RepeatText, types: Mapping[str, str] = _TYPES, going: LoopCondition = LoopCondition()
 ) -> list[str]:
-    """Print a loop over variables of a separate block."""
+    """Print a loop over the variables of a separate block."""
     name, first = loop.name, loop.state[0]
     test = f" && {going.test.format(first)}" if loop.stops else ""
     keep = going.keep if loop.stops else LoopCondition.keep
@@ -150,7 +148,7 @@ def scalar_dialect(
     flag: str = _TYPES[FLAG],
     going: LoopCondition = LoopCondition(),
 ) -> Dialect:
-    """C of one run at a time, which may leave out what is not chosen, in numbers of a type such as `double`."""
+    """Return the C dialect of single runs in a type such as `double`, which may skip branches that are not chosen."""
     types = {**_TYPES, NUMBER: number, FLAG: flag}
     return replace(
         C_DIALECT,
@@ -164,10 +162,11 @@ def scalar_dialect(
 
 
 def c_source(program: Program, functions: Iterable[Function], shares_inverses: bool = False) -> str:
-    """C of `prepare` and of some traced functions of a program, over lanes.
+    """Return C source of `prepare` and traced functions of a program, over batch elements.
 
-    Divisions by one number may share its inverse, which is quicker and rounds differently. That of a number that is not
-    normal is infinite: exponentials are 0 below -700 then, as in lanes.
+    Divisions by the same number may share its inverse, which is quicker but rounds differently. The inverse of a
+    subnormal
+    number is infinite, so exponentials are 0 below -700.
     """
     dialect = replace(C_DIALECT, shares_inverses=shares_inverses)
     if shares_inverses:
@@ -186,7 +185,7 @@ __attribute__((optimize("O0"))) static inline void k_init(long, const double *re
                                                           double *restrict);
 #endif
 """
-"""Declaration for a function that is called once a run: an optimiser would take longer than it saves."""
+"""Declaration of a function called once per run, where optimisation costs more time than it saves."""
 
 
 def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
@@ -200,7 +199,7 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
 
 
 def write_prelude() -> str:
-    """Return the begin of every source."""
+    """Return the first lines of every source."""
     return (
         f"{read_source('kernels', 'vector_math.c', {})}\n"
         "static inline double power_of(double base, double exponent) {\n"
@@ -215,30 +214,29 @@ def write_prelude() -> str:
 
 
 def _print_polynomial(coefficients: list[float]) -> str:
-    """Return a polynomial in z, with the powers that it needs."""
+    """Return a polynomial in z, with the required powers."""
     powers, text = evaluate_estrin(coefficients)
     return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 
 
-# ---------------------------------------------------------------- values and slopes
+# ---------------------------------------------------------------- values and derivatives
 
 WIDTHS = (4, 8, 16)
-"""Numbers of directions that are computed together in vectors."""
+"""Numbers of directions computed together in vectors."""
 
 
 def choose_width(count: int) -> int:
-    """Return the number of directions to compute together, for a count of directions; 1 under a quick compiler."""
+    """Return the vector width for a number of directions; 1 under a quick compiler."""
     if compiles_only_quickly():
         return 1
     return next((width for width in WIDTHS if width >= count), WIDTHS[-1])
 
 
 def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence[int], width: int) -> str:
-    """C of `prepare` and of differentiated functions, in `width` directions.
+    """Return C source of `prepare` and differentiated functions, in `width` directions.
 
-    Every function takes constants and inputs, each followed by its slopes:
-    `k_step(c, dc, x, dx, y, dy)`; `k_prepare(p, dp, c, dc)`. With one direction the source uses no vectors, so that any
-    compiler accepts it.
+    Every function takes constants and inputs, each followed by its derivatives: `k_step(c, dc, x, dx, y, dy)` and
+    `k_prepare(p, dp, c, dc)`. With one direction the source has no vectors and suits all compilers.
     """
     vector = f" __attribute__((vector_size({8 * width}), aligned(8)))" if width > 1 else ""
     kernels = KernelPrinter(program, C_DIALECT, moving=wrt)

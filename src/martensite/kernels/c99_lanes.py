@@ -1,13 +1,11 @@
-"""C of traced functions for a batch of lanes: numbers are short vectors, two side by side.
+"""C source of traced functions for a batch, with each number as a pair of short vectors.
 
-A compiler turns a loop over lanes into SIMD instructions only while its body has no loop and no
-branch, which the solves of mechanisms have. Here every number is a pair of vectors instead, so
-that nothing is left to the compiler's choice. A pair, because a step is one long chain of
-operations that wait for each other: two independent chains keep the processor busy.
+A compiler vectorises a loop over batch elements only if its body has no loop and no branch, unlike the solves of
+mechanisms. Explicit vectors avoid this limit. A pair of vectors forms two independent chains of operations, which
+keeps the processor busy.
 
-Every lane is computed by the same instructions wherever it stands, so results do not depend on
-what marches beside it. A processor divides much more slowly than it multiplies: divisions by the
-same number share its inverse, so that results differ from those of one run by rounding. Needs the
+All batch elements use the same instructions, so results do not depend on the position in the batch. Divisions by the
+same number share its inverse, because division is slow; results differ from single runs by rounding. This needs the
 vector types of gcc or clang.
 """
 
@@ -25,7 +23,7 @@ from martensite.kernels.printer import Dialect
 from martensite.kernels.program import Function, Program
 
 BLOCK = 16
-"""Lanes must be a multiple of this: a pair of the widest vectors, or several of others."""
+"""Divisor of the batch size: a pair of the widest vectors, or several pairs of narrower ones."""
 
 _BINARY = (
     ("add sub mul div lt le gt ge", "plus minus times over below at_most above at_least"),
@@ -41,13 +39,13 @@ _TEMPLATES = {
     for operations, names in table
     for operation, name in zip(operations.split(), names.split(), strict=True)
 } | {"where": "pick({}, {}, {})", "eps": "all(2.220446049250313e-16)"}
-"""Operations as functions of pairs of vectors."""
+"""Operations as functions on pairs of vectors."""
 
 
 def lanes_source(program: Program, functions: Iterable[Function]) -> str:
-    """C of `prepare` and of some traced functions of a program, over a multiple of `BLOCK` lanes.
+    """Return C source of `prepare` and traced functions of a program, over a multiple of `BLOCK` batch elements.
 
-    Same functions and layout as of `martensite.kernels.c99.c_source`.
+    Functions and layout are the same as in `martensite.kernels.c99.c_source`.
     """
     kernels = KernelPrinter(program, _build_dialect(), "AT({}, {})", "differs({}, all(0.0))")
     parts = [_write_prelude(), _print_function("prepare", "p", (), kernels.prepare)]
@@ -98,7 +96,7 @@ def _write_prelude() -> str:
 
 
 def _print_polynomial(coefficients: list[float], result: str) -> str:
-    """Return a polynomial in z, with the powers that it needs, in what is returned."""
+    """Return a polynomial in z, with the required powers, in the notation of the result."""
     powers, text = evaluate_estrin(coefficients, "times({}, {})", "plus({}, {})", "all({!r})")
     lines = "".join(f", {name} = {power}" for name, power in powers)
     return f"{lines};\n    return {result.format(text)};\n"

@@ -1,15 +1,12 @@
-"""Exact derivatives of traced functions: a second graph beside the first, in either direction.
+"""Exact derivatives of traced functions, as a second graph, forwards or backwards.
 
-Forwards, for every node v = op(a, b) the derivatives in all wanted directions are one more node,
-v' = ∂op/∂a a' + ∂op/∂b b'. The directions share all values: printed in C, values are numbers and
-derivatives short vectors (`differentiate_program`), or a node has a derivative for each variable
-that it depends on and none for the others (`compute_partials`). Backwards, every node hands on what
-the value changes by with it, ā = Σ over the users y of a: ȳ ∂y/∂a (`compute_gradient`): one sweep
-costs a few times the value, however many variables there are.
+Forwards, each node v = op(a, b) has the derivative v' = ∂op/∂a a' + ∂op/∂b b' as a further node. In
+`differentiate_program` derivatives of all directions are short vectors in C, and values are shared scalars. In
+`compute_partials` each node has one derivative per variable on which it depends. Backwards (`compute_gradient`), the
+adjoint of a node is ā = Σ ȳ ∂y/∂a over its users y. One sweep costs a few evaluations for any number of variables.
 
-All three read the rules of dual numbers (`martensite.kernels.dual`). These hold both ways: what the
-tangent of one argument is multiplied by on the way ahead, ȳ is multiplied by on the way back. What
-has no derivative costs nothing, and what is detached ends a chain.
+All three use the rules of dual numbers (`martensite.kernels.dual`): the factor of a tangent forwards is the factor of
+ȳ backwards. Nodes without derivatives cost nothing, and detached nodes end a chain.
 """
 
 from __future__ import annotations
@@ -23,26 +20,28 @@ from martensite.kernels.graph import FLAGS, OPERATORS, PARAMETER, SLOPE, VARYING
 from martensite.kernels.program import Function, Program
 
 ZERO = "ZERO"
-"""Input that stands for no slope in any direction."""
+"""Input that represents a zero derivative in all directions."""
 LOOPS = frozenset({"each", "item", "repeat", "result"})
 TINY = 1e-300
-"""Added to a divisor before its reciprocal, which changes none above 1e-284: smaller ones, such
-as rates that underflow, would have an infinite one."""
+"""Constant added to a divisor before its reciprocal, without effect above 1e-284.
+
+It keeps reciprocals of underflowing rates finite.
+"""
 
 
 def slope_input(name: str) -> str:
-    """Return the name of the input with the derivatives of another."""
+    """Return the name of the input with the derivatives of another input."""
     return f"d{name}"
 
 
 def differentiate_program(
     program: Program, wrt: Sequence[int], states: Mapping[str, int], shown: Sequence[int]
 ) -> Program:
-    """Return the functions of a program (`init`, `step`, `observe`, …) with their derivatives, over the same graph.
+    """Return the functions of a program (`init`, `step`, `observe`, …) with derivatives, over the same graph.
 
-    Derivatives of the parameters at the places `wrt` are given, as inputs `dp…`; `states` says for each wanted function
-    how many of its first inputs have derivatives, `shown` which results of `observe` are wanted. Every function then
-    returns its values, and after them one derivative for each.
+    Inputs `dp…` are the derivatives of the parameters at the places `wrt`. `states` gives the number of leading inputs
+    with derivatives for each function, and `shown` the wanted results of `observe`. Each function returns its values,
+    then one derivative per value.
     """
     twin = Program(program.graph, program.parameters)
     duals = _Slopes(program.xp, program.graph.input(ZERO, SLOPE))
@@ -62,9 +61,9 @@ def differentiate_program(
 def differentiate_results(
     program: Program, name: str, places: Sequence[int], inputs: Sequence[str]
 ) -> list[list[Expr]]:
-    """Differentiate some results of a function by some inputs, by their full names: a row for each result.
+    """Differentiate results of a function with respect to inputs, by full names: one row per result.
 
-    They are plain numbers of the same graph, which every runtime prints as it prints values.
+    The derivatives are scalar nodes of the same graph, which every runtime can print.
     """
     rows = (differentiate_along(program, name, places, {wanted: 1.0}) for wanted in inputs)
     return [list(row) for row in zip(*rows, strict=True)]
@@ -73,7 +72,7 @@ def differentiate_results(
 def differentiate_along(
     program: Program, name: str, places: Sequence[int], moving: Mapping[str, Expr | float]
 ) -> list[Expr]:
-    """Differentiate in one direction, in which some inputs or parameters (`p3`) move: each by a node or a number."""
+    """Differentiate along one direction, in which inputs or parameters (`p3`) move by a node or a number."""
     graph = program.graph
     duals = _Slopes(program.xp, graph.constant(0.0))
     nodes = [graph.input(one, VARYING) for one in moving]
@@ -84,7 +83,7 @@ def differentiate_along(
 
 
 def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dict[int, Any]:
-    """Return the inputs, with what they depend on, as dual numbers whose tangents are inputs too."""
+    """Return the inputs and their dependents as dual numbers with inputs as tangents."""
     return {
         graph.input(name, depends).index: duals.pair(
             graph.input(name, depends), graph.input(slope_input(name), depends | SLOPE)
@@ -94,14 +93,14 @@ def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dic
 
 
 class _Slopes(DualNamespace):
-    """Dual numbers over a graph; a choice needs a tangent where there is none: the `zero`."""
+    """Dual numbers over a graph; a choice uses `zero` for a missing tangent."""
 
     def __init__(self, base: Any, zero: Any = 0.0) -> None:
         super().__init__(base)
         self.zero = zero
 
     def apply(self, operation: str, arguments: Sequence[Any]) -> Any:
-        """Return the result of an operation of the graph, with its tangent if an argument has one."""
+        """Return the result of a graph operation, with a tangent if an argument has one."""
         if operation == "div":
             return self._divide_once(*arguments)
         rule = OPERATORS.get(operation)
@@ -121,7 +120,7 @@ class _Slopes(DualNamespace):
 
 
 class _Level:
-    """Known derivatives inside one body of a loop, or outside of all."""
+    """Known derivatives inside one loop body, or outside all loops."""
 
     def __init__(self, bit: int, known: dict[int, Any]) -> None:
         self.bit = bit
@@ -130,30 +129,30 @@ class _Level:
 
 
 class TangentWalk:
-    """Re-reads nodes of a graph with the derivatives of some inputs."""
+    """Re-evaluation of graph nodes with the derivatives of inputs."""
 
     ends = frozenset({"input", "constant", "detach"})
-    """Operations that are taken as they are."""
+    """Operations that are copied unchanged."""
     follows_roots = False
-    """True if a root is read again; its derivatives always come from its Newton step."""
+    """True to re-evaluate roots; their derivatives always come from their Newton step."""
 
     def __init__(self, graph: Graph, duals: _Slopes, moving: Mapping[int, Any]) -> None:
-        """Take a graph, the dual numbers made of it, and of its nodes those that have derivatives."""
+        """Prepare the walk from a graph, its dual numbers, and the nodes with derivatives."""
         self._graph, self._duals = graph, duals
         self._levels = [_Level(0, dict(moving))]
 
     def pair(self, index: int) -> tuple[Expr, Expr | None]:
-        """Return the value of a node, and its derivatives if it has any."""
+        """Return the value of a node, and its derivatives if there are any."""
         value, slope = self._duals.parts(self._read(index))
         return value, slope
 
     def _level(self, index: int) -> _Level:
-        """Return the innermost level that a node belongs to."""
+        """Return the innermost level of a node."""
         depends = self._graph.depends[index]
         return next(x for x in reversed(self._levels) if not x.bit or depends & x.bit)
 
     def _read(self, index: int) -> Any:
-        """Return a node as a dual number, or bare if it has no derivative."""
+        """Return a node as a dual number, or unchanged without derivatives."""
         for needed in self._list_needed(index):
             level = self._level(needed)
             if needed not in level.known:
@@ -161,7 +160,7 @@ class TangentWalk:
         return self._level(index).known[index]
 
     def _list_needed(self, index: int) -> list[int]:
-        """Return the nodes to be read first, in the order in which they were made."""
+        """Return the prerequisite nodes, in order of creation."""
         found: set[int] = set()
         stack = [index]
         while stack:
@@ -202,7 +201,7 @@ class TangentWalk:
         return level.loops[graph.arguments[index][0]][place][row]
 
     def _simple(self, read: Any) -> Any:
-        """Without a derivative that is 0 by construction."""
+        """Return a dual number without a derivative that is 0 by construction."""
         if isinstance(read, Dual):
             slope = read.tangent
             if slope is None or slope.index == self._duals.zero.index:
@@ -214,7 +213,7 @@ class TangentWalk:
     # ------------------------------------------------------------ loops
 
     def _each(self, index: int) -> list[list[Any]]:
-        """Return a loop over rows: its results by place and row."""
+        """Return the results of a loop over rows, by place and row."""
         loop = self._graph.loops[index]
         columns = [[self._duals.parts(self._read(i)) for i in column] for column in loop.columns]
         moving = [any(slope is not None for _, slope in column) for column in columns]
@@ -239,7 +238,7 @@ class TangentWalk:
         ]
 
     def _repeat(self, index: int) -> list[list[Any]]:
-        """Return a loop over a state: its results by place, in rows of one."""
+        """Return the results of a loop over a state, by place, in rows of one."""
         loop, graph = self._graph.repeats[index], self._graph
         begin = [self._duals.parts(self._read(i)) for i in loop.begin]
         moving = [slope is not None for _, slope in begin]
@@ -265,14 +264,14 @@ class TangentWalk:
         return [[self._duals.pair(value, next(rest) if m else None)] for value, m in zip(results, moving, strict=False)]
 
     def _part(self, values: list[Any], slopes: list[Any]) -> tuple[list[Any], list[Any]]:
-        """Return the parts that a loop takes: derivatives are separate unless they are plain numbers."""
+        """Return the inputs of a loop, with separate derivatives for dual numbers."""
         zero: Any = self._duals.zero
         return (values, slopes) if self._graph.depends[zero.index] & SLOPE else ([*values, *slopes], [])
 
     def _inside(
         self, bit: int, inputs: Sequence[int], row: Sequence[Expr], moving: Sequence[bool], outputs: Iterable[int]
     ) -> tuple[list[Expr], list[bool]]:
-        """Return the values, then slopes, of the results of a body; and which of them have slopes."""
+        """Return the values and derivatives of the results of a body, and the indices of results with derivatives."""
         slopes = iter(row[len(inputs) :])
         known = {
             i: self._duals.pair(value, next(slopes) if moves else None)
@@ -294,7 +293,7 @@ class TangentWalk:
 
 
 class _Row:
-    """A tangent: derivatives by variable, with the arithmetic that dual numbers ask for."""
+    """Tangent as derivatives by variable, with the arithmetic of dual numbers."""
 
     __slots__ = ("row",)
 
@@ -318,7 +317,7 @@ class _Row:
 
 
 class _Choosing(GraphNamespace):
-    """The graph's operations; a choice between tangents is one between their entries."""
+    """Graph operations in which a choice of tangents is a choice of their entries."""
 
     def where(self, flag: Any, yes: Any, no: Any) -> Any:
         if not (isinstance(yes, _Row) or isinstance(no, _Row)):
@@ -348,7 +347,7 @@ class _PartialsWalk(TangentWalk):
         return [list(column) for column in zip(*found, strict=True)]
 
     def _repeat(self, index: int) -> list[list[Any]]:
-        """A search for a root stays a loop: its derivatives come from the Newton step behind it."""
+        """Keep a root search as a loop; its derivatives come from the following Newton step."""
         loop = self._graph.repeats[index]
         begin = [self._read(i) for i in loop.begin]
 
@@ -369,9 +368,9 @@ class _PartialsWalk(TangentWalk):
 
 
 def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple[list[Expr], list[dict[int, Expr]]]:
-    """Return the traced values as they are computed beside their derivatives, and these, forwards.
+    """Return the traced values and their forward derivatives.
 
-    For each value a row: number of the variable -> derivative, those that are zero left out.
+    Each value has a row, number of the variable -> derivative, without zeros.
     """
     graph = values[0].graph if values else None
     if graph is None:
@@ -388,7 +387,7 @@ def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple
 
 
 def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:
-    """Compute the gradient of one value backwards; None if there is a loop on the way."""
+    """Compute the gradient of one value backwards; None if a loop is on the path."""
     graph, places = value.graph, {v.index: i for i, v in enumerate(variables)}
     order = _list_dependent(graph, value.index, frozenset(places))
     if order is None:
@@ -412,10 +411,7 @@ def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] 
 
 
 def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | None:
-    """Return the nodes between value and variables that depend on the variables, in the order of computation.
-
-    None if there are loops among it.
-    """
+    """Return the nodes between value and variables, in order of computation; None if they contain loops."""
     moving: set[int] = set()
     for index in sorted(graph.walk([value], partial(_list_arguments, graph))):
         if index in variables or any(a in moving for a in _list_arguments(graph, index)):
@@ -426,7 +422,7 @@ def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list
 
 
 def _list_arguments(graph: Graph, index: int) -> tuple[int, ...]:
-    """Return the arguments that derivatives follow: no flags, nothing detached, for a root its Newton step."""
+    """Return the differentiable arguments: no flags, no detached nodes, and the Newton step of a root."""
     operation, arguments = graph.operations[index], graph.arguments[index]
     if operation in ("input", "constant", "detach") or operation in FLAGS:
         return ()

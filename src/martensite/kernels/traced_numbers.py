@@ -1,9 +1,7 @@
-"""Operations that numbers in a trace reject, because they need values that do not exist yet.
+"""Operations that traced numbers reject, because their values do not exist yet.
 
-Nodes of a graph and dual numbers stand for numbers that come later. Python and NumPy would ask them
-for a value, take them for true, or compare them as objects; each such question is answered by a
-sentence that says where the kernel stands, why that cannot be and what to write instead. Plain floats
-answer Python's way: a kernel that is called with floats by hand is not looked at.
+Python and NumPy may ask graph nodes and dual numbers for a value, a truth value or a comparison. Each such operation
+raises an error with the kernel, the reason and the replacement. Kernels called with plain floats are not checked.
 """
 
 from __future__ import annotations
@@ -43,9 +41,9 @@ _REFLECTED = {
     "greater": "__lt__",
     "greater_equal": "__le__",
 }
-"""Operators of NumPy with one of its numbers on their left -> what answers on the right."""
+"""NumPy operator with a NumPy number on the left -> reflected operator."""
 _FUNCTIONS = ("abs", "cos", "exp", "log", "maximum", "minimum", "nearest", "power", "sin", "sqrt")
-"""The operations that are functions of numbers, the usual ones."""
+"""Operations that are functions of numbers."""
 _SAME = {
     "max": "maximum",
     "min": "minimum",
@@ -60,16 +58,16 @@ _SAME = {
     "logical_or": "either",
     "logical_not": "negate",
 }
-"""Functions of Python, `math` and NumPy -> what kernels call them."""
+"""Functions of Python, `math` and NumPy -> their names in kernels."""
 _CALL = re.compile(r"(?!xp\.)(?:\w+\.)*(\w+)\(")
 _STANDARD = str(Path(linecache.__file__).parent)
 
 
 def make_kernel_error(reason: str, instead: str = "", called: str = "") -> KernelError:
-    """Return an error about what the kernel that is running just did.
+    """Return an error about an unsupported operation of the running kernel.
 
-    It says what to write instead, unless a function is called that kernels have too, whose name is read from the source
-    if it is not given.
+    The message has a replacement, unless kernels have the function too. A missing function name is read from the
+    source.
     """
     place, text = _find_place()
     call = _CALL.match(text)
@@ -84,14 +82,14 @@ def make_kernel_error(reason: str, instead: str = "", called: str = "") -> Kerne
 
 
 def make_operation_error(name: str) -> UnknownOperationError:
-    """Return an error about an operation that kernels have not."""
+    """Return an error about an operation that kernels do not have."""
     place, _ = _find_place()
     valid = suggest_name(name, [_SAME[name]] if name in _SAME else OPERATIONS)
     return UnknownOperationError(f"Kernels have no operation `{name}`, used in {place}. {valid}")
 
 
 def _find_place() -> tuple[str, str]:
-    """Return the running kernel with its place, and the source line there."""
+    """Return the running kernel, its location, and its source line."""
     frame: FrameType = sys._getframe(2)  # pyright: ignore[reportPrivateUsage]
     while frame.f_back and not _is_kernel(frame):
         frame = frame.f_back
@@ -102,7 +100,7 @@ def _find_place() -> tuple[str, str]:
 
 
 def _is_kernel(frame: FrameType) -> bool:
-    """Return whether a frame belongs to a kernel, not to a runtime or a library that it calls."""
+    """Return whether a frame belongs to a kernel, and not to a runtime or library."""
     file = frame.f_code.co_filename
     is_library = file.startswith(_STANDARD) and "site-packages" not in file
     module = str(frame.f_globals.get("__name__"))
@@ -110,7 +108,7 @@ def _is_kernel(frame: FrameType) -> bool:
 
 
 def _read_expression(frame: FrameType) -> str:
-    """Return the expression that a frame is in, as it is written; empty if that is not known."""
+    """Return the source expression of a frame; empty if unknown."""
     places = islice(frame.f_code.co_positions(), frame.f_lasti // 2, None)
     line, last, start, end = next(places, (None,) * 4)
     if line is None or line != last:
@@ -120,7 +118,7 @@ def _read_expression(frame: FrameType) -> str:
 
 
 def refuse(reason: str, instead: str = "") -> Callable[..., Any]:
-    """Return a method of what Python asks of numbers, that raises the error for it."""
+    """Return a special method that raises the error for its operation."""
 
     def refused(*_: Any, **__: Any) -> NoReturn:
         raise make_kernel_error(reason, instead)
@@ -129,7 +127,7 @@ def refuse(reason: str, instead: str = "") -> Callable[..., Any]:
 
 
 class TracedNumber:
-    """A number whose value is not known while a kernel is traced."""
+    """Number with an unknown value while a kernel is traced."""
 
     __slots__ = ()
     takes_arrays: ClassVar[bool] = False
