@@ -1,11 +1,10 @@
-"""Extremes of a free vibration: one after the other, each from the rows around it.
+"""Successive extremes of a free vibration, each from the neighbouring rows.
 
-The first one is where the record is farthest from its later mean; each further one is looked for half a period after
-the one before, on the other side. A plateau before the release, and a maximum cut by the start of the record, do not
-contain a vertex and are skipped.
+The first extreme is farthest from the later mean of the record. Each further extreme is sought half a period later, on
+the other side. A plateau before the release and a maximum cut by the start have no vertex and are skipped.
 
-`scipy.signal.find_peaks` cannot replace this: with noise of 30 % of the amplitude its highest rows
-are half a lobe off, the chain breaks after a few cycles and standard errors grow tenfold.
+`scipy.signal.find_peaks` is unsuitable: with noise of 30 % of the amplitude its highest rows are half a lobe off. The
+chain then breaks after a few cycles, and standard errors grow tenfold.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.spectrum import natural_frequency, sampling_interval
 
 FEWEST_ROWS = 10
-"""Rows that a cycle must have."""
+"""Least number of rows per cycle."""
 _CLEAR = 8.0
-"""Extremes below so many of their standard errors are left out."""
+"""Least size of an extreme, in its standard errors."""
 _ROUND = 0.6
-"""Least amplitude about the first extreme, as a share of its distance from rest."""
+"""Least amplitude about the first extreme, as a fraction of its distance from the mean position."""
 
 
 @dataclass(frozen=True)
@@ -64,19 +63,19 @@ def find_extremes(
     frequency: float | None,
     decay: float = 0.0,
 ) -> Extremes:
-    """Return the extremes of a vibration, as many as there are, or as two per cycle asked for.
+    """Return the extremes of a vibration, at most two per requested cycle.
 
     Args:
         times: times of the rows [s], equally spaced.
-        values: what vibrates.
-        cycles: most cycles; None for all.
-        least: share of the first below which extremes are left out.
-        frequency: about how often it vibrates [Hz]; None for that of the spectrum.
-        decay: rate at which the amplitude falls within a half cycle [1/s].
+        values: vibrating quantity.
+        cycles: largest number of cycles; None for all.
+        least: smallest extreme, as a fraction of the first.
+        frequency: approximate frequency [Hz]; None for the frequency of the spectrum.
+        decay: decay rate of the amplitude within a half cycle [1/s].
 
     Raises:
         ParameterError: `frequency` is not above 0.
-        DataError: the rows are no vibration, or are too far apart for one.
+        DataError: the rows are not a vibration, or are too far apart.
     """
     step = sampling_interval(times, values)
     if frequency is None:
@@ -94,7 +93,7 @@ def find_extremes(
 
 
 class _Scan:
-    """A walk along a record from extreme to extreme."""
+    """Search along a record from extreme to extreme."""
 
     def __init__(self, times: Any, values: Any, frequency: float, decay: float) -> None:
         self.times, self.values = times, values
@@ -103,7 +102,7 @@ class _Scan:
         self.rest = float(values[len(values) // 2 :].mean())
 
     def run(self, most: int, least: float) -> Extremes:
-        """Return the extremes until they are too small, too many, or the record ends."""
+        """Return the extremes until they are too small, the limit is reached, or the record ends."""
         sign, vertex = self._first()
         found: list[_Vertex] = []
         first_sign = sign
@@ -114,7 +113,7 @@ class _Scan:
         return Extremes(tuple(v.time for v in found), tuple(v.value for v in found), first_sign, _estimate_noise(found))
 
     def _first(self) -> tuple[float, _Vertex | None]:
-        """Return the largest extreme that has a vertex, and its sign."""
+        """Return the largest extreme with a vertex, and its sign."""
         start = float(self.times[0])
         while start < self.times[-1]:
             rows = self.times >= start
@@ -128,11 +127,11 @@ class _Scan:
         return 1.0, None
 
     def _round(self, vertex: _Vertex) -> bool:
-        """Return whether a vertex is that of a vibration about rest, not the end of a hold."""
+        """Return whether a vertex belongs to a vibration, and not to the end of a hold."""
         return vertex.size >= _ROUND * abs(vertex.value - self.rest)
 
     def _vertex(self, centre: float, sign: float) -> _Vertex | None:
-        """Extreme of a sinusoid about a time, centred on itself; None where there is none."""
+        """Return the extreme of a sinusoid about a time, centred on itself; None without an extreme."""
         vertex = None
         for _ in range(3):
             reach = 0.5 * self.half
@@ -165,7 +164,7 @@ class _Scan:
         )
 
     def _clear(self, found: list[_Vertex], vertex: _Vertex, least: float) -> bool:
-        """Return whether an extreme is above the noise and not too small beside the first."""
+        """Return whether an extreme is above the noise and large enough compared with the first."""
         if not found:
             return True
         size = 0.5 * abs(vertex.value - found[-1].value)

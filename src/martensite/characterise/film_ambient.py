@@ -1,25 +1,21 @@
-"""A film coefficient fitted together with the ambient temperature it was computed with.
+"""Film coefficients fitted together with the ambient temperature, and their sensitivity to it.
 
-Each point holds a temperature θ and a flux q = h (θ - a). If h is a polynomial of degree n in θ
+Each point has a temperature θ and a flux q = h (θ - a). If h is a polynomial of degree n in θ
 and the ambient a is free, then
 
     q = (h₀ + … + h_n θⁿ)(θ - a) = c₀ + c₁ θ + … + c_{n+1} θ^{n+1}
 
-is a polynomial of degree n + 1 whose leading coefficient is h_n and which is zero at θ = a:
-fitting h and a together is again linear least squares. The confidence region of a holds every
-a at which the fitted q could be zero (Fieller's argument),
+is a polynomial of degree n + 1 with leading coefficient h_n and a zero at θ = a. The joint fit of h and a is thus
+linear
+least squares. The confidence region of a contains every a at which the fitted q could be zero (Fieller's argument),
 
     c(a)² ≤ t² vᵀ C v,    v = (1, a, a², …),    C the covariance of c,
 
-whose ends are roots of a polynomial; of several parts the one about the best a is taken. It is
-unbounded where the interval of h_n includes zero. Temperatures have noise of one size, fluxes have none.
+and its ends are roots of a polynomial. Of several parts, the part about the best a is used. The region is unbounded if
+the interval of h_n includes zero. Temperatures have noise of one size; fluxes are exact.
 
-What a film coefficient owes to the ambient temperature that it was computed with.
-
-A steady state holds a temperature θ and a flux q = h (θ - a); h follows only once the ambient a
-is given, and moves with it by dh/da = h/(θ - a): most for the coldest point. A slope of h over θ
-and a shift of a therefore make up for each other in part; how far is told by the sensitivities of
-q to the level of h, to its slope and to a at the points.
+For a given ambient, h moves with it by dh/da = h/(θ - a), most at the coldest point. A slope of h over θ and a shift of
+a therefore compensate in part. The sensitivities of q to the level of h, to its slope and to a give the confounding.
 """
 
 from __future__ import annotations
@@ -39,7 +35,7 @@ from martensite.characterise.regression import LinearFit, fit_noisy_abscissae
 
 @dataclass(frozen=True)
 class FreeAmbient:
-    """A film coefficient of some degree fitted together with the ambient temperature."""
+    """Film coefficient of a given degree, fitted together with the ambient temperature."""
 
     degree: int
     """Degree of h in the temperature."""
@@ -59,7 +55,7 @@ class FreeAmbient:
 
     @property
     def ambient(self) -> float:
-        """Return the ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
+        """Return the ambient temperature [°C] of the best fit; NaN if the flux has no zero below the points."""
         below = [root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest]
         return max(below, default=math.nan)
 
@@ -80,17 +76,17 @@ class FreeAmbient:
         return self._chosen(_join_intervals(parts))
 
     def _chosen(self, parts: list[Interval]) -> Interval:
-        """Return the part that holds the best ambient; all of them together if there is none."""
+        """Return the part with the best ambient; the union of all parts without a best ambient."""
         held = [part for part in parts if part[0] <= self.ambient <= part[1]] or parts
         return (held[0][0], held[-1][1]) if held else (math.nan, math.nan)
 
     def bounded(self, level: float = LEVEL) -> bool:
-        """Return whether there is a best ambient, with an interval that was not cut off."""
+        """Return whether there is a best ambient with a complete interval."""
         low, high = self.ambient_interval(level)
         return math.isfinite(self.ambient) and ABSOLUTE_ZERO < low and high < self.coldest
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         return {
             "degree": self.degree,
             "leading": self.leading,
@@ -102,7 +98,7 @@ class FreeAmbient:
 
 
 def fit_free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
-    """Fit h of a degree and the ambient together; None if the points are too few for that."""
+    """Fit h of a given degree together with the ambient; None for too few points."""
     if len(set(points.temperatures_degC)) < degree + 2:
         return None
     powers = tuple(range(degree + 2))
@@ -111,7 +107,7 @@ def fit_free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
 
 
 def _join_intervals(parts: list[Interval]) -> list[Interval]:
-    """Intervals with those that touch put together."""
+    """Merge touching intervals."""
     joined: list[Interval] = []
     for low, high in parts:
         if joined and joined[-1][1] == low:
@@ -122,19 +118,19 @@ def _join_intervals(parts: list[Interval]) -> list[Interval]:
 
 
 def _real_roots(roots: Any) -> list[float]:
-    """Real ones among roots."""
+    """Return the real roots."""
     return [float(r.real) for r in roots if abs(r.imag) <= 1e-9 * max(abs(r), 1.0)]
 
 
 AMBIENT_SHIFT = 1e-3
 """Shift of the ambient [K] of a derivative."""
 SHIFTS = (-2.5, -1.0, 0.0, 1.0, 2.5)
-"""Ambient temperatures tried, less the given one [K]."""
+"""Differences of the tried ambient temperatures from the given one [K]."""
 
 
 @dataclass(frozen=True)
 class AtAmbient:
-    """The points and their straight line had the ambient been another one."""
+    """Points and their straight line for another ambient."""
 
     points: FilmPoints
     line: FilmFit
@@ -145,14 +141,14 @@ class AtAmbient:
         return sum(self.points.h) / len(self.points)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         return self.points.to_dict() | {"mean": self.mean, "linear": self.line.to_dict(level)}
 
 
 def shift_ambients(points: FilmPoints, shifts: tuple[float, ...] = SHIFTS) -> list[AtAmbient]:
     """Return the points and their lines at ambient temperatures that differ by `shifts` [K].
 
-    An ambient that is not below the coldest point is left out.
+    Ambient temperatures that are not below the coldest point are omitted.
     """
     coldest = min(points.temperatures_degC)
     ambients = [points.ambient + shift for shift in shifts]
@@ -161,19 +157,19 @@ def shift_ambients(points: FilmPoints, shifts: tuple[float, ...] = SHIFTS) -> li
 
 
 def film_per_kelvin(points: FilmPoints) -> tuple[float, ...]:
-    """dh/dT_a = h/(T - T_a) of every point [W/(m² K²)]."""
+    """Return dh/dT_a = h/(T - T_a) of every point [W/(m² K²)]."""
     pairs = zip(points.temperatures_degC, points.h, strict=True)
     return tuple(h / (at - points.ambient) for at, h in pairs)
 
 
 def slope_per_kelvin(points: FilmPoints) -> float:
-    """Derivative of the slope of h(T) with respect to the ambient [W/(m² K³)]."""
+    """Return the derivative of the slope of h(T) with respect to the ambient [W/(m² K³)]."""
     low, high = (_fit_slope(points, points.ambient + shift) for shift in (-AMBIENT_SHIFT, AMBIENT_SHIFT))
     return (high - low) / (2.0 * AMBIENT_SHIFT)
 
 
 def _fit_slope(points: FilmPoints, ambient: float) -> float:
-    """Slope of the straight line through h at another ambient [°C]."""
+    """Return the slope of the straight line through h at another ambient [°C]."""
     return fit_noisy_abscissae(points.temperatures_degC, points.fluxes, FORMS["linear"], ambient).values[1]
 
 
@@ -201,7 +197,7 @@ class Confounding:
 
 
 def find_confounding(points: FilmPoints) -> Confounding:
-    """Sensitivities of the flux to level and slope of h and to the ambient, at the line fitted."""
+    """Compute the sensitivities of the flux to level and slope of h and to the ambient, at the fitted line."""
     at = np.asarray(points.temperatures_degC)
     line = fit_film_points(points, FORMS["linear"])
     over = at - points.ambient

@@ -1,29 +1,24 @@
-"""Steady states of a heated wire as points of a film coefficient.
+"""Film coefficients of a heated wire from steady states, and polynomials in temperature.
 
 Every steady state gives
 
     h = P/[S (T - T_a)],    S = π d l,    P = V²/R = V I,
 
-with the power P in the wire, its lateral surface S and the ambient temperature T_a. What is
-measured is the flux P/S and T; h follows from them and from T_a, which is why the points keep
-their ambient temperature and can be moved to another one.
+with the power P in the wire, its lateral surface S and the ambient temperature T_a. The measured values are the flux
+P/S and T. Points keep their ambient temperature, so that they can be recomputed for another ambient.
 
-Film coefficient against temperature: least squares of h = Σ h_k θ^k.
+The film coefficient is h = Σ h_k θ^k, by least squares. The power is well known; the temperature has noise of one size
+e at all points, which changes h by -h e/(T - T_a), most at low power. With a known ambient, `fit_film_points` therefore
+minimises the squares of the temperatures at the measured fluxes. `fit_film` minimises the squares of h.
 
-The power is known well; the temperature has noise, of one size e at all points. That noise enters h
-by -h e/(T - T_a), most at low power. With a known ambient temperature the fit therefore makes the squares
-of the temperatures least, at the measured fluxes (`fit_film_points`). `fit_film` makes the squares of h least.
-
-θ is the temperature in °C, the form of the cooling model `polynomial` with its default
-reference, and k runs over the `terms` asked for; a coefficient that is not asked for is
-zero. With residuals r over n points and p terms,
+θ is the temperature in °C, as in the cooling model `polynomial` with its default reference. k runs over the requested
+`terms`; other coefficients are zero. With residuals r over n points and p terms,
 
     R² = 1 - Σ r²/Σ (h - mean h)²,    adjusted R² = 1 - (1 - R²) (n - 1)/(n - p),
     AICc = n ln(Σ r²/n) + 2 (p + 1) + 2 (p + 1) (p + 2)/(n - p - 2).
 
-R² never falls when a term is added; the adjusted one does when the term is not worth it,
-and AICc (Hurvich and Tsai 1989) rises. Intervals: see
-`martensite.characterise.regression`.
+R² never falls with a further term. If the term is not worthwhile, adjusted R² falls and AICc (Hurvich and Tsai 1989)
+rises. Intervals: see `martensite.characterise.regression`.
 """
 
 from __future__ import annotations
@@ -44,17 +39,17 @@ ABSOLUTE_ZERO = -273.15
 
 @dataclass(frozen=True)
 class FilmPoints:
-    """Film coefficients at temperatures, and the ambient temperature that they rest on."""
+    """Film coefficients at temperatures, with the assumed ambient temperature."""
 
     temperatures_degC: tuple[float, ...]
     """Steady temperatures [°C]."""
     h: tuple[float, ...]
     """Film coefficients [W/(m² K)]."""
     ambient_degC: float | None = None
-    """Ambient temperature [°C]; None if it is not known."""
+    """Ambient temperature [°C]; None if unknown."""
 
     def __post_init__(self) -> None:
-        """Raise `DataError` if a point cannot be one of a wire heated above its ambient."""
+        """Raise `DataError` if a point does not belong to a wire heated above its ambient."""
         columns = {"temperatures": self.temperatures_degC, "film_coefficients": self.h}
         check_columns("a wire", "points", 2, **columns)
         if min(self.h) <= 0.0:
@@ -70,7 +65,7 @@ class FilmPoints:
         """Return the ambient temperature [°C].
 
         Raises:
-            DataError: it is not known.
+            DataError: the ambient temperature is unknown.
         """
         if self.ambient_degC is None:
             raise DataError("The ambient temperature of these film coefficients is not known.")
@@ -78,7 +73,7 @@ class FilmPoints:
 
     @property
     def fluxes(self) -> tuple[float, ...]:
-        """Heat flux P/S through the surface [W/m²]: measured, whatever the ambient was."""
+        """Return the measured heat flux P/S [W/m²], which does not depend on the ambient."""
         pairs = zip(self.temperatures_degC, self.h, strict=True)
         return tuple(h * (at - self.ambient) for at, h in pairs)
 
@@ -92,7 +87,7 @@ class FilmPoints:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         return {name: list(v) if isinstance(v, tuple) else v for name, v in vars(self).items()}
 
 
@@ -127,7 +122,7 @@ def powers_from_voltage(voltages: Sequence[float], resistances: Sequence[float] 
 
     Raises:
         ParameterError: a resistance is not above 0.
-        DataError: resistances and voltages are not equally many.
+        DataError: resistances and voltages differ in length.
     """
     each = [resistances] * len(voltages) if isinstance(resistances, (int, float)) else resistances
     if len(each) != len(voltages):
@@ -146,34 +141,35 @@ def _check_ambient(ambient: float, temperatures: Sequence[float]) -> None:
 
 
 FORMS: dict[str, tuple[int, ...]] = {"constant": (0,), "linear": (0, 1), "quadratic": (0, 1, 2), "h1=0": (0, 2)}
-"""Name of a form -> powers of the temperature in it."""
+"""Name of a form -> its powers of the temperature."""
 
 
 @dataclass(frozen=True)
 class FilmFit:
-    """Fitted polynomial, its explained fraction of the scatter, and the remaining doubt."""
+    """Fitted polynomial, with its explained fraction of the variance and its errors."""
 
     coefficients: tuple[float, ...]
     """h₀ [W/(m² K)], h₁ [W/(m² K²)], h₂ [W/(m² K³)], … for temperatures in °C."""
     r_squared: float
     adjusted: float
-    """Adjusted R²; NaN if there are no more points than terms."""
+    """Adjusted R²; NaN unless there are more points than terms."""
     linear: LinearFit
-    """The fit with its covariance."""
+    """Linear fit with its covariance."""
 
     @property
     def terms(self) -> tuple[int, ...]:
-        """Return the powers of the temperature that were fitted."""
+        """Return the fitted powers of the temperature."""
         return self.linear.terms
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of the residuals: of temperatures [K] where the ambient is known, else of h [W/(m² K)]."""
+        """Return the standard deviation of the residuals of temperatures [K], or of h [W/(m² K)] for an unknown ambient.
+        """
         return self.linear.deviation
 
     @property
     def aicc(self) -> float:
-        """Akaike's criterion, corrected for few points; NaN if there are too few for it."""
+        """Return the Akaike criterion, corrected for few points; NaN for too few points."""
         n, p = self.linear.points, len(self.terms) + 1
         if n - p < 2 or self.linear.squares == 0.0:
             return math.nan
@@ -196,7 +192,7 @@ class FilmFit:
         return self.linear.half_width(temperature_degC, level)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON; coefficients by power."""
+        """Return all values by name, for JSON; coefficients by power."""
         return {
             "coefficients": list(self.coefficients),
             "terms": list(self.terms),
@@ -222,7 +218,7 @@ def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
 
 
 def film_r_squared(temperatures_degC: Sequence[float], h: Sequence[float], coefficients: Sequence[float]) -> float:
-    """R² of a given polynomial on given points: temperatures [°C], h [W/(m² K)].
+    """Return R² of a given polynomial on given points: temperatures [°C], h [W/(m² K)].
 
     Raises:
         DataError: the points are too few, or all h are equal.
@@ -242,14 +238,15 @@ def _describe_no_scatter(h: Sequence[float]) -> DataError:
 
 
 def fit_film_points(points: FilmPoints, terms: Sequence[int] = (0, 1, 2)) -> FilmFit:
-    """Fit a polynomial to film coefficients of which the temperatures have noise of one size.
+    """Fit a polynomial to film coefficients with equal noise in all temperatures.
 
-    R² is the share of the squares about a constant h that the form explains. Without an ambient temperature the
-    powers are not known, and the fit is that of `fit_film`.
+    R² is the fraction of the squares about a constant h that the form explains. Without an ambient temperature the fit
+    is
+    `fit_film`.
 
     Args:
         points: steady states.
-        terms: powers of the temperature that are fitted; the others are zero.
+        terms: fitted powers of the temperature; other coefficients are zero.
 
     Raises:
         ParameterError: the terms are not distinct whole numbers from 0 on.
@@ -270,7 +267,7 @@ def fit_film(temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequ
     Args:
         temperatures_degC: temperatures of the points [°C].
         h: film coefficients [W/(m² K)].
-        terms: powers of the temperature that are fitted; the others are zero.
+        terms: fitted powers of the temperature; other coefficients are zero.
 
     Raises:
         ParameterError: the terms are not distinct whole numbers from 0 on.

@@ -1,16 +1,13 @@
-"""Verdicts on a film coefficient: each a yes or no with the numbers that it rests on.
+"""Tests of a film coefficient from steady states, as verdicts with numbers.
 
-What steady states say about a film coefficient, and what they leave open, in words.
+Three questions have intervals of the requested level:
 
-Three questions are put to the points, each with an interval of the level asked for:
+- Does h bend? Test of the quadratic term, at the given ambient and with a free ambient.
+- Does h rise or fall? Test of the slope of a straight line, in the same two ways.
+- Do the points determine the ambient temperature? Its interval with a straight line for h, or a parabola if h bends.
 
-- does h bend? The square beside a linear term, at the given ambient and with the ambient free;
-- does h rise or fall? The slope of a straight line, in the same two ways;
-- is the ambient temperature in the points? Its interval with a straight line for h, or with a
-  parabola if h bends.
-
-An answer is yes only if it does not rest on the given ambient. The ways of fitting are those
-of `martensite.characterise.film_coefficient` and `martensite.characterise.film_ambient`.
+An answer is yes only if it does not depend on the given ambient. The fits are in
+`martensite.characterise.film_coefficient` and `martensite.characterise.film_ambient`.
 """
 
 from __future__ import annotations
@@ -43,14 +40,14 @@ _DIGITS = "₀₁₂"
 
 @dataclass(frozen=True)
 class FilmVerdict:
-    """The answer to one question that is put to the points."""
+    """Verdict on one question about the points."""
 
     about: str
     """`curvature`, `slope` or `ambient`."""
     supported: bool
-    """True if the points alone bear it."""
+    """True if the points alone support it."""
     sentence: str
-    """The answer with its numbers."""
+    """Verdict with its numbers."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields by name, for JSON."""
@@ -60,7 +57,7 @@ class FilmVerdict:
 def judge_curvature(
     points: FilmPoints, fits: Mapping[str, FilmFit], free: Mapping[str, FreeAmbient], level: float
 ) -> FilmVerdict:
-    """Return whether the points bear a square beside a linear term."""
+    """Return the test of the quadratic term."""
     verdict = partial(FilmVerdict, "curvature")
     fit = fits.get("quadratic")
     if fit is None or not fit.linear.freedom:
@@ -93,7 +90,7 @@ def judge_slope(
     bent: bool,
     level: float,
 ) -> FilmVerdict:
-    """Return whether the points bear a film coefficient that rises or falls with temperature."""
+    """Return the test of a film coefficient that rises or falls with temperature."""
     verdict = partial(FilmVerdict, "slope")
     line = fits["linear"]
     given, at = line.interval(1, level), _word_ambient(points)
@@ -118,7 +115,7 @@ def judge_slope(
 
 
 def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float) -> FilmVerdict:
-    """Return whether the points hold the ambient temperature, were it not known."""
+    """Return the test whether the points determine the ambient temperature."""
     verdict = partial(FilmVerdict, "ambient")
     fit, beside = free.get(form), "a slope" if form == "linear" else "a bend"
     if fit is None or not fit.flux.freedom:
@@ -143,7 +140,7 @@ def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confo
 
 
 def _contradict_slope(free: FreeAmbient, given: float, level: float) -> str:
-    """Describe how a fit with a free ambient contradicts a slope; empty if it does not."""
+    """Describe the contradiction between a slope and a fit with free ambient; empty if they agree."""
     interval = free.leading_interval(level)
     number = _word_coefficient(1, free.leading, interval, level)
     if interval_contains(interval):
@@ -188,7 +185,7 @@ class AmbientReport:
     slope_per_kelvin: float
     """Derivative of the slope of the straight line with respect to T_a [W/(m² K³)]."""
     without_slope: float
-    """Ambient temperature at which the straight line is level [°C]; NaN if there is none."""
+    """Ambient temperature at which the straight line is level [°C]; NaN if it does not exist."""
     confounding: Confounding
     free: dict[str, FreeAmbient]
     """Fits of h together with the ambient, by form."""
@@ -212,9 +209,9 @@ class FilmReport:
 
     points: FilmPoints
     fits: dict[str, FilmFit]
-    """Fits by the name of their form, of the forms that the points determine."""
+    """Fits by name of their form, for the forms that the points determine."""
     ambient: AmbientReport | None
-    """None if the ambient temperature is not known."""
+    """None if the ambient temperature is unknown."""
     verdicts: tuple[FilmVerdict, ...]
     level: float = LEVEL
 
@@ -223,7 +220,7 @@ class FilmReport:
         return next(verdict for verdict in self.verdicts if verdict.about == about)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all numbers and sentences by name, for JSON."""
+        """Return all values and sentences by name, for JSON."""
         return {
             "points": self.points.to_dict(),
             "level": self.level,
@@ -234,7 +231,7 @@ class FilmReport:
 
 
 def judge_film(points: FilmPoints, level: float = LEVEL) -> FilmReport:
-    """Fit every form to steady states, and say which of them the points support.
+    """Fit every form to steady states, and test which forms the points support.
 
     Raises:
         DataError: there are not two different temperatures, or all film coefficients are equal.

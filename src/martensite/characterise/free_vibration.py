@@ -1,16 +1,16 @@
-"""Free vibration: logarithmic decrement, damping ratio and frequency from a record.
+"""Logarithmic decrement, damping ratio and frequency from a record of free vibration.
 
-A mass on a spring with viscous damping, released and left alone, turns at intervals of half a
-period T_d, each time nearer to rest by the same factor:
+A released mass on a spring with viscous damping turns at intervals of half a period T_d. Its distance from the mean
+position falls by the same factor each time:
 
     e_k = x₀ ± a exp(-δ k/2),    t_k = t₀ + k T_d/2,
     δ = ln(a_j/a_{j+1}) = 2 π ζ/√(1 - ζ²),    ζ = δ/√(4 π² + δ²),
     f_d = 1/T_d,    f_n = f_d/√(1 - ζ²).
 
-Each extreme, upper or lower, belongs to a decaying sinusoid fitted to the rows within T_d/4 of it, which averages
-noise; its decay and frequency come from a first pass. x₀, a and δ are fitted to the extremes together: an offset of
-the sensor has no effect, and extremes near the noise have little weight. Standard errors are from the scatter about
-that curve, and about the line of t_k weighted by amplitude.
+Each extreme belongs to a decaying sinusoid fitted to the rows within T_d/4, which averages noise. Its decay and
+frequency come from a first pass. x₀, a and δ are fitted to all extremes together, so an offset of the sensor has no
+effect, and extremes near the noise have little weight. Standard errors come from the scatter about this curve, and
+about the line of t_k weighted by amplitude.
 
 In use: k = F/x or 3 E I/l³; M = k/ω_n²; c = 2 ζ √(k M).
 Source: Kossoski (2018), Appendix A, with f_d distinguished from f_n.
@@ -32,7 +32,7 @@ from martensite.characterise.extremes import Extremes, find_extremes
 from martensite.characterise.regression import fit_residuals
 
 LEAST_SHARE = 0.05
-"""Extremes smaller than this share of the first are left out."""
+"""Smallest extreme used, as a fraction of the first."""
 FEWEST_PEAKS = 3
 
 
@@ -45,20 +45,20 @@ class LogDecrement:
     period: MeasuredValue
     """T_d [s]."""
     offset: MeasuredValue
-    """Position of rest x₀, in the unit of the values."""
+    """Mean position x₀, in the unit of the values."""
     amplitude: MeasuredValue
     """a, amplitude at the first extreme, in the unit of the values."""
     extremes: Extremes
-    """Extremes that were fitted."""
+    """Fitted extremes."""
 
     @property
     def zeta(self) -> MeasuredValue:
-        """Damping ratio [-]."""
+        """Return the damping ratio [-]."""
         return propagate_errors(damping_ratio, self.decrement)
 
     @property
     def damped_frequency(self) -> MeasuredValue:
-        """f_d [Hz]."""
+        """Return f_d [Hz]."""
         return propagate_errors(lambda period: 1.0 / period, self.period)
 
     @property
@@ -74,7 +74,7 @@ class LogDecrement:
         return 0.5 * (len(self.extremes.values) - 1)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         names = ("decrement", "zeta", "damped_frequency", "frequency", "offset", "amplitude")
         return {name: getattr(self, name).to_dict(level) for name in names} | {
             "cycles": self.cycles,
@@ -96,14 +96,14 @@ def log_decrement(
 
     Args:
         times: times of the rows [s], equally spaced, from the release on.
-        values: what vibrates, in any unit, about any offset.
-        cycles: use so many cycles only; all if left out.
-        least: extremes below this share of the first are left out, and those below the noise.
-        frequency: about how often it vibrates [Hz]; that of the spectrum if left out.
+        values: vibrating quantity, in any unit, with any offset.
+        cycles: number of cycles used; by default all.
+        least: smallest extreme used, as a fraction of the first; extremes below the noise are also omitted.
+        frequency: approximate frequency [Hz]; by default from the spectrum.
 
     Raises:
-        ParameterError: `cycles`, `least` or `frequency` is not one.
-        DataError: the rows are no vibration, or have fewer than three peaks.
+        ParameterError: `cycles`, `least` or `frequency` is invalid.
+        DataError: the rows are not a vibration, or have fewer than three peaks.
     """
     if cycles is not None and cycles < FEWEST_PEAKS - 1:
         raise ParameterError(f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}.")
@@ -137,7 +137,7 @@ def _fit_extremes(found: Extremes) -> LogDecrement:
 
 
 def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredValue]:
-    """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
+    """Fit x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
     count, values = len(found.values), np.asarray(found.values)
     middle, size = 0.5 * (values[0] + values[1]), 0.5 * abs(values[0] - values[1])
     last = 0.5 * abs(values[-1] - values[-2])
@@ -154,7 +154,7 @@ def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredV
 
 
 def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
-    """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
+    """Fit T_d to the times of half cycles, weighted by amplitude."""
     times = np.asarray(found.times) - found.times[0]
     steps = np.arange(len(times))
 
@@ -169,7 +169,7 @@ def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
 
 
 def damping_ratio(decrement: float) -> float:
-    """ζ = δ/√(4 π² + δ²) [-]."""
+    """Return ζ = δ/√(4 π² + δ²) [-]."""
     return decrement / math.hypot(2.0 * math.pi, decrement)
 
 
@@ -179,5 +179,5 @@ def frequency_of(stiffness: float, mass: float) -> float:
 
 
 def moving_mass(stiffness: float, frequency: float) -> float:
-    """M = k/(2 π f_n)² [kg] from stiffness [N/m] and natural frequency [Hz]."""
+    """Return M = k/(2 π f_n)² [kg] from stiffness [N/m] and natural frequency [Hz]."""
     return stiffness / (2.0 * math.pi * frequency) ** 2

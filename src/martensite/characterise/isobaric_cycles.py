@@ -1,12 +1,10 @@
-"""Isobaric records cut into branches: one heating and one cooling under a constant stress.
+"""Isobaric records, split into cycles of one heating and one cooling under constant stress.
 
-A leg goes from one extreme of the temperature to the next and spans at least `FULL` of the whole
-range, so that noise, holds and small reversals turn nothing. Two legs in a row are a cycle: cold,
-hot, cold again, or hot, cold, hot again. Cycles are counted from the first full leg on; rows
-before it, and half a cycle left over at the end, are not used.
+A leg extends from one extreme of the temperature to the next and spans at least `FULL` of the range, so that noise,
+holds and small reversals are ignored. Two consecutive legs form a cycle, from cold or from hot. Cycles are counted from
+the first full leg. Earlier rows, and half a cycle at the end, are not used.
 
-Rows are taken in the order of time. Strain counts as positive in elongation, so that it falls on
-heating under tension.
+Rows are in the order of time. Strain is positive in elongation and thus falls on heating under tension.
 """
 
 from __future__ import annotations
@@ -22,27 +20,27 @@ from martensite.characterise.loop_paths import FULL, LoopPath, find_turns, trace
 from martensite.signals.records import Record, not_finite, out_of_order
 
 FEWEST_ROWS = 20
-"""Rows that a record must have."""
+"""Least number of rows of a record."""
 FEWEST_IN_BRANCH = 8
-"""Rows that a branch must have."""
+"""Least number of rows of a branch."""
 LEAST_RANGE = 5.0
-"""Range of temperature below which nothing was heated [K]."""
+"""Least temperature range of heating [K]."""
 COLDEST, HOTTEST = 150.0, 1500.0
-"""Temperatures outside which a column holds something else [K]."""
+"""Limits of a plausible temperature [K]."""
 LARGEST_STRAIN = 0.5
 NOISY = 0.5
 """Scatter of the temperature from row to row above which it is smoothed [K]."""
 SMALLEST_STRESS, LARGEST_STRESS = 1e4, 5e9
-"""Stresses outside which, zero apart, the unit must be wrong [Pa]."""
+"""Limits of a plausible nonzero stress [Pa]."""
 STEADY = 0.2
-"""Standard deviation of a stress, as a share of its mean, above which it is remarked upon."""
+"""Standard deviation of a stress, as a fraction of its mean, above which a remark is made."""
 WANDERING = 10e6
-"""Largest variation of the stress in absolute terms; both limits must be exceeded [Pa]."""
+"""Absolute variation of the stress above which a remark is made, if `STEADY` is also exceeded [Pa]."""
 
 
 @dataclass(frozen=True)
 class CycleBranch:
-    """The rows of one heating or one cooling, in their order."""
+    """Rows of one heating or one cooling, in their order."""
 
     temperature: tuple[float, ...]
     """[K]"""
@@ -52,14 +50,14 @@ class CycleBranch:
 
 @dataclass(frozen=True)
 class IsobaricCycle:
-    """One heating and one cooling under one stress."""
+    """Heating and cooling under one stress."""
 
     name: str
     """Name of the record."""
     stress: float
-    """Mean stress over the cycle, or the one given [Pa]."""
+    """Mean stress over the cycle, or the given stress [Pa]."""
     stress_deviation: float
-    """Standard deviation of the stress over the cycle [Pa]; 0 for a stress given."""
+    """Standard deviation of the stress over the cycle [Pa]; 0 for a given stress."""
     heating: CycleBranch
     cooling: CycleBranch
     cold_start: bool
@@ -67,9 +65,9 @@ class IsobaricCycle:
     timed: bool
     """True if the rows have recorded times, which confirm their order."""
     number: int
-    """Which cycle of the record it is, from 1 on."""
+    """Number of the cycle in the record, from 1."""
     cycles: int
-    """Cycles in the record."""
+    """Number of cycles in the record."""
     remarks: tuple[str, ...] = ()
     """Remarks for the user, in sentences."""
 
@@ -78,13 +76,12 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
     """Cut one cycle out of a record and split it into heating and cooling.
 
     Args:
-        record: columns `temperature` [K], `strain` [-] and, unless it is given, `stress` [Pa].
-        stress: the constant stress [Pa]; the mean of the column over the cycle if left out.
-        cycle: which cycle, counted as in a list; the last if left out.
+        record: columns `temperature` [K], `strain` [-] and optionally `stress` [Pa].
+        stress: constant stress [Pa]; by default the mean of the column over the cycle.
+        cycle: index of the cycle; by default the last.
 
     Raises:
-        DataError: a column is missing, too short or not what its name says, or there is no
-            full cycle.
+        DataError: a column is missing, too short or contradicts its name, or there is no full cycle.
         ParameterError: the cycle does not exist, or the stress is not finite.
     """
     rows = _rows_in_time(record)
@@ -122,7 +119,7 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
 
 
 def find_turning_points(temperatures: Sequence[float]) -> list[int]:
-    """Return the rows at which the temperature [K] turns, both ends of all full legs included."""
+    """Return the rows at which the temperature [K] turns, including both ends of all full legs."""
     span = max(temperatures) - min(temperatures)
     if span < LEAST_RANGE:
         return []
@@ -168,7 +165,7 @@ def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[
     return mean, deviation
 
 
-# ---------------------------------------------------------------- what is wrong, in words
+# ---------------------------------------------------------------- error texts
 
 
 def _check_columns(name: str, kelvin: Sequence[float], strain: Sequence[float]) -> None:

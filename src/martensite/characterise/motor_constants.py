@@ -1,28 +1,23 @@
-"""Two tests of a DC motor: the rotor held still, and steady running at several speeds.
-
-    rotor held        V = R i, a line through zero; V = V₀ + R i should have V₀ = 0
-    steady running    V - R i = K ω, a line through zero;  i = s ω + i₀ with K i = b ω + F_c
-
-Voltage, current and speed have one sign where the motor drives. States of backward rotation are
-turned forward, so that friction has one sign. Errors are taken to be in the voltages of the held
-rotor, and in V - R i and i of the running one, of equal size.
-
-Constants of a DC motor from tests with a supply, an ammeter and a tachometer.
+"""Constants of a DC motor from tests with a supply, an ammeter and a tachometer.
 
     V = R i + L i' + K_B ω,    J ω' = K_T i - b ω - F_c sign(ω),    K_T = K_B = K in SI
 
-test                  what follows
-rotor held            V = R i: resistance R
-rotor held, V step    i rises with τ_e = L/R: inductance L
-steady running        V - R i = K ω: constant K;  K i = b ω + F_c: friction
+test                  result
+locked rotor          V = R i, a line through zero: resistance R; V = V₀ + R i should have V₀ = 0
+locked rotor, V step  i rises with τ_e = L/R: inductance L
+steady running        V - R i = K ω, a line through zero: constant K
+                      i = s ω + i₀ with K i = b ω + F_c: friction
 run-up                ω rises with τ_m: inertia J = τ_m [b + K²/(R - L/τ_m)]
 
-The last formula is exact for the slower of the motor's two time constants; without inductance
-it is τ_m (b + K²/R). Dry friction lowers the speed and leaves τ_m as it is. An unbalance m at the
-radius r that stays mounted is part of the inertia: J + m r².
+Voltage, current and speed have one sign if the motor drives. The signs of backward rotation are reversed, so that
+friction has one sign. Errors of equal size are assumed in the voltages of the locked rotor, and in V - R i and i of the
+running rotor.
 
-K, b, F_c and J all rest on R, and J on K twice: their errors are carried on from R, τ_e, τ_m and
-the lines of steady running, not from each other.
+The formula of J is exact for the slower time constant; without inductance the bracket is b + K²/R. Dry friction
+lowers the speed but does not change τ_m. An unbalance m at radius r is part of the inertia: J + m r².
+
+K, b, F_c and J all depend on R, and J on K twice. Their errors are propagated from R, τ_e, τ_m and the lines of steady
+running.
 
 Source: Kossoski (2018), Appendix B, with dry friction kept and the formula of J corrected.
 """
@@ -49,7 +44,7 @@ class Winding:
     resistance: MeasuredValue
     """R [ohm] of the line through zero."""
     offset: MeasuredValue | None = None
-    """V₀ [V] of a line that need not go through zero; None where it was not tested."""
+    """V₀ [V] of a line with intercept; None if not tested."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +65,12 @@ class SteadyRunning:
 
     @property
     def drop(self) -> float:
-        """By how much the fitted K falls per ohm of R, Σ i ω/Σ ω² [A s/rad]."""
+        """Return the decrease of the fitted K per ohm of R, Σ i ω/Σ ω² [A s/rad]."""
         pairs = zip(self.currents, self.speeds, strict=True)
         return sum(i * w for i, w in pairs) / sum(w * w for w in self.speeds)
 
     def constant(self, resistance: float) -> MeasuredValue:
-        """K [V s/rad] of the line V - R i = K ω, for a resistance [ohm] taken as exact.
+        """Return K [V s/rad] of the line V - R i = K ω, for a resistance [ohm] taken as exact.
 
         Raises:
             DataError: K is not above 0.
@@ -92,14 +87,14 @@ class SteadyRunning:
 
 
 def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> Winding:
-    """Return the resistance from a rotor held still, at several currents and rotor positions.
+    """Return the resistance of a locked rotor, from several currents and rotor positions.
 
     Args:
-        voltages: [V]
-        currents: [A]
+        voltages: voltages [V].
+        currents: currents [A].
 
     Raises:
-        DataError: the pairs are fewer than two, not finite, or do not give an R above 0.
+        DataError: there are fewer than two pairs, values are not finite, or R is not above 0.
     """
     check_columns("a motor", "states", 2, voltages=voltages, currents=currents)
     if not any(currents):
@@ -116,15 +111,15 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
 
 
 def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]) -> SteadyRunning:
-    """Return the steady states, those of backward rotation turned forward.
+    """Return the steady states, with reversed signs for backward rotation.
 
     Args:
-        voltages: [V]
-        currents: [A]
-        speeds: [rad/s], at least two different ones, none of them zero.
+        voltages: voltages [V].
+        currents: currents [A].
+        speeds: speeds [rad/s], at least two different values, all nonzero.
 
     Raises:
-        DataError: the states are fewer than two, not finite, at rest, or all of one speed.
+        DataError: there are fewer than two states, or values are not finite, of zero speed, or all of one speed.
     """
     check_columns("a motor", "states", 2, voltages=voltages, currents=currents, speeds=speeds)
     if 0.0 in speeds:
@@ -145,7 +140,7 @@ def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds:
 Formula = Callable[..., float]
 
 LONG = 2.0
-"""R J/(K_T K_B) [s] above which J or R of a small motor is doubted."""
+"""R J/(K_T K_B) [s] above which J or R of a small motor is doubtful."""
 UNITS = {
     "resistance": "ohm",
     "inductance": "H",
@@ -170,21 +165,21 @@ class MotorConstants:
     dry_friction: MeasuredValue
     """F_c [N m]"""
     inductance: MeasuredValue | None = None
-    """L [H]; None if it is not known."""
+    """L [H]; None if unknown."""
     inertia: MeasuredValue | None = None
-    """J [kg m²], with whatever was mounted; None without a run-up."""
+    """J [kg m²], with the mounted parts; None without a run-up."""
     remarks: tuple[str, ...] = ()
-    """Doubts, and statements without support by the tests."""
+    """Remarks on doubtful or unsupported results."""
 
     @property
     def run_up_time(self) -> float | None:
-        """R J/(K_T K_B) [s]: the time constant without friction and inductance."""
+        """Return R J/(K_T K_B) [s]: the time constant without friction and inductance."""
         if self.inertia is None:
             return None
         return self.resistance.value * self.inertia.value / self.constant.value**2
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         estimates = {name: getattr(self, name) for name in UNITS}
         numbers = {n: None if e is None else e.to_dict(level) for n, e in estimates.items()}
         return numbers | {"run_up_time": self.run_up_time, "remarks": list(self.remarks)}
@@ -198,14 +193,14 @@ def estimate_motor_constants(
     inductance: float | None = None,
     run_up: Rise | None = None,
 ) -> MotorConstants:
-    """Constants of a motor from its tests.
+    """Estimate the constants of a motor from its tests.
 
     Args:
         states: steady running at several speeds.
         winding: resistance, measured or given.
-        current_rise: rise of the current after a step of the voltage, with the rotor held.
-        inductance: L [H], if it is known otherwise.
-        run_up: rise of the speed [rad/s] after a step of the voltage, from rest or not.
+        current_rise: rise of the current after a voltage step, with a locked rotor.
+        inductance: L [H], if known otherwise.
+        run_up: rise of the speed [rad/s] after a voltage step, from any speed.
 
     Raises:
         ParameterError: both `current_rise` and `inductance` are given.
@@ -240,9 +235,9 @@ def estimate_motor_constants(
 
 
 def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
-    """Return every constant from what was measured: R, K at the best R (`centre` [ohm]), s, i₀, τ_e or L, and τ_m.
+    """Return the formulas of all constants from R, K at the best R (`centre` [ohm]), s, i₀, τ_e or L, and τ_m.
 
-    K falls by `drop` per ohm of R; `measured` says that the fifth number is τ_e, not L.
+    K falls by `drop` per ohm of R; if `measured`, the fifth value is τ_e, not L.
     """
 
     def constant(r: float, k: float, *_: float) -> float:
@@ -277,7 +272,7 @@ def _refuse_fast(run_up: Rise, tau_e: float) -> None:
 def _list_remarks(
     found: MotorConstants, winding: Winding, current_rise: Rise | None, run_up: Rise | None
 ) -> Iterator[str]:
-    """Yield the sentences about what is doubtful or not supported."""
+    """Yield remarks on doubtful or unsupported results."""
     time, offset = found.run_up_time, winding.offset
     if time is not None and time > LONG:
         yield (

@@ -1,24 +1,22 @@
-"""Polynomials fitted by linear least squares, with what the scatter leaves open.
+"""Linear least squares of polynomials, and nonlinear least squares, with standard errors.
 
     y_i = Σ_k c_k x_i^k + e_i,    e_i independent, normal, of one unknown variance s²
 
     s² = Σ r_i²/(n - p),    covariance of c = s² (XᵀX)⁻¹
 
-for n points and p terms. Intervals are c_k ± t(level, n - p) times the standard error. With
-no point to spare (n = p) the scatter is unknown: standard errors are NaN and intervals
-unbounded.
+for n points and p terms. Intervals are c_k ± t(level, n - p) times the standard error. If n = p, standard errors are
+NaN
+and intervals unbounded.
 
-Where the ordinates are exact and the abscissae have noise, as the temperatures of a wire under a known power, the
-squares of the abscissae are least (`fit_noisy_abscissae`); the same formulas hold with s in the unit of x.
+For exact ordinates and noisy abscissae, such as temperatures of a wire under a known power, `fit_noisy_abscissae`
+minimises the squares of the abscissae. The same formulas hold with s in the unit of x.
 
-Nonlinear least squares of a handful of numbers, with the standard errors of each.
+Nonlinear least squares of a few parameters use the trust-region method of SciPy (`scipy.optimize.least_squares`) with
+central differences. With residuals r at the minimum, their Jacobian J, n rows and p parameters
 
-The trust-region method of SciPy (`scipy.optimize.least_squares`) with central differences. With
-residuals r at the minimum, their Jacobian J, n rows and p numbers
+    s² = Σ r²/(n - p),    covariance = s² (JᵀJ)⁻¹
 
-    s² = Σ r²/(n - p),    covariance = s² (JᵀJ)⁻¹,
-
-which takes residuals as independent and of equal size.
+for independent residuals of equal variance.
 """
 
 from __future__ import annotations
@@ -38,30 +36,30 @@ from martensite.characterise.estimate import MeasuredValue, check_columns
 
 @dataclass(frozen=True)
 class LinearFit:
-    """Coefficients of the powers asked for, and their covariance."""
+    """Coefficients of the requested powers, and their covariance."""
 
     terms: tuple[int, ...]
     """Powers of x."""
     values: tuple[float, ...]
     """Coefficient of each term."""
     covariance: tuple[tuple[float, ...], ...]
-    """Covariance of the coefficients; NaN without a point to spare."""
+    """Covariance of the coefficients; NaN without degrees of freedom."""
     squares: float
     """Sum of the squared residuals."""
     points: int
 
     @property
     def freedom(self) -> int:
-        """Return the points to spare: n - p."""
+        """Return the degrees of freedom, n - p."""
         return self.points - len(self.terms)
 
     @property
     def deviation(self) -> float:
-        """Return the standard deviation s of the residuals; NaN without a point to spare."""
+        """Return the standard deviation s of the residuals; NaN without degrees of freedom."""
         return math.sqrt(self.squares / self.freedom) if self.freedom else math.nan
 
     def error(self, term: int) -> float:
-        """Return the standard error of the coefficient of a power; NaN without a point to spare."""
+        """Return the standard error of the coefficient of a power; NaN without degrees of freedom."""
         place = self._place(term)
         return math.sqrt(self.covariance[place][place])
 
@@ -70,10 +68,7 @@ class LinearFit:
         return self.coefficient(term).interval(level) if self.freedom else EVERYTHING
 
     def p_value(self, term: int) -> float:
-        """Probability of a coefficient this far from zero were it zero: the F-test of the term.
-
-        NaN without a point to spare.
-        """
+        """Return the p-value of a term by the F-test; NaN without degrees of freedom."""
         error = self.error(term)
         if not self.freedom:
             return math.nan
@@ -91,7 +86,7 @@ class LinearFit:
         return sum(c * x**k for k, c in zip(self.terms, self.values, strict=True))
 
     def half_width(self, x: float, level: float = LEVEL) -> float:
-        """Return half the confidence band of the polynomial at x; infinite without a point to spare."""
+        """Return half the confidence band of the polynomial at x; infinite without degrees of freedom."""
         if not self.freedom:
             return math.inf
         powers = [x**k for k in self.terms]
@@ -133,20 +128,21 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
 def fit_noisy_abscissae(
     x: Sequence[float], y: Sequence[float], terms: Sequence[int], origin: float | None = None
 ) -> LinearFit:
-    """Fit y = (x - origin) Σ c_k x^k to points whose x have noise of one size and whose y are exact.
+    """Fit y = (x - origin) Σ c_k x^k to points with exact y and equal noise in x.
 
-    The squares Σ (x_i - ξ_i)² are least, where ξ_i is the abscissa at which the fitted curve has the ordinate y_i. Each
-    turn linearises the curve about the last ξ: a linear fit with the weights (dx/dy)². If the turns do not settle, as
-    where the curve falls at a point, the first turn counts.
+    The fit minimises Σ (x_i - ξ_i)², where the fitted curve has the ordinate y_i at ξ_i. Each iteration linearises the
+    curve about the last ξ: a linear fit with the weights (dx/dy)². Without convergence, such as for a curve that falls
+    at
+    a point, the first iteration is the result.
 
     Args:
         x: abscissae with noise.
         y: exact ordinates.
-        terms: powers of x that are fitted.
-        origin: where the curve is zero; None: the curve is the polynomial alone.
+        terms: fitted powers of x.
+        origin: zero of the curve; None for the polynomial alone.
 
     Returns:
-        The coefficients, with their covariance; `squares` has the unit of x².
+        Coefficients with their covariance; `squares` has the unit of x².
 
     Raises:
         ParameterError: the terms are not distinct whole numbers from 0 on.
@@ -179,7 +175,7 @@ class _Turn(NamedTuple):
 
 
 def _weigh_slopes(x: Any, y: Any, terms: Sequence[int], origin: float | None, fitted: Any, values: Any) -> _Turn:
-    """One turn of `fit_noisy_abscissae` about the abscissae of the last; without values, of a fit without weights."""
+    """Iterate `fit_noisy_abscissae` once about the last abscissae; without values, fit without weights."""
     powers = np.stack([fitted**k for k in terms], axis=1)
     slopes = np.stack([k * fitted ** max(k - 1, 0) for k in terms], axis=1)
     arm = 1.0 if origin is None else (fitted - origin)[:, None]
@@ -204,25 +200,25 @@ def _check_terms(terms: Sequence[int]) -> None:
 
 
 TURNS, SETTLED = 20, 1e-10
-"""Turns of `fit_noisy_abscissae`, and the change, as a share of the range of x, at which they end."""
+"""Largest number of iterations, and the change, as a fraction of the range of x, at which they end."""
 FLATTEST = 0.05
-"""Least slope of the curve at a point, as a share of its greatest, that weighs the point."""
+"""Least slope of the curve at a weighted point, as a fraction of the greatest slope."""
 TOLERANCE = 1e-14
-"""Relative change of the squares, the numbers and the gradient at which the search ends."""
+"""Relative change of squares, parameters and gradient at which the search ends."""
 MOST_EVALUATIONS = 200
-"""Evaluations after which the search is given up."""
+"""Largest number of evaluations."""
 
 
 @dataclass(frozen=True)
 class NonlinearFit:
-    """Numbers of least squares, and the residuals that are left."""
+    """Parameters of nonlinear least squares, with the residuals."""
 
     estimates: tuple[MeasuredValue, ...]
     residuals: tuple[float, ...]
 
     @property
     def values(self) -> tuple[float, ...]:
-        """Return the numbers without their errors."""
+        """Return the parameters without their errors."""
         return tuple(one.value for one in self.estimates)
 
     @property
@@ -232,17 +228,17 @@ class NonlinearFit:
 
 
 def root_mean_square(numbers: Sequence[float]) -> float:
-    """Return the root of the mean of the squares."""
+    """Return the root mean square."""
     return math.sqrt(sum(number * number for number in numbers) / len(numbers))
 
 
 def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence[float]) -> NonlinearFit:
-    """Minimise the sum of squared residuals, at least as many as numbers.
+    """Minimise the sum of squared residuals, at least one per parameter.
 
-    The start is in the valley of the wanted minimum, its numbers of order 1.
+    The start must be in the basin of the wanted minimum, with parameters of order 1.
 
     Raises:
-        SolveError: the search has not settled, or a number makes no difference.
+        SolveError: the search has not converged, or a parameter has no effect.
     """
     from scipy.optimize import least_squares
 

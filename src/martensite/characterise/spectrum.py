@@ -1,14 +1,12 @@
 """Frequency of a vibration from its record, by a windowed Fourier transform.
 
-The record, less its weighted mean, is multiplied by a window and padded with zeros to at least
-eight times its length; the peak of |X(f)| is interpolated by a parabola through the logarithms of
-the three highest values. Zeros make the curve smooth but add no knowledge: for a record of T
-seconds two frequencies closer than about 2/T [Hz] are one peak, and `resolution` = 1/T is the
-spacing of independent values.
+The record minus its weighted mean is multiplied by a window and padded with zeros to at least eight times its length.
+A parabola through the logarithms of the three highest values interpolates the peak of |X(f)|. Zeros smooth the curve
+without new information. For a record of T seconds, frequencies closer than about 2/T [Hz] form one peak, and
+`resolution` = 1/T is the spacing of independent values.
 
-The window is the falling half of a Hann window, for a vibration that decays from the beginning of
-the record on, or the whole of it, for one that lasts (`steady`). The peak of a decaying vibration
-lies off the damped frequency by a share of the order ζ².
+The window is the falling half of a Hann window for a decaying vibration, or the whole for a lasting vibration
+(`steady`). The peak of a decaying vibration deviates from the damped frequency by a fraction of the order ζ².
 """
 
 from __future__ import annotations
@@ -39,12 +37,12 @@ class SpectralPeak:
     resolution: float
     """1/T, the spacing of independent frequencies [Hz]."""
     amplitude: float
-    """Amplitude of a vibration that lasts and has such a peak, in the unit of the values."""
+    """Amplitude of a lasting vibration with such a peak, in the unit of the values."""
     prominence: float
-    """Peak of magnitude of X over its median within the band."""
+    """Peak of |X| over its median within the band."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         return asdict(self)
 
 
@@ -56,18 +54,18 @@ def natural_frequency(
     low: float | None = None,
     high: float | None = None,
 ) -> SpectralPeak:
-    """Return the frequency at which a record vibrates most.
+    """Return the dominant frequency of a record.
 
     Args:
         times: times of the rows [s], equally spaced.
-        values: what vibrates, in any unit.
-        steady: the vibration lasts all the record, instead of decaying from its beginning.
-        low: lowest frequency looked at [Hz]; two cycles in the record if left out.
-        high: highest frequency looked at [Hz]; half the sampling rate if left out.
+        values: vibrating quantity, in any unit.
+        steady: True for a vibration that lasts over the record, instead of decaying from its start.
+        low: lowest frequency [Hz]; by default two cycles in the record.
+        high: highest frequency [Hz]; by default half the sampling rate.
 
     Raises:
         ParameterError: `low` and `high` do not leave a band.
-        DataError: the rows are too few, not finite or not equally spaced, or no peak stands out.
+        DataError: the rows are too few, not finite or not equally spaced, or no peak is significant.
     """
     step = sampling_interval(times, values)
     count = len(values)
@@ -111,7 +109,7 @@ def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
 
 
 def _check_band(low: float | None, high: float | None, least: float, most: float) -> tuple[float, float]:
-    """Band that is looked at [Hz]."""
+    """Return the frequency band [Hz]."""
     first = _CYCLES * least if low is None else low
     last = most if high is None else high
     if not 0.0 < first < last <= most * (1.0 + 1e-9):

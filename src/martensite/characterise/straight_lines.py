@@ -1,10 +1,8 @@
-"""Straight lines of strain over temperature, and rows made ready for them.
+"""Straight lines of strain over temperature, and the preparation of their rows.
 
-Rows are put in the order of temperature, one per temperature. Lines are least squares of which
-outlying rows are left out. Three lines, one after the other, are those that leave the least sum
-of squares of all divisions of the rows in three. Single spikes are kept from what is sought by a
-running median, and disorder by isotonic regression (pool adjacent violators): neither has a width
-to choose, and neither changes numbers that grow already.
+Rows are sorted by temperature, one per temperature. Lines are least squares without outliers. Three consecutive lines
+have the least sum of squares of all divisions in three. A running median removes single spikes, and isotonic regression
+(pool adjacent violators) removes disorder. Neither has a width to choose or changes monotone values.
 """
 
 from __future__ import annotations
@@ -16,22 +14,22 @@ from typing import Any
 import numpy as np
 
 MOST_ROWS = 2000
-"""Rows beyond which a branch is averaged in as many cells, of equal width in temperature."""
+"""Largest number of rows; a longer branch is averaged in cells of equal temperature width."""
 FEWEST = 3
-"""Rows of a line."""
+"""Least number of rows of a line."""
 OUTLYING = 3.5
-"""Robust standard deviations beyond which a row is left out of a line."""
+"""Robust standard deviations beyond which a row is an outlier."""
 MANY = 10
-"""Rows from which on outlying ones are looked for."""
+"""Number of rows from which outliers are removed."""
 EXACT = 1e-12
-"""Strains this near to a line are on it [-]."""
+"""Largest strain deviation of a row on a line [-]."""
 _DEVIATION = 1.4826
 """Standard deviation over the median of the magnitudes, of normal noise."""
 
 
 @dataclass(frozen=True)
 class StraightLine:
-    """A straight line of strain over temperature, and the rows it was fitted to."""
+    """Straight line of strain over temperature, with its range of rows."""
 
     at: float
     """Mean temperature of its rows [K]."""
@@ -43,14 +41,14 @@ class StraightLine:
     """Lowest and highest temperature of its rows [K]."""
     rows: int
     scatter: float
-    """Standard deviation of the rows about it [-]."""
+    """Standard deviation of the rows about the line [-]."""
 
     def value(self, temperature: Any) -> Any:
         """Return the strain [-] at a temperature [K], or at an array of them."""
         return self.level + self.slope * (temperature - self.at)
 
     def meets(self, other: StraightLine) -> float:
-        """Return the temperature [K] at which another line has the same strain; infinite for a parallel."""
+        """Return the temperature [K] at the intersection with another line; infinite for a parallel."""
         steeper = self.slope - other.slope
         return self.at + (other.value(self.at) - self.level) / steeper if steeper else math.inf
 
@@ -67,7 +65,7 @@ class StraightLine:
 
 
 def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> StraightLine:
-    """Return least squares through some rows; of ten and more, outlying ones are left out."""
+    """Return the least-squares line through some rows; with ten or more, without outliers."""
     kelvin, strain = temperatures[rows], strains[rows]
     kept = np.ones(kelvin.size, dtype=bool)
     while True:
@@ -86,14 +84,14 @@ def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Stra
 
 
 def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLine, StraightLine]:
-    """Return the three lines, one after the other, that leave the least sum of squares.
+    """Return the three consecutive lines with the least sum of squares.
 
     There must be three times `FEWEST` rows, in the order of temperature.
     """
     x, y = kelvin - kelvin.mean(), strain - strain.mean()
     columns = (np.ones_like(x), x, y, x * x, x * y, y * y)
     sums = [np.concatenate([[0.0], np.cumsum(c)]) for c in columns]
-    # of the rows from i on, up to but without j, at [i, j]
+    # of the rows from i up to, but without, j at [i, j]
     n, sx, sy, sxx, sxy, syy = (s[None, :] - s[:, None] for s in sums)
     enough = n >= FEWEST
     n = np.where(enough, n, 1.0)
@@ -107,18 +105,18 @@ def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLin
     return cold, steep, hot
 
 
-# ---------------------------------------------------------------- rows before any fit
+# ---------------------------------------------------------------- preparation of rows
 
 
 def sort_by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
-    """Return the rows in the order of temperature, one per temperature, no more than `MOST_ROWS`."""
+    """Return the rows in the order of temperature, one per temperature, at most `MOST_ROWS`."""
     kelvin, place = np.unique(np.asarray(temperatures, np.float64), return_inverse=True)
     strain = np.bincount(place, np.asarray(strains, np.float64)) / np.bincount(place)
     return average_cells(kelvin, strain, MOST_ROWS) if kelvin.size > MOST_ROWS else (kelvin, strain)
 
 
 def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
-    """Means over cells of equal width; the means of rows on a line are on it, too."""
+    """Return means over cells of equal width, which keep straight lines straight."""
     place = ((kelvin - kelvin[0]) / (kelvin[-1] - kelvin[0]) * cells).astype(int)
     place = np.minimum(place, cells - 1)
     count = np.bincount(place, minlength=cells)
@@ -128,13 +126,13 @@ def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
 
 
 def smooth_median(values: Any) -> Any:
-    """Return the running median of five; the first and the last number repeated beyond the ends."""
+    """Return the running median of five, with repeated values beyond the ends."""
     padded = np.pad(values, 2, mode="edge")
     return np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
 
 
 def fit_isotonic(values: Any) -> Any:
-    """Return the non-decreasing numbers nearest to given ones in least squares (isotonic regression)."""
+    """Return the nearest non-decreasing values in least squares (isotonic regression)."""
     from scipy.optimize import isotonic_regression
 
     return isotonic_regression(values).x

@@ -1,30 +1,23 @@
-"""Transformation temperatures over stress: Clausius–Clapeyron slopes, zero-stress temperatures.
+"""Transformation temperatures over stress by the tangent method, with Clausius–Clapeyron slopes.
 
-Temperatures are measured and stresses are set, so temperature is fitted against stress:
+Stresses are set and temperatures measured, so temperature is fitted against stress:
 
     T_i = T_0 + b σ_i,    C = 1/b
 
-for each of A_s, A_f, M_s, M_f and the half-way temperatures by itself, and for each direction with
-one slope common to its start and its finish,
+This is done for each of A_s, A_f, M_s, M_f and the half-way temperatures. Each direction is also fitted with a common
+slope of start and finish:
 
     A_s,i = A_s + b_A σ_i,    A_f,i = A_f + b_A σ_i;    M_s, M_f and b_M alike.
 
-The common slope is that of the middles (A_s,i + A_f,i)/2, which is the least-squares solution of both lines together;
-start and finish at zero stress are half the mean width below and above the middle there. Errors of start and finish at
-one stress may go together, as those of one steep line do: the errors of middles and widths are added as independent,
-with the degrees of freedom of Welch and Satterthwaite. Errors at different stresses are taken as independent: n - 2
-points to spare for a slope, so that with two stresses intervals are unbounded. The interval of C is that of b,
-inverted.
+The least-squares common slope is the slope of the middles (A_s,i + A_f,i)/2. Start and finish at zero stress lie half
+the mean width below and above the middle. Errors of start and finish at one stress may be correlated, so errors of
+middles and widths are added as independent, with the degrees of freedom of Welch and Satterthwaite. Errors at
+different stresses are independent, with n - 2 degrees of freedom for a slope; with two stresses, intervals are
+unbounded. The interval of C is the inverted interval of b.
 
-Tangents over several stresses: slopes, zero-stress temperatures and H(σ), as a first guess.
-
-Each cycle is read by itself (`martensite.characterise.tangent_points`); start and finish
-temperatures over stress are straight lines (`martensite.characterise.tangent_fit`), and the
-transformation strain over stress is constant or saturates
-(`martensite.characterise.transformation_strain`).
-
-The numbers are a first guess, good to a few kelvin: real transformations have round ends, and the
-tangents cut them off. `TangentFit.guess` widens the strips for laws with cosine kinetics.
+The transformation strain over stress is constant or saturates (`martensite.characterise.transformation_strain`). The
+results are a first guess, good to a few kelvin, because tangents cut off the round ends of real transformations.
+`TangentFit.guess` widens the strips for laws with cosine kinetics.
 """
 
 from __future__ import annotations
@@ -46,7 +39,7 @@ from martensite.signals.records import Record
 
 @dataclass(frozen=True)
 class Direction:
-    """One direction of the transformation over stress."""
+    """Direction of the transformation over stress."""
 
     names: tuple[str, str]
     """Names of its start and finish temperature."""
@@ -57,18 +50,17 @@ class Direction:
     shift: MeasuredValue
     """Common slope b of temperature against stress [K/Pa]."""
     own: dict[str, LinearFit]
-    """Start, finish and half-way temperature, each fitted over stress with a separate slope."""
+    """Start, finish and half-way temperature, each with a separate slope over stress."""
     widening: float
-    """Probability of widths that change so much with stress were the slopes equal; NaN without a
-    point to spare."""
+    """Probability of the change of width with stress if the slopes are equal; NaN without degrees of freedom."""
 
     @property
     def slope(self) -> float:
-        """Clausius–Clapeyron slope C = 1/b [Pa/K]; negative if the temperatures fall."""
+        """Return the Clausius–Clapeyron slope C = 1/b [Pa/K], negative for falling temperatures."""
         return 1.0 / self.shift.value if self.shift.value else math.inf
 
     def slope_interval(self, level: float = LEVEL) -> Interval:
-        """Return the confidence interval of C [Pa/K]; unbounded if b may be zero."""
+        """Return the confidence interval of C [Pa/K]; unbounded if the interval of b contains zero."""
         return invert_interval(self.shift.interval(level))
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
@@ -92,7 +84,7 @@ class Direction:
 
 
 def fit_direction(levels: Sequence[TangentPoints], names: tuple[str, str], half: str) -> Direction:
-    """Fit start, finish (`names`) and half-way temperature of one direction over two or more different stresses."""
+    """Fit start, finish (`names`) and half-way temperature of a direction over two or more stresses."""
     stresses = [points.stress for points in levels]
     columns = {name: [getattr(p, name) for p in levels] for name in (*names, half)}
     own = {name: fit_powers(stresses, column, (0, 1)) for name, column in columns.items()}
@@ -106,18 +98,18 @@ def fit_direction(levels: Sequence[TangentPoints], names: tuple[str, str], half:
 
 
 def _add_width(middle: MeasuredValue, width: MeasuredValue, sign: float) -> MeasuredValue:
-    """middle + sign width, whose errors are independent."""
+    """Return middle + sign width, with independent errors."""
     value = middle.value + sign * width.value
     parts = (middle.error**2, middle.freedom), ((sign * width.error) ** 2, width.freedom)
     total = sum(square for square, _ in parts)
-    if not total > 0.0:  # no scatter, or none that is known
+    if not total > 0.0:  # scatter is zero or unknown
         return MeasuredValue(value, math.sqrt(total), middle.freedom)
     freedom = total**2 / sum(square**2 / spare for square, spare in parts)
     return MeasuredValue(value, math.sqrt(total), freedom)
 
 
 def invert_interval(interval: Interval) -> Interval:
-    """Return the interval of 1/b from that of b; unbounded if b may be zero."""
+    """Return the interval of 1/b from the interval of b; unbounded if b may be zero."""
     low, high = interval
     if low <= 0.0 <= high:
         return EVERYTHING
@@ -131,14 +123,14 @@ DISTINCT = 1e5
 
 @dataclass(frozen=True)
 class TangentFit:
-    """Results of the tangents of cycles under several stresses."""
+    """Results of the tangent method for cycles under several stresses."""
 
     levels: tuple[TangentPoints, ...]
-    """In the order of stress."""
+    """Results of the cycles in the order of stress."""
     reverse: Direction
-    """To austenite: A_s, A_f, C_A."""
+    """Transformation to austenite: A_s, A_f, C_A."""
     forward: Direction
-    """To martensite: M_s, M_f, C_M."""
+    """Transformation to martensite: M_s, M_f, C_M."""
     strain: StrainFit
     """H(σ)."""
 
@@ -179,7 +171,7 @@ class TangentFit:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks for the user, in sentences; remarks on cycles begin with their names."""
+        """Return remarks in sentences; remarks on cycles begin with their names."""
         said = [f"{points.name}: {text}" for points in self.levels for text in points.remarks]
         for name, found in (("C_A", self.reverse), ("C_M", self.forward)):
             low, high = found.slope_interval()
@@ -198,15 +190,15 @@ class TangentFit:
         return tuple(said)
 
     def guess(self, ends: str = "tangents") -> dict[str, float]:
-        """Return the numbers of a law by their canonical names, in SI; only what was found.
+        """Return the identified law parameters by canonical name, in SI.
 
-        Slopes of the outer lines are left out, since they are no thermal expansions where
-        transformation trails off. `eps_L` is the mean transformation strain; `H_min`, `H_sat` and
-        `H_k` are those of H(σ), or all the mean without `H_k` where it is constant.
+        Slopes of the outer lines are omitted: they are not thermal expansions if transformation trails off. `eps_L` is
+        the mean
+        transformation strain. `H_min`, `H_sat` and `H_k` describe H(σ); if it is constant, the first two are the mean.
 
         Args:
-            ends: `tangents` for the intersections as they are; `cosine` for strips π/2 times as
-                wide about the same middle, at whose cosines tangents intersect there.
+            ends: `tangents` for the intersections, or `cosine` for strips π/2 times as wide about the same middle. The
+                tangents of these cosines have the same intersections.
 
         Raises:
             ParameterError: `ends` is neither.
@@ -229,7 +221,7 @@ class TangentFit:
         return found
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name in SI, for JSON; without the rows."""
+        """Return all values by name in SI, for JSON; without the rows."""
         return {
             "levels": [points.to_dict() for points in self.levels],
             "reverse": self.reverse.to_dict(level),
@@ -246,14 +238,13 @@ def fit_tangents(
     """Read isobaric cycles under several stresses by the tangent method.
 
     Args:
-        cycles: records as `tangent_points` takes them, or what it found in them.
-        stresses: the constant stress of each record [Pa]; from their columns if left out. What
-            `tangent_points` found keeps its own.
-        cycle: which cycle of each record, counted as in a list; the last if left out.
+        cycles: records for `find_tangent_points`, or its results.
+        stresses: constant stress of each record [Pa]; by default from its column. Results keep their stress.
+        cycle: index of the cycle in each record; by default the last.
 
     Raises:
-        DataError: a record holds no isobaric cycle, or all have the same stress.
-        ParameterError: stresses and records are not equally many.
+        DataError: a record has no isobaric cycle, or all stresses are equal.
+        ParameterError: stresses and records differ in length.
     """
     if stresses is not None and len(stresses) != len(cycles):
         raise ParameterError(f"There must be one stress per record, but there are {len(stresses)} and {len(cycles)}.")

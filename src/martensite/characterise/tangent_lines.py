@@ -1,21 +1,18 @@
-"""Three straight lines through one branch of an isobaric cycle, found automatically.
+"""Automatic construction of three straight lines through a branch of an isobaric cycle.
 
-Over temperature the strain of a branch is nearly straight while all is martensite (cold), nearly
-straight while all is austenite (hot), and steep in between. The lines:
+The strain of a branch is nearly straight over temperature in cold martensite and in hot austenite, and steep between:
 
-    cold, hot   least squares through the outer halves of what lies outside the transformation,
-                rows beyond 3.5 robust standard deviations left out
-    steep       least squares through the steepest 40 % of the way from line to line
+    cold, hot   least squares through the outer halves of the rows outside the transformation,
+                without rows beyond 3.5 robust standard deviations
+    steep       least squares through the steepest 40 % of the distance from line to line
 
-The way is the share s = (ε - ε_cold)/(ε_hot - ε_cold), made free of single spikes by a running
-median and monotone by isotonic regression. Where the steep line meets the outer ones is the start
-and the finish; since what lies outside depends on them, this is repeated until it settles,
-`PASSES` times at most. It begins with the three lines that leave the least sum of squares of all
-divisions of the branch in three, found among `CELLS` cells of equal width in temperature.
+The relative distance s = (ε - ε_cold)/(ε_hot - ε_cold) is smoothed by a running median and made monotone by isotonic
+regression. The steep line meets the outer lines at start and finish. Rows outside depend on these, so the steps are
+repeated until they settle, at most `PASSES` times. The first lines are the three-part division of the branch with the
+least squares, among `CELLS` cells of equal width in temperature.
 
-On a transformation that is straight from corner to corner the intersections are the corners. On one with round ends
-they lie inside: those of a cosine at 1/2 ± 1/π of its width (`COSINE`), slightly less because the steep line is a chord
-of finite length.
+For a transformation with sharp corners the intersections are the corners. With round ends they lie inside: for a
+cosine at 1/2 ± 1/π of its width (`COSINE`), slightly less because the steep line is a chord of finite length.
 
 Source: the construction of ASTM F2082 and ASTM E3097, where lines are drawn by eye.
 """
@@ -41,39 +38,39 @@ from martensite.characterise.straight_lines import (
 )
 
 CORE = 0.4
-"""Share of the way through which the steep line is fitted."""
+"""Fraction of the distance covered by the steep line."""
 EDGE = 0.1
-"""Share of the way at either end that it keeps clear of."""
+"""Excluded fraction of the distance at both ends of the steep line."""
 FAR = 0.5
-"""Share of what lies outside the transformation, from its end on, that an outer line uses."""
+"""Fraction of the rows outside the transformation, counted from its end, that an outer line uses."""
 CELLS = 100
-"""Cells of equal width in temperature in which the first three lines are sought."""
+"""Number of cells of equal temperature width in the search for the first three lines."""
 FEWEST_STEEP = 4
-"""Rows of the steep line; neighbours are taken in if there are fewer."""
+"""Least number of rows of the steep line; neighbours are added if there are fewer."""
 FLATTER = 1.0 / 3.0
 """Slope of an outer line relative to the steep line above which it is rejected."""
 CLEAR = 5.0
-"""Transformation strain, in standard deviations about the outer lines, that counts as one."""
+"""Least transformation strain, in standard deviations about the outer lines."""
 COSINE = math.pi / 2.0
-"""Width of a cosine over the distance between its tangent's intersections."""
+"""Width of a cosine divided by the distance between the intersections of its tangent."""
 BEGINNINGS = 11
-"""Places at which the steep line may begin."""
+"""Number of candidate starts of the steep line."""
 NARROWEST = 0.2
-"""Least gap of the outer lines, as a share of that in the middle, in the reckoning of the way."""
+"""Least gap of the outer lines, as a fraction of the gap in the middle."""
 LEAST_STRAIN = 1e-6
-"""Transformation strain below which there is none."""
+"""Least transformation strain."""
 PASSES = 30
 
 
 @dataclass(frozen=True)
 class BranchTangents:
-    """The three lines of a branch and what they say."""
+    """Three lines of a branch with their intersections."""
 
     cold: StraightLine
-    """Martensite."""
+    """Line of martensite."""
     steep: StraightLine
     hot: StraightLine
-    """Austenite."""
+    """Line of austenite."""
     half: float
     """Temperature at which the strain is half-way between the outer lines [K]."""
     span: tuple[float, float]
@@ -91,11 +88,11 @@ class BranchTangents:
 
     @property
     def transformation_strain(self) -> float:
-        """Vertical distance of the outer lines at the half-way temperature [-]."""
+        """Return the vertical distance of the outer lines at the half-way temperature [-]."""
         return float(self.cold.value(self.half) - self.hot.value(self.half))
 
     def room(self) -> tuple[float, float]:
-        """Return the range beyond the transformation, cold and hot, as a share of its width [-]."""
+        """Return the range beyond the transformation, cold and hot, as a fraction of its width [-]."""
         low, high = self.low, self.high
         return (low - self.span[0]) / (high - low), (self.span[1] - high) / (high - low)
 
@@ -146,19 +143,19 @@ def _is_straight(kelvin: Any, strain: Any) -> bool:
 
 
 def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
-    """Return the share of the way from the cold to the hot line, growing from row to row."""
+    """Return the distance from the cold to the hot line as a fraction, monotone over the rows."""
     cold, hot = outer
     gap = hot.value(middle) - cold.value(middle)
     if abs(gap) < LEAST_STRAIN:
         raise _no_transformation(where)
     sign = 1.0 if gap > 0.0 else -1.0
-    # lines that converge must not meet within the branch
+    # converging lines must not meet within the branch
     gaps = np.maximum(sign * (hot.value(kelvin) - cold.value(kelvin)), NARROWEST * abs(gap))
     return fit_isotonic(smooth_median(sign * (strain - cold.value(kelvin)) / gaps))
 
 
 def _find_steepest(kelvin: Any, way: Any) -> slice:
-    """Return the rows of the narrowest range of temperature in which `CORE` of the way is covered."""
+    """Return the rows of the narrowest temperature range that covers `CORE` of the distance."""
     begins = np.linspace(EDGE, 1.0 - EDGE - CORE, BEGINNINGS)
     low, high = np.interp(begins, way, kelvin), np.interp(begins + CORE, way, kelvin)
     best = int(np.argmin(high - low))
@@ -166,7 +163,7 @@ def _find_steepest(kelvin: Any, way: Any) -> slice:
 
 
 def _rows_between(kelvin: Any, low: float, high: float) -> slice:
-    """Return the rows within a range of temperature, and neighbours if there are fewer than needed."""
+    """Return the rows within a temperature range, and neighbours if there are too few."""
     first = int(np.searchsorted(kelvin, low, "left"))
     last = int(np.searchsorted(kelvin, high, "right"))
     while last - first < FEWEST_STEEP:
@@ -175,7 +172,7 @@ def _rows_between(kelvin: Any, low: float, high: float) -> slice:
 
 
 def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
-    """Return the rows of an outer line: the outer half of what lies beyond an end of the transformation."""
+    """Return the rows of an outer line: the outer half beyond an end of the transformation."""
     from_edge = kelvin - kelvin[0] if side == "cold" else kelvin[-1] - kelvin[::-1]
     beyond = end - float(kelvin[0]) if side == "cold" else float(kelvin[-1]) - end
     count = int(np.searchsorted(from_edge, FAR * beyond, "right"))
@@ -194,11 +191,11 @@ def _find_half(outer: tuple[StraightLine, StraightLine], kelvin: Any, strain: An
     return float(np.interp(0.0, fit_isotonic(smooth_median(sign * beyond)), kelvin))
 
 
-# ---------------------------------------------------------------- what is wrong, in words
+# ---------------------------------------------------------------- error texts
 
 
 def _check_lines(found: BranchTangents, where: str) -> None:
-    """Raise `DataError` unless the outer lines are flat beside the steep one, and apart."""
+    """Raise `DataError` unless the outer lines are separate and flat compared with the steep line."""
     limit = FLATTER * abs(found.steep.slope)
     sides = (("cold", found.cold), ("hot", found.hot))
     steep = [side for side, line in sides if abs(line.slope) > limit]

@@ -1,15 +1,14 @@
-"""The tangent method: what one isobaric heating-cooling cycle says, read off straight lines.
+"""Transformation temperatures of one isobaric heating-cooling cycle by the tangent method.
 
-Each branch has three lines, two of a phase alone and one of the transformation
+Each branch has three lines, two of a single phase and one of the transformation
 (`martensite.characterise.tangent_lines`). Their intersections are
 
     on heating   A_s (cold line), A_f (hot line)
     on cooling   M_s (hot line), M_f (cold line)
 
-at the stress of the cycle. The transformation strain H is the vertical distance of the outer
-lines at the half-way temperature, the mean of both branches. The slopes of the outer lines are
-apparent thermal expansions: moduli that depend on temperature, a machine that gives way, and
-transformation that trails off are in them.
+at the stress of the cycle. The transformation strain H is the vertical distance of the outer lines at the half-way
+temperature, as the mean of both branches. The slopes of the outer lines are apparent thermal expansions. They include
+temperature-dependent moduli, compliance of the test machine, and trailing transformation.
 
 Source: ASTM E3097 (constant force, thermal cycling), and ASTM F2082 for the construction.
 """
@@ -25,9 +24,9 @@ from martensite.characterise.tangent_lines import BranchTangents, branch_tangent
 from martensite.signals.records import Record
 
 FEW_ROWS = 6
-"""Rows between start and finish below which it is remarked upon."""
+"""Number of rows between start and finish below which a remark is made."""
 SHORT = 0.5
-"""Range beyond a transformation, as a share of its width, below which it is remarked upon."""
+"""Range beyond a transformation, as a fraction of its width, below which a remark is made."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +42,12 @@ class TangentPoints:
     heating: BranchTangents
     cooling: BranchTangents
     residual_strain: float
-    """Strain at the end of the cycle less that at its beginning, by the outer lines at the
-    temperature where both branches reach farthest [-]."""
+    """Strain at the end minus strain at the start of the cycle, by the outer lines at the farthest common temperature [-].
+    """
     stroke: float
-    """Largest less smallest strain of the cycle [-]; noise and expansion are in it."""
+    """Largest minus smallest strain of the cycle, with noise and expansion [-]."""
     cycle: IsobaricCycle
-    """The rows."""
+    """Rows of the cycle."""
     remarks: tuple[str, ...] = ()
     """Remarks for the user, in sentences."""
 
@@ -84,12 +83,12 @@ class TangentPoints:
 
     @property
     def hysteresis(self) -> float:
-        """A_half - M_half [K]."""
+        """Return A_half - M_half [K]."""
         return self.A_half - self.M_half
 
     @property
     def H(self) -> float:
-        """Transformation strain at this stress, mean of heating and cooling [-]."""
+        """Return the transformation strain at this stress, mean of heating and cooling [-]."""
         up, down = self.heating.transformation_strain, self.cooling.transformation_strain
         return 0.5 * (up + down)
 
@@ -104,7 +103,7 @@ class TangentPoints:
         return 0.5 * (self.heating.cold.slope + self.cooling.cold.slope)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all numbers by name in SI, for JSON; without the rows."""
+        """Return all values by name in SI, for JSON; without the rows."""
         names = (
             "name",
             "stress",
@@ -133,10 +132,9 @@ def find_tangent_points(record: Record, *, stress: float | None = None, cycle: i
     """Read one isobaric cycle by the tangent method.
 
     Args:
-        record: columns `temperature` [K], `strain` [-] (elongation positive) and, unless it is
-            given, `stress` [Pa].
-        stress: the constant stress [Pa]; the mean of the column over the cycle if left out.
-        cycle: which cycle of the record, counted as in a list; the last if left out.
+        record: columns `temperature` [K], `strain` [-] (elongation positive) and optionally `stress` [Pa].
+        stress: constant stress [Pa]; by default the mean of the column over the cycle.
+        cycle: index of the cycle; by default the last.
 
     Raises:
         DataError: the columns contradict their names, or a full cycle or a full transformation is missing.
@@ -179,7 +177,7 @@ def _read_branch(cut: IsobaricCycle, way: str) -> BranchTangents:
 
 
 def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
-    """Return a cycle whose rows stand in reverse, with heating and cooling exchanged."""
+    """Return a cycle in reverse order of rows, with heating and cooling exchanged."""
     if cut.timed:
         raise DataError(
             f"Record `{cut.name}` transforms at a lower temperature on heating than on cooling; "
@@ -190,7 +188,7 @@ def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
 
 
 def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_start: bool) -> float:
-    """Opening of the loop where the cycle begins and ends [-]."""
+    """Return the opening of the loop at the start and end of the cycle [-]."""
     if cold_start:
         at = max(heating.span[0], cooling.span[0])
         return float(cooling.cold.value(at) - heating.cold.value(at))
@@ -199,7 +197,7 @@ def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_star
 
 
 def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[str]:
-    """Return remarks on a record that hardly reaches beyond a transformation, or hardly samples it."""
+    """Return remarks on a short range beyond a transformation, or few rows within it."""
     said: list[str] = []
     between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)
     if between < FEW_ROWS:
@@ -217,14 +215,14 @@ def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[st
 
 
 def find_all_cycles(record: Record, *, stress: float | None = None) -> list[TangentPoints | str]:
-    """Return every cycle of a record by the tangent method; for a cycle without lines the reason.
+    """Return every cycle of a record by the tangent method, or the reason for a cycle without lines.
 
     Args:
-        record: as for `find_tangent_points`.
-        stress: the constant stress [Pa]; the mean of the column over each cycle if left out.
+        record: as in `find_tangent_points`.
+        stress: constant stress [Pa]; by default the mean of the column over each cycle.
 
     Raises:
-        DataError: the record holds no full cycle.
+        DataError: the record has no full cycle.
     """
     found: list[TangentPoints | str] = []
     for number in range(cut_cycle(record, stress=stress).cycles):

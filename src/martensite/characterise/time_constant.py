@@ -2,11 +2,10 @@
 
     y(t) = y_∞ + a exp[-(t - t₀)/τ],    t₀ the first row
 
-is fitted by least squares. τ does not depend on when the step came, as long as all rows lie
-behind it; reading the time to 63.2 % off one row would depend on that, on y_∞ and on noise.
-Standard errors take the residuals as independent and of equal size. Residuals that run along
-with each other (`follows` is False) say that the record is not one exponential: rows from before
-the step, a second time constant, a limit of the supply.
+is fitted by least squares. τ does not depend on the time of the step, if all rows lie after it. The time to 63.2 %
+would depend on the time of the step, on y_∞ and on noise. Standard errors take residuals as independent and of equal
+variance. Correlated residuals (`follows` is False) mean that the record is not one exponential, because of rows before
+the step, a second time constant, or a limit of the supply.
 """
 
 from __future__ import annotations
@@ -25,21 +24,21 @@ from martensite.characterise.estimate import MeasuredValue, check_columns
 from martensite.characterise.regression import fit_residuals
 
 LEAST_ROWS = 6
-"""Rows below which three numbers are not fitted."""
+"""Least number of rows for a fit."""
 _ALONG = 0.5
 _SMALL = 2e-3
 
 
 @dataclass(frozen=True)
 class Rise:
-    """An exponential from one level to another."""
+    """Exponential from one level to another."""
 
     tau: MeasuredValue
     """Time constant τ [s]."""
     final: MeasuredValue
-    """Level y_∞ in the end, in the unit of the values."""
+    """Final level y_∞, in the unit of the values."""
     change: MeasuredValue
-    """y_∞ less the fitted value at the first row, in the unit of the values."""
+    """y_∞ minus the fitted value at the first row, in the unit of the values."""
     deviation: float
     """Root mean square of the residuals, in the unit of the values."""
     correlation: float
@@ -52,7 +51,7 @@ class Rise:
         return small or self.correlation < _ALONG
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         estimates = {name: getattr(self, name) for name in ("tau", "final", "change")}
         numbers = {name: getattr(self, name) for name in ("deviation", "correlation", "follows")}
         return {name: one.to_dict(level) for name, one in estimates.items()} | numbers
@@ -63,11 +62,10 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
 
     Args:
         times: times of the rows [s], rising.
-        values: speed, current or whatever settles, in any unit.
+        values: settling quantity, such as speed or current, in any unit.
 
     Raises:
-        DataError: the rows are too few, not finite or not in order, do not change, or end
-            before one time constant has passed.
+        DataError: the rows are too few, not finite or not in order, do not change, or end before one time constant.
     """
     _check_record(times, values)
     span, last = times[-1] - times[0], values[-1]
@@ -100,9 +98,9 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
 
 
 def _guess_time(at: Any, values: Any) -> float:
-    """τ of the regression y = c + (y_∞/τ) t - (1/τ) ∫y dt, which is linear (Jacquelin 2009).
+    """Return τ of the linear regression y = c + (y_∞/τ) t - (1/τ) ∫y dt (Jacquelin 2009).
 
-    Noise biases it towards short times, but not out of the valley of the minimum.
+    Noise biases it towards short times, but not out of the basin of the minimum.
     """
     from scipy.integrate import cumulative_trapezoid
 
@@ -112,7 +110,7 @@ def _guess_time(at: Any, values: Any) -> float:
 
 
 def _lag_correlation(residuals: Sequence[float]) -> float:
-    """Correlation of each number with the next."""
+    """Return the correlation of each value with the next."""
     mean = sum(residuals) / len(residuals)
     numbers = [r - mean for r in residuals]
     total = sum(r * r for r in numbers)

@@ -2,15 +2,14 @@
 
     H(σ) = H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min
 
-The saturating form needs `LEAST_STRESSES` stresses and must be worth its two numbers more: with S the sum
-of squared residuals and ν points to spare, the F-test of two additional terms is in closed form
+The saturating form needs `LEAST_STRESSES` stresses and must justify its two further parameters. With S the sum of
+squared residuals and ν degrees of freedom, the F-test of two additional terms has the closed form
 
     p = (S_saturating/S_constant)^(ν/2) < 5 %.
 
-σ_crit is zero, and free only if `FEWEST_CRITICAL` stresses or more show it at the same level.
-H_min is held at zero where a fit would make it negative. k is sought where the largest stress is
-between `LEAST_RATE` and `MOST_RATE` times 1/k; at the lower end of that range the strain shows no
-saturation, and no intervals are given.
+σ_crit is zero, and free only if at least `FEWEST_CRITICAL` stresses show it at the same level. A negative H_min is
+fixed at zero. k is sought where the largest stress is between `LEAST_RATE` and `MOST_RATE` times 1/k. At the lower end
+the strain shows no saturation, and there are no intervals.
 
 Source: Lagoudas et al. (2012), Int. J. Plasticity 32–33, equation for H(σ).
 """
@@ -30,15 +29,15 @@ from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.regression import fit_residuals, root_mean_square
 
 LEAST_STRESSES = 4
-"""Different stresses from which on the saturating form is tried."""
+"""Number of different stresses from which the saturating form is tried."""
 FEWEST_CRITICAL = 6
-"""Different stresses from which on a critical stress is tried."""
+"""Number of different stresses from which a critical stress is tried."""
 LEAST_RATE, MOST_RATE = 0.5, 50.0
 RATES = 200
 PLACES = 60
-"""Values of k, and of σ_crit, among which the fit begins."""
+"""Number of values of k, and of σ_crit, on the first grid."""
 NAMES = ("low", "high", "rate", "crit")
-"""H_min, H_sat, k and σ_crit, as `saturating_strain` takes them."""
+"""H_min, H_sat, k and σ_crit, in the order of `saturating_strain`."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +55,12 @@ class StrainFit:
     H_k: MeasuredValue | None
     """[1/Pa]; None for `constant`."""
     sigma_crit: MeasuredValue | None
-    """[Pa]; None where it was not free, but 0."""
+    """[Pa]; None if fixed at 0."""
     deviation: float
     """Root mean square of the residuals [-]."""
 
     def value(self, stress: float) -> float:
-        """H [-] at a stress [Pa]."""
+        """Return H [-] at a stress [Pa]."""
         if self.H_k is None:
             return self.mean.value
         crit = 0.0 if self.sigma_crit is None else self.sigma_crit.value
@@ -78,7 +77,7 @@ class StrainFit:
 
 @dataclass(frozen=True)
 class _Shape:
-    """Numbers of the saturating form, and the squares that they leave."""
+    """Parameters of the saturating form, and their sum of squares."""
 
     low: float
     high: float
@@ -88,7 +87,7 @@ class _Shape:
 
 
 def saturating_strain(low: float, high: float, rate: float, crit: float, stress: float) -> float:
-    """H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min [-]."""
+    """Return H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min [-]."""
     return low - (high - low) * math.expm1(-rate * max(stress - crit, 0.0))
 
 
@@ -96,7 +95,7 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
     """Fit the transformation strain [-] as a function of stress [Pa].
 
     Raises:
-        DataError: there are none, or not equally many.
+        DataError: the data are empty, or differ in length.
     """
     if not strains or len(stresses) != len(strains):
         raise DataError(
@@ -124,12 +123,12 @@ def _mean_strain(strains: Sequence[float]) -> MeasuredValue:
 
 
 def _is_worthwhile(squares: float, constant: float, spare: int) -> bool:
-    """Return whether two terms more are worth it at the level of all intervals."""
+    """Return whether two further terms are significant at the level of all intervals."""
     return constant > 0.0 and (squares / constant) ** (0.5 * spare) < 1.0 - LEVEL
 
 
 def _try_critical(stresses: Sequence[float], strains: Sequence[float], shape: _Shape, levels: int) -> _Shape:
-    """Return the shape with a critical stress, if there are stresses enough and it is worth it."""
+    """Return the shape with a critical stress, if there are enough stresses and it is significant."""
     if levels < FEWEST_CRITICAL:
         return shape
     highest = sorted(set(stresses))[-3]
@@ -153,7 +152,7 @@ def _search_grid(stresses: Sequence[float], strains: Sequence[float], places: Se
     off = shares - mean
     gain = (off @ h) / (off * off).sum(axis=2)
     low = h.mean() - gain * mean[..., 0]
-    # without H_min where it would be negative
+    # without a negative H_min
     bare = (shares @ h) / (shares * shares).sum(axis=2)
     low, gain = np.where(low < 0.0, 0.0, low), np.where(low < 0.0, bare, gain)
     squares = ((low[..., None] + gain[..., None] * shares - h) ** 2).sum(axis=2)
@@ -163,11 +162,11 @@ def _search_grid(stresses: Sequence[float], strains: Sequence[float], places: Se
     return _Shape(low, low + gain, float(rates[rate]), float(places[place]), left)
 
 
-# ---------------------------------------------------------------- from the best of many to the best
+# ---------------------------------------------------------------- refinement of the best grid point
 
 
 def _refine_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: MeasuredValue) -> StrainFit:
-    """Return the fit nearest to a shape, with standard errors; the shape itself if there is none."""
+    """Return the fit nearest to a shape, with standard errors; the shape itself without a fit."""
     solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
         solved = _solve_shape(stresses, strains, shape)
@@ -180,8 +179,8 @@ def _refine_shape(stresses: Sequence[float], strains: Sequence[float], shape: _S
 
 
 def _solve_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Shape) -> dict[str, MeasuredValue] | None:
-    """Return all free numbers by least squares; None if they do not settle within their range."""
-    # what is zero in the shape is held there; the others are fitted in units of about their size
+    """Return all free parameters by least squares; None without convergence in their range."""
+    # zeros of the shape are fixed; the others are scaled by about their size
     units = {"low": shape.high, "high": shape.high, "rate": shape.rate, "crit": shape.crit}
     free = [name for name in NAMES if getattr(shape, name)]
 
