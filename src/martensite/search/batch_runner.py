@@ -1,8 +1,7 @@
-"""Runs of one system for many sets of numbers: outputs of batches, and exact derivatives of one.
+"""Runs of one system for many parameter sets: batches of outputs, and exact derivatives of one run.
 
-A system and its steps stay the same, so that all its numbers are parameters of one program: in C
-batches go side by side, and derivatives are marched beside the values
-(`martensite.simulate.native_slopes`). Without a compiler every run is made on plain floats, and
+All parameters of a system on fixed steps are inputs of one program. In C, batches run in parallel, and derivatives are
+integrated with the values (`martensite.simulate.native_slopes`). Without a compiler, runs use plain floats, and
 derivatives are central differences.
 """
 
@@ -23,13 +22,13 @@ from martensite.simulate.march import SOLVED, march_floats
 
 Numbers: TypeAlias = NDArray[np.float64]
 LANES = 16
-"""Runs that are marched together."""
+"""Number of runs per batch."""
 DIFFERENCE = 1e-6
-"""Step of a difference, as a share of a direction."""
+"""Step of a difference, as a fraction of a direction."""
 
 
 class BatchRunner:
-    """A system on given steps, ready to be run with any numbers."""
+    """Runner of a system on given steps, for any parameters."""
 
     def __init__(
         self,
@@ -40,38 +39,38 @@ class BatchRunner:
         first: int = 0,
         native: bool | None = None,
     ) -> None:
-        """Prepare runs of a system, or of a bench with its loops, whose outputs are looked at from sample `first` on.
+        """Prepare runs of a system, or of a bench with its loops, with outputs from sample `first` on.
 
-        `native` runs in C, by default if there is a compiler.
+        `native` selects C; the default is C if there is a compiler.
         """
         self.system, self.grid, self.first = system, grid, first
         self.native = find_compiler() is not None if native is None else native
         self.compiled: CompiledMarch = compile_march(system)
         self.paths = self.compiled.paths
         self.base = np.array(self.compiled.values(system))
-        """The numbers of the system, (parameters,)."""
+        """Parameters of the system, (parameters,)."""
         self.outputs = tuple(outputs)
         self._places = [self.compiled.outputs.index(name) for name in self.outputs]
 
     def with_grid(self, grid: TimeGrid) -> BatchRunner:
-        """Return a runner with other steps, or with other signals."""
+        """Return a runner with other steps or other signals."""
         found = copy(self)
         found.grid = grid
         return found
 
     def place(self, path: str) -> int:
-        """Return the place of a parameter in a row of numbers."""
+        """Return the index of a parameter in a row of a table."""
         return self.paths.index(path)
 
     def table(self, values: Mapping[str, Any], count: int) -> Numbers:
-        """Return the numbers of runs (count, parameters): those of the system but for some by path."""
+        """Return the parameters of runs (count, parameters), with changes by path."""
         found = np.repeat(self.base[None, :], count, axis=0)
         for path, column in values.items():
             found[:, self.place(path)] = column
         return found
 
     def run_many(self, table: Numbers) -> Numbers:
-        """Return the outputs (runs, samples, outputs) of a table (runs, parameters); NaN where a run fails."""
+        """Return the outputs (runs, samples, outputs) of a table (runs, parameters); NaN for failed runs."""
         if not self.native:
             found = [self._march_floats(row) for row in table]
             failed = np.full((self._samples, len(self.outputs)), np.nan)
@@ -91,7 +90,7 @@ class BatchRunner:
         return found if worst[0, 0] <= SOLVED and np.isfinite(found).all() else None
 
     def run_driven(self, values: Numbers, grid: LaneGrid) -> Numbers:
-        """Compute outputs (lanes, samples, outputs) of one set of numbers, with signals by lane; NaN if it fails."""
+        """Compute outputs (batch, samples, outputs) of one parameter set, with signals by element; NaN if it fails."""
         if self.native:
             return self._judge_lanes(list(np.repeat(values[:, None], LANES, axis=1)), grid)
         found = [self._march_floats(values, grid.lane(lane)) for lane in range(grid.lengths.shape[1])]
@@ -99,11 +98,13 @@ class BatchRunner:
         return np.stack([failed if rows is None else rows for rows in found])
 
     def run_lanes(self, table: Numbers, grid: LaneGrid) -> Numbers:
-        """Compute outputs (lanes, samples, outputs) of a table (lanes, parameters) in C; signals differ by lane."""
+        """Compute outputs (batch, samples, outputs) of a table (batch, parameters) in C; signals differ by element."""
         return self._judge_lanes(list(table.T), grid)
 
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
-        """Make a run with derivatives (samples, outputs, directions) along seeds (parameters, directions), or None."""
+        """Return the derivatives (samples, outputs, directions) along seeds (parameters, directions); None for a failed
+        run.
+        """
         if not self.native:
             return self._difference(values, seeds)
         from martensite.simulate.native_slopes import march_slopes

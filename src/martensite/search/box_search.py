@@ -1,12 +1,10 @@
-"""The search of a box for the least goal under constraints: descents from starts, a look around.
+"""Constrained minimisation in a box: descents from several starts, then a neighbourhood search.
 
 From every start SLSQP (Kraft (1988); SciPy) descends with exact derivatives, or L-BFGS-B (Byrd, Lu, Nocedal and Zhu
-(1995); SciPy) where nothing is constrained. If it ends with violated constraints, the sum of squares of the violations
-is minimised first (L-BFGS-B), and then the descent is tried again. An end that violates a constraint slightly, as on a
-kink, is put onto it by Newton's method. Last, clouds of points around the best end are evaluated: on kinks and jumps
-of the goal a descent may stop early.
-
-Without derivatives the method is that of Nelder and Mead.
+(1995); SciPy) without constraints. If the end violates constraints, L-BFGS-B first minimises the sum of squared
+violations, and the descent is repeated. Newton's method moves an end with small violations, such as on a kink, onto
+its constraint. Last, clouds of points around the best end are evaluated, because kinks and jumps may stop a descent
+early. Without derivatives the method is Nelder and Mead.
 """
 
 from __future__ import annotations
@@ -24,17 +22,17 @@ from martensite.base.errors import SolveError
 Numbers: TypeAlias = NDArray[np.float64]
 Tell: TypeAlias = Callable[[str, float], None]
 LARGEST_SLACK = 10.0
-"""Slack beyond which nothing more is counted."""
+"""Largest slack that counts."""
 FAILED_GOAL = 1e6
-"""Goal of a point whose run fails, or that never reaches it."""
+"""Goal of a point if its run fails or never reaches it."""
 FEASIBLE_VIOLATION = 1e-5
-"""Slack below 0 that counts as none."""
+"""Largest negligible violation of a constraint."""
 NEARLY_FEASIBLE = 1e-3
-"""Slack below 0 with which a point is near enough to all constraints to descend from it."""
+"""Largest violation from which a descent can start."""
 CLOUD_POINTS = 16
-"""Points of a cloud around an end."""
+"""Number of points of a cloud around an end."""
 STUCK_RUNS = 20
-"""For how many runs one counts from which no way leads towards the constraints it misses."""
+"""Number of runs counted for a point without a direction towards its violated constraints."""
 PROJECTIONS, PROJECTION_MARGIN = 3, 1e-6
 """Largest number of projections of a point with small violations onto constraints, and distance beyond them."""
 GOAL_TOLERANCE = 1e-6
@@ -42,16 +40,16 @@ GOAL_TOLERANCE = 1e-6
 
 
 class JudgedPoints(NamedTuple):
-    """Many points as a search sees them."""
+    """Evaluated points of a search."""
 
     goal: Numbers
     """(points,)"""
     slack: Numbers
-    """Distance of constraints from their limits, below 0 where violated, (points, constraints)."""
+    """Distance of constraints from their limits, negative for violations, (points, constraints)."""
 
     @property
     def violation(self) -> Numbers:
-        """Return the sum of what constraints miss, (points,)."""
+        """Return the sum of all violations, (points,)."""
         return np.maximum(-self.slack, 0.0).sum(axis=1)
 
     @property
@@ -60,13 +58,13 @@ class JudgedPoints(NamedTuple):
         return (self.slack >= -FEASIBLE_VIOLATION).all(axis=1) & (self.goal < FAILED_GOAL)
 
     def order(self) -> list[int]:
-        """Return the points from best to worst: those that keep all by goal, then others by violation."""
+        """Return the order from best to worst: feasible points by goal, then others by violation."""
         lost = np.where(self.kept, 0.0, FEASIBLE_VIOLATION + self.violation)
         return [int(k) for k in np.lexsort((self.goal, lost))]
 
 
 class PointSlopes(NamedTuple):
-    """One point as a search sees it, with derivatives by its places."""
+    """Evaluated point with derivatives with respect to its places."""
 
     goal: float
     slack: Numbers
@@ -77,7 +75,7 @@ class PointSlopes(NamedTuple):
 
 
 class BoxPoint(NamedTuple):
-    """A point that was judged."""
+    """Evaluated point."""
 
     z: Numbers
     goal: float
@@ -85,19 +83,19 @@ class BoxPoint(NamedTuple):
     kept: bool
 
     def is_better_than(self, other: BoxPoint) -> bool:
-        """Return whether it is better than another point."""
+        """Return whether this point is better than another."""
         if self.kept and other.kept:
             return self.goal < other.goal
         return self.kept or (not other.kept and self.violation < other.violation)
 
 
 class SearchMark(NamedTuple):
-    """Progress of a search at some time."""
+    """Progress of a search at a given time."""
 
     runs: int
-    """Runs so far, with derivatives and without."""
+    """Number of runs, with and without derivatives."""
     goal: float
-    """Goal of the best point so far; of the point with the smallest violation while no point is feasible."""
+    """Goal of the best point, or of the point with the smallest violation while no point is feasible."""
     violation: float
 
 
@@ -106,7 +104,7 @@ class BoxObjective(Protocol):
 
     @property
     def widths(self) -> Numbers:
-        """Return the width of the box, (free,): a step of 1 is a large one."""
+        """Return the width of the box, (free,), on a scale where a step of 1 is large."""
         ...
 
     @property
@@ -116,7 +114,7 @@ class BoxObjective(Protocol):
 
     @property
     def runs(self) -> int:
-        """Runs so far."""
+        """Return the number of runs."""
         ...
 
     @property
@@ -126,28 +124,29 @@ class BoxObjective(Protocol):
 
     @property
     def partial(self) -> bool:
-        """Return whether derivatives belong to a part of the objective, such as to some plants."""
+        """Return whether derivatives cover only a part of the objective, such as some plants."""
         ...
 
     def judge(self, z: Numbers) -> JudgedPoints:
-        """Return the goals and slacks of points (points, free), in one batch."""
+        """Evaluate goals and slacks of points (points, free), in one batch."""
         ...
 
     def differentiate(self, z: Numbers) -> PointSlopes | None:
-        """Return one point with its derivatives; None where a run fails."""
+        """Return one point with its derivatives; None if a run fails."""
         ...
 
 
 class BoxSearch:
-    """One search: it remembers the best that it judged."""
+    """Search that stores its best evaluated point."""
 
     def __init__(
         self, objective: BoxObjective, *, iterations: int, clouds: int, seed: int = 0, watch: Tell | None = None
     ) -> None:
-        """Prepare a search; `watch` is told a sentence and the share that is done.
+        """Prepare a search; `watch` receives a sentence and the completed fraction.
 
-        Each descent takes `iterations`, half of the runs with derivatives that it may make; the neighbourhood of the
-        best end is tried `clouds` times.
+        Each descent has `iterations`, half of its allowed runs with derivatives. The neighbourhood of the best end is
+        searched
+        `clouds` times.
         """
         self.objective, self.iterations, self.cloud_count = objective, iterations, clouds
         self.watch = watch
@@ -155,18 +154,18 @@ class BoxSearch:
         self.history: list[SearchMark] = []
         self.best: BoxPoint | None = None
         self.keep: Callable[[BoxPoint], None] | None = None
-        """Called with every point that is the best so far."""
+        """Callback with every new best point."""
         self.ends: list[float] = []
-        """Goals at which descents ended."""
+        """Goals at the ends of descents."""
         self._memory: dict[bytes, PointSlopes | None] = {}
         self._rng = np.random.default_rng(seed)
 
     def judge(self, z: Numbers) -> list[BoxPoint]:
-        """Judge points, (points, free), in one batch."""
+        """Evaluate points, (points, free), in one batch."""
         return self.note_points(z, self.objective.judge(z))
 
     def note_points(self, z: Numbers, judged: JudgedPoints) -> list[BoxPoint]:
-        """Return the points that were judged; the best is remembered."""
+        """Return the evaluated points, and store the best."""
         rows = zip(z, judged.goal, judged.violation, judged.kept, strict=True)
         points = [BoxPoint(p, float(g), float(v), bool(k)) for p, g, v, k in rows]
         for point in points:
@@ -188,7 +187,7 @@ class BoxSearch:
 
     @property
     def found(self) -> BoxPoint:
-        """Return the best so far."""
+        """Return the best point."""
         if self.best is None:
             raise SolveError("No design was evaluated.")
         return self.best
@@ -196,14 +195,14 @@ class BoxSearch:
     def scatter_points(
         self, z: Numbers, count: int, wide: float = 1.0, fixed: NDArray[np.bool_] | None = None
     ) -> Numbers:
-        """Return the points around one, (count, free), so many times as far as those of a cloud."""
+        """Return points around a centre, (count, free), in a multiple of the distance of a cloud."""
         spread = wide * self.objective.scatter * self._rng.standard_normal((count, self.size))
         if fixed is not None:
             spread[:, fixed] = 0.0
         return np.clip(z + spread, 0.0, self.objective.widths)
 
     def look_around(self, fixed: NDArray[np.bool_] | None = None) -> None:
-        """Try the neighbourhood of the best point, and go on from there if it is better."""
+        """Search the neighbourhood of the best point, and continue from a better point."""
         for _ in range(self.cloud_count):
             before = self.found
             self.judge(self.scatter_points(before.z, CLOUD_POINTS, fixed=fixed))
@@ -212,7 +211,7 @@ class BoxSearch:
             self.descend(self.found.z, fixed)
 
     def descend(self, begin: Numbers, fixed: NDArray[np.bool_] | None = None) -> None:
-        """Descend from a point, without moving what is fixed; the best is remembered."""
+        """Descend from a point with some parameters fixed, and store the best point."""
         fixed = np.zeros(self.size, np.bool_) if fixed is None else fixed
         if not self.objective.differentiable:
             end = self._follow_values(begin, fixed)
@@ -231,7 +230,7 @@ class BoxSearch:
         return found is not None and bool((found.slack >= -NEARLY_FEASIBLE).all())
 
     def _follow_slopes(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
-        """Return the end of SLSQP, or without constraints of L-BFGS-B."""
+        """Return the end of SLSQP, or of L-BFGS-B without constraints."""
         first = self.differentiate(begin)
         if first is None or fixed.all():
             return begin
@@ -274,17 +273,17 @@ class BoxSearch:
         return place.whole(found.x)
 
     def tell(self, text: str, done: float) -> None:
-        """Say how far it is."""
+        """Report the progress."""
         if self.watch is not None:
             self.watch(text, done)
 
 
 class _SpentError(Exception):
-    """A descent has made all the runs that it may."""
+    """Error at the end of the run budget of a descent."""
 
 
 class _MovingPart:
-    """View of a descent while some parameters are fixed; a failed run counts as far from everything."""
+    """View of a descent with some fixed parameters; a failed run has the worst goal and slacks."""
 
     def __init__(self, begin: Numbers, fixed: NDArray[np.bool_], search: BoxSearch) -> None:
         self._begin, self._moving, self._search = begin, ~fixed, search
@@ -294,7 +293,7 @@ class _MovingPart:
         self._left = 2 * search.iterations
 
     def whole(self, u: Numbers) -> Numbers:
-        """Return all numbers, from those that move."""
+        """Return all parameters from the moving ones."""
         found = self._begin.copy()
         found[self._moving] = u
         return np.clip(found, 0.0, self._search.objective.widths)
@@ -325,7 +324,7 @@ class _MovingPart:
         if found is not None and found.goal < FAILED_GOAL:
             lost = found.slack < -NEARLY_FEASIBLE
             if lost.any() and not found.slack_slope[lost].any():
-                self._left -= STUCK_RUNS  # nothing moves here
+                self._left -= STUCK_RUNS  # no free parameter moves
             return found
         first = self._search.differentiate(self._begin)
         count = 0 if first is None else len(first.slack)

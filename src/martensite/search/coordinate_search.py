@@ -1,11 +1,10 @@
-"""Coordinate (compass) search: a slow but simple minimum without derivatives.
+"""Coordinate (compass) search: a slow but simple minimisation without derivatives.
 
-From the best point so far every number in turn is tried one step up, then one step down, and
-the first improvement is kept. After a round with an improvement the step doubles, after one
-without it halves; the search has stalled when the step is below `stop`. Numbers and steps are
-shares of the search ranges, from 0 to 1, and points beyond a bound are moved onto it. Convergence
-to a stationary point: Kolda, Lewis and Torczon (2003), SIAM Review 45; in a narrow valley across
-the axes the steps become short and the search stalls before the minimum.
+Each parameter in turn moves one step up, then one step down from the best point, and the first improvement is kept. The
+step doubles after a round with an improvement, and halves otherwise. The search ends when the step is below `stop`.
+Parameters and steps are fractions of the search ranges; points beyond a bound are moved onto it. Convergence to a
+stationary point: Kolda, Lewis and Torczon (2003), SIAM Review 45. In a narrow oblique valley the search stalls before
+the minimum.
 """
 
 from __future__ import annotations
@@ -18,26 +17,26 @@ from typing import Literal
 from martensite.base.errors import ParameterError
 
 Cost = Callable[[tuple[float, ...]], float]
-"""Cost of a point; infinite or NaN where a run fails."""
+"""Cost of a point; infinite or NaN for a failed run."""
 LONGEST = 0.5
-"""Step beyond which it does not double."""
+"""Largest step that can double."""
 
 
 @dataclass
 class CoordinateSearch:
-    """A search, and where it has arrived."""
+    """Search with its best point."""
 
     function: Cost
     best: tuple[float, ...]
     step: float
-    """Last step, as a share of the ranges."""
+    """Last step, as a fraction of the ranges."""
     stop: float
     limit: int
     cost: float = math.inf
     evaluations: int = 0
 
     def run(self) -> Literal["stalled", "cap"]:
-        """Rounds over all numbers until the steps are short, or there were too many evaluations."""
+        """Run rounds over all parameters until the steps are short, or the limit of evaluations is reached."""
         self._improves(self.best)
         while self.step >= self.stop:
             improved = [self._advance(place) for place in range(len(self.best))]
@@ -69,9 +68,9 @@ class CoordinateSearch:
 def search_coordinates(
     cost: Cost, start: Sequence[float], *, step: float = 0.1, stop: float = 1e-3, limit: int = 3000
 ) -> tuple[CoordinateSearch, Literal["stalled", "cap"]]:
-    """Search for the least cost in the box, of shares from 0 to 1, and why the search stopped.
+    """Search for the least cost in the box of fractions from 0 to 1, and return the stop reason.
 
-    It has stalled when its steps fall below `stop`, and ends after `limit` evaluations.
+    The search stalls when its steps fall below `stop`, and ends after `limit` evaluations.
 
     Raises:
         ParameterError: the start is not in the box, or steps are not above 0.

@@ -35,7 +35,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 @dataclass(frozen=True)
 class FreeText:
-    """Parts of the text of a free parameter; None where a part is left out."""
+    """Parts of the text of a free parameter; None for an omitted part."""
 
     text: str
     name: str
@@ -56,7 +56,7 @@ def parse_free(text: str, *forms: str, complete: bool = False) -> FreeText:
     Args:
         text: as above.
         forms: allowed forms, keys of `FORMS`; a range by default.
-        complete: True if values must be given, a range with both ends.
+        complete: True if values are required, a range with both ends.
 
     Raises:
         ParameterError: the text is malformed, or of another form.
@@ -90,7 +90,7 @@ def _parse_values(text: str) -> tuple[str, tuple[str | None, ...], int | None]:
 
 
 def _share_unit(*texts: str) -> tuple[str | None, ...]:
-    """Return values with the unit of the last one where they have no unit; None for an empty text."""
+    """Return values with the last unit added to values without a unit; None for an empty text."""
     number = _NUMBER.match(texts[-1].strip())
     unit = texts[-1].strip()[number.end() :].strip() if number else ""
     pieces = (one.strip() for one in texts)

@@ -1,15 +1,14 @@
-"""Identifiability: the parameters of a model that data determine, and those they do not, in words.
+"""Identifiability: the parameters of a model that data determine, and the undetermined ones, in words.
 
-The residuals r of a fit change by J dz when the parameters z, each scaled so that its search
-range is 1, change by dz. With J = U Σ Vᵀ and independent noise s in every residual the standard
-error along the direction v_k is s/σ_k search ranges:
+The residuals r of a fit change by J dz if the parameters z, scaled to search ranges of 1, change by dz. With J = U Σ Vᵀ
+and independent noise s in every residual, the standard error along the direction v_k is s/σ_k search ranges:
 
     σ_k = 0    redundant: no data of this kind determine the direction
     σ_k ≤ s    weak: uncertain by more than the whole search range
 
-The threshold for 0 follows from the precision of J with all columns scaled to equal norm. Directions of both kinds are
-named by the smallest sets of parameters that move in them (`weak_direction_sets`), to first order about the fitted
-values. Singular values as a test of identifiability: Brun, Reichert and Künsch (2001), Water Resources Research 37.
+The threshold for 0 follows from the precision of J with all columns scaled to equal norm. Reports describe each
+direction by the smallest set of parameters that move in it (`weak_direction_sets`), to first order. Singular values as
+a test of identifiability: Brun, Reichert and Künsch (2001), Water Resources Research 37.
 """
 
 from __future__ import annotations
@@ -33,8 +32,10 @@ Vector: TypeAlias = NDArray[np.float64]
 PRECISION = 1e-10
 """Relative precision of each column of exact derivatives; take 1e-6 for finite differences."""
 NEGLIGIBLE = 0.05
-"""Share of the largest mover below which a parameter of a weak direction is not named, if the
-rest is weak without it: within twice the noise."""
+"""Negligible component of a weak direction, as a fraction of the largest component.
+
+It is omitted if the remaining direction is weak without it, within twice the noise.
+"""
 _TENTH = 0.1
 
 
@@ -46,15 +47,15 @@ class Identifiability:
     sensitivities: tuple[float, ...]
     """Root-mean-square change of the error over each search range, in units of its noise."""
     singular_values: tuple[float, ...]
-    """Singular values of the Jacobian per search range, falling."""
+    """Singular values of the Jacobian per search range, in descending order."""
     uncertainties: tuple[float, ...]
     """Standard error along each singular direction, in search ranges; infinite for 0."""
     condition: float
-    """Largest over smallest singular value; infinite where parameters are redundant."""
+    """Ratio of largest to smallest singular value; infinite for redundant parameters."""
     weak: tuple[WeakDirection, ...]
     """Directions that the data do not determine, the exactly redundant ones first."""
     refused: tuple[str, ...] = ()
-    """Parameters that must not be called determined for another reason, such as a bound that they lie on."""
+    """Parameters that count as undetermined for another reason, such as a value at a bound."""
 
     @property
     def determined(self) -> bool:
@@ -63,7 +64,7 @@ class Identifiability:
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """Return the parameters that change nothing at all."""
+        """Return the parameters without any effect."""
         return tuple(one.names[0] for one in self.weak if one.exact and len(one.names) == 1)
 
     @property
@@ -79,7 +80,7 @@ class Identifiability:
         return (f"{held} determined. The least certain direction has an error of {worst} % of the search range.",)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all numbers by name and the sentences, for JSON."""
+        """Return all values by name and the sentences, for JSON."""
         return {
             "sensitivities": dict(zip(self.names, self.sensitivities, strict=True)),
             "singular_values": list(self.singular_values),
@@ -104,20 +105,20 @@ def assess_identifiability(
     noise: float = 1.0,
     precision: float = PRECISION,
 ) -> Identifiability:
-    """Judge a Jacobian of weighted residuals.
+    """Assess a Jacobian of weighted residuals.
 
     Args:
         jacobian: (residuals, parameters), change of each residual per search range.
-        names: of the parameters.
-        values: of the parameters where the Jacobian was taken, in SI.
+        names: names of the parameters.
+        values: values of the parameters at the Jacobian, in SI.
         scales: change of each value per search range, in SI (see `Axes`).
-        units: SI unit of each parameter; plain numbers if left out.
+        units: SI unit of each parameter; by default none.
         noise: standard deviation of a weighted residual; 1 if weighted by the true noise.
         precision: relative precision of each column of the Jacobian.
 
     Raises:
-        DataError: the Jacobian is not finite, or not of this many parameters.
-        ParameterError: the noise is not above 0, or values and names differ in number.
+        DataError: the Jacobian is not finite, or has a wrong number of columns.
+        ParameterError: the noise is not above 0, or values and names differ in length.
     """
     free = scale_parameters(names, values, scales, units)
     matrix = free.jacobian(jacobian)
@@ -142,7 +143,7 @@ def assess_identifiability(
 def _find_directions(
     matrix: Matrix, free: ScaledParameters, noise: float, precision: float
 ) -> tuple[WeakDirection, ...]:
-    """Return the redundant directions, then weak ones, of the fewest parameters each."""
+    """Return the redundant, then the weak directions, each with the fewest parameters."""
 
     def gauge(direction: Vector) -> bool:
         moves = [i for i in range(len(free)) if direction[i] != 0.0]
@@ -183,10 +184,7 @@ def _describe_direction(
 
 
 def _choose_stretch(free: ScaledParameters, direction: Vector, order: Sequence[int]) -> float:
-    """Return the factor that makes the largest mover rise by a round amount, up to half its range.
-
-    A single parameter rises by its whole range; the values of a gauge change by a tenth.
-    """
+    """Return the factor that gives the largest component a round change, up to half its range."""
     first = order[0]
     rise = float(direction[first]) * free.scales[first]
     if len(order) == 1:

@@ -1,7 +1,7 @@
 """Trust-region least squares in the box (Branch, Coleman and Li; SciPy), with exact Jacobians.
 
-A Levenberg–Marquardt method that respects bounds. Where a run fails the residuals count as ten
-times the largest at the start, so that the search turns back.
+This Levenberg–Marquardt method respects bounds. A failed run has ten times the largest residual of the start, so that
+the search turns back.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 Numbers: TypeAlias = NDArray[np.float64]
 SETTLED = 1e-8
-"""Relative change of cost, numbers and gradient at which a descent stops."""
+"""Relative change of cost, parameters and gradient at which a descent stops."""
 INSIDE = 1e-9
-"""Share of a range by which a descent begins inside of the bounds."""
+"""Fraction of a range by which a descent starts inside the bounds."""
 
 
 class Residuals(Protocol):
-    """Residuals at a point, with their Jacobian if it was asked for."""
+    """Residuals at a point, optionally with their Jacobian."""
 
     @property
     def residuals(self) -> Numbers:
@@ -30,7 +30,7 @@ class Residuals(Protocol):
 
     @property
     def jacobian(self) -> Numbers:
-        """Return their derivatives (n, numbers)."""
+        """Return the derivatives (n, parameters)."""
         ...
 
 
@@ -39,9 +39,9 @@ class Descended(NamedTuple):
 
     shares: Numbers
     cost: float
-    """Half the sum of squares, or of what the loss makes of them."""
+    """Half the sum of squares, or its value under the loss."""
     converged: bool
-    """False if it was stopped by its limit of evaluations."""
+    """False if the limit of evaluations stopped the descent."""
 
 
 def descend_squares(
@@ -58,15 +58,14 @@ def descend_squares(
     """Return the nearest minimum from a start.
 
     Args:
-        evaluate: residuals at a point, with their Jacobian if the second argument is true; None
-            where a run fails.
-        begin: shares from 0 to 1.
-        first: what `evaluate` gives there.
-        most: evaluations at most.
-        loss: of SciPy.
-        scale: residual from which on the loss bends.
-        held: numbers that do not move.
-        weights: roots of weights of the squared residuals.
+        evaluate: residuals at a point, with their Jacobian if the second argument is true; None for a failed run.
+        begin: fractions from 0 to 1.
+        first: result of `evaluate` at the start.
+        most: largest number of evaluations.
+        loss: loss of SciPy.
+        scale: residual from which the loss bends.
+        held: fixed parameters.
+        weights: square roots of the weights of the squared residuals.
     """
     begin = np.asarray(begin, np.float64)
     moving = np.setdiff1d(np.arange(len(begin)), held)

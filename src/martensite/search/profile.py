@@ -26,9 +26,9 @@ from martensite.base.errors import ParameterError, SolveError
 from martensite.search.quantity_text import format_quantity
 
 Solve = Callable[[dict[int, float], Sequence[float]], tuple[Sequence[float], float]]
-"""Refit with some parameters held: (held by place, start) -> (all parameters, cost C)."""
+"""Refit with some fixed parameters: (fixed values by index, start) -> (all parameters, cost C)."""
 MOST_REFITS = 40
-"""Refits on each side, at most, before the limit is passed."""
+"""Largest number of refits on each side before the limit is passed."""
 _CROSSING = 20
 _PART = 0.25
 _MANY = 10_000
@@ -42,25 +42,24 @@ Reason = Literal["limit", "bound", "failed", "refits"]
 
 @dataclass(frozen=True)
 class ProfilePoint:
-    """One refit with the parameter held."""
+    """Refit with a fixed parameter."""
 
     at: float
     """Value of the parameter [SI]."""
     excess: float
     """Cost above that of the optimum, C - C_min."""
     values: tuple[float, ...]
-    """All parameters, on the scale on which they were walked."""
+    """All parameters, on the scale of the profile steps."""
 
 
 @dataclass(frozen=True)
 class ProfileEnd:
-    """End of the walk to one side."""
+    """End of the profile on one side."""
 
     at: float
     """Last value within the limit [SI]."""
     reason: Reason
-    """`limit`: passed, an end of the interval; else it is open: at the search `bound`, where
-    refits `failed`, or after as many `refits` as were allowed."""
+    """Stop reason: `limit` for an end of the interval; `bound`, `failed` or `refits` for an open side."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +78,11 @@ class Profile:
     below: ProfileEnd
     above: ProfileEnd
     better: ProfilePoint | None
-    """A refit that is better than the optimum by more than a thousandth of the limit, if any."""
+    """Refit that is better than the optimum by more than a thousandth of the limit, if any."""
 
     @property
     def interval(self) -> Interval:
-        """Return the confidence interval; infinite on a side that is open."""
+        """Return the confidence interval; infinite on an open side."""
         low = self.below.at if self.below.reason == "limit" else -math.inf
         high = self.above.at if self.above.reason == "limit" else math.inf
         return low, high

@@ -1,10 +1,8 @@
-"""Start points of a descent: the best of many points spread over the box, or a rough global search.
+"""Start points of a descent: the best of many points in the box, or a rough global search.
 
-Points are of a scrambled Sobol' sequence (Owen (1998); SciPy), which leaves no large part of the
-box without one. Starts that lie apart do not all lead to the same minimum. Differential evolution
-(Storn and Price (1997), Journal of Global Optimization 11) is a start where hardly any point is
-good. All numbers are shares of a range, from 0 to 1; costs are asked for in batches, (points,
-numbers) -> (points,): many runs at once.
+Points form a scrambled Sobol' sequence (Owen (1998); SciPy), which covers the box evenly. Distant starts may lead to
+different minima. Differential evolution (Storn and Price (1997), Journal of Global Optimization 11) suits a box with
+few good points. All values are fractions of a range. Costs are computed in batches, (points, parameters) -> (points,).
 """
 
 from __future__ import annotations
@@ -22,21 +20,21 @@ from martensite.base.errors import ParameterError, SolveError
 
 Numbers: TypeAlias = NDArray[np.float64]
 Costs: TypeAlias = Callable[[Numbers], Numbers]
-"""Costs (points,) of points (points, numbers); infinite or NaN where a run fails."""
+"""Function from points (points, parameters) to costs (points,); infinite or NaN for failed runs."""
 START_DISTANCE = 0.2
-"""Least distance of two starts, as a share of the diagonal of the box."""
+"""Least distance of two starts, as a fraction of the diagonal of the box."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """A point to start from."""
+    """Start point."""
 
     values: tuple[float, ...]
     cost: float
 
 
 def start_sobol(size: int, seed: int = 0) -> Any:
-    """Return a sequence of points in `size` numbers; its `random(n)` gives the next n, (n, size)."""
+    """Return a sequence of points in `size` dimensions, whose `random(n)` returns the next n points, (n, size)."""
     return import_module("scipy.stats.qmc").Sobol(size, seed=seed)
 
 
@@ -49,9 +47,9 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
 
 
 def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE) -> list[int]:
-    """Return the first points (points, size) of an order, the best first, that lie apart from those before them.
+    """Return the first points (points, size) of an order, best first, that keep a distance from earlier points.
 
-    The least distance is a share of the diagonal of the box.
+    The least distance is a fraction of the diagonal of the box.
     """
     least, chosen = apart * math.sqrt(points.shape[1]), list[int]()
     for k in order:
@@ -65,13 +63,14 @@ def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float 
 def find_starts(
     costs: Costs, size: int, *, count: int = 64, keep: int = 4, apart: float = START_DISTANCE, seed: int = 0
 ) -> tuple[Start, ...]:
-    """Return the starts for descents, the best first; fewer than asked for if others are too near.
+    """Return the starts for descents, best first; fewer if the distance allows no more.
 
-    A count of points tried that is a power of 2 spreads best; the least distance of two starts is a share of the
-    diagonal of the box.
+    A power of 2 is the best number of trial points. The least distance of two starts is a fraction of the diagonal of
+    the
+    box.
 
     Raises:
-        ParameterError: no point is asked for.
+        ParameterError: no point is requested.
         SolveError: no point has a finite cost.
     """
     points = draw_points(size, count, seed)
@@ -84,9 +83,9 @@ def find_starts(
 
 
 def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: int = 8, seed: int = 0) -> Start:
-    """Return the best point of differential evolution, not polished: follow it with a descent.
+    """Return the best point of differential evolution, to be refined by a descent.
 
-    The population has so many points for each number, and is renewed `generations` times at most.
+    `population` counts points per parameter; it is renewed at most `generations` times.
 
     Raises:
         SolveError: no point has a finite cost.

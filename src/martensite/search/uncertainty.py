@@ -84,8 +84,7 @@ class Uncertainty:
         return self._about(name, level, self._spare, self.widening)
 
     def half_width(self, gradient: Any, level: float = LEVEL) -> float:
-        """Return half the widened interval of a quantity, from its derivatives (n,) with respect to the values in SI.
-        """
+        """Return half the widened interval of a quantity, from its derivatives (n,) with respect to values in SI."""
         moving = np.flatnonzero(gradient)
         some = np.array(self.covariance)[np.ix_(moving, moving)]
         if self.freedom < 1 or not np.isfinite(some).all():

@@ -1,13 +1,9 @@
-"""A direction in which parameters move unseen, and the sentence that says so.
+"""Weak directions: small sets of parameters that the data do not determine.
 
-Which parameters the data cannot tell apart: the smallest sets of them.
-
-For a Jacobian J a unit vector v with ‖J v‖ ≤ limit is a direction in which the parameters may
-move unseen. Singular vectors of J with such singular values span all of these, but mix them:
-with two redundancies at once every singular vector holds the parameters of both. So the
-smallest sets of parameters are looked for whose columns alone have a singular value within the
-limit, and as many independent ones are kept as J has such singular values. That many exist:
-without any k of its columns J has at most k fewer (singular values interlace).
+For a Jacobian J, a unit vector v with ‖J v‖ ≤ limit is a direction without a visible effect. Singular vectors of J with
+such singular values span all of these, but mix separate redundancies. The search therefore finds the smallest sets of
+parameters whose columns alone have a singular value within the limit. It keeps as many independent sets as J has such
+singular values. These exist: without any k of its columns, J has at most k fewer (singular values interlace).
 """
 
 from __future__ import annotations
@@ -28,31 +24,30 @@ from martensite.search.scaled_jacobian import is_gauge, reduce_rows
 Matrix: TypeAlias = NDArray[np.float64]
 Vector: TypeAlias = NDArray[np.float64]
 MANY_SETS = 20_000
-"""Sets of one size that are all tried; larger sizes are approached by leaving columns out."""
+"""Largest number of sets of one size for a full search; larger sizes use elimination of columns."""
 _INDEPENDENT = 1e-3
 UNSEEN = 1e-6
-"""Change of the error, as a share of its noise, below which no number is given."""
+"""Change of the error, as a fraction of its noise, below which no value is reported."""
 
 
 @dataclass(frozen=True)
 class WeakDirection:
-    """Parameters that the data do not tell apart, or a single one that they do not hold."""
+    """Undetermined parameter, or set of confounded parameters."""
 
     names: tuple[str, ...]
-    """The largest mover, as a share of its range, first."""
+    """Parameters, the largest relative change first."""
     units: tuple[str, ...]
     """SI unit of each."""
     changes: tuple[float, ...]
-    """Changes that make up for each other, to first order, each in its SI unit; of a single
-    parameter its whole range."""
+    """Changes that compensate to first order, each in its SI unit; for a single parameter its whole range."""
     relative: tuple[float, ...]
-    """Changes as fractions of the values themselves; NaN where the value is 0."""
+    """Changes as fractions of the values; NaN for values of 0."""
     uncertainty: float
     """Standard error along the direction in search ranges; infinite if `exact`."""
     effect: float
     """Root-mean-square change of the error under `changes`, in units of its noise."""
     exact: bool
-    """True if nothing at all is seen: data of this kind, however exact, would not help."""
+    """True if there is no effect at all, so that more exact data of this kind would not help."""
 
     @property
     def gauge(self) -> bool:
@@ -112,7 +107,7 @@ class WeakDirection:
 
     @staticmethod
     def _parted(phrases: list[str], signs: Sequence[float]) -> tuple[list[str], list[str]]:
-        """Return the phrases of what rises and of what falls."""
+        """Return the phrases of the rising and of the falling parameters."""
         pairs = list(zip(phrases, signs, strict=True))
         return [p for p, s in pairs if s > 0.0], [p for p, s in pairs if not s > 0.0]
 
@@ -123,9 +118,9 @@ def find_weak_directions(
     known: Sequence[Vector] = (),
     prefer: Callable[[Vector], bool] = lambda direction: False,
 ) -> list[Vector]:
-    """Return the independent unit vectors v of few components each with ‖J v‖ ≤ limit, but for those known before.
+    """Return the independent sparse unit vectors v with ‖J v‖ ≤ limit that are not known already.
 
-    `prefer` says which of two directions with equally many components to name first.
+    `prefer` selects the first of two directions with equally many components.
     """
     square = reduce_rows(jacobian)
     wanted = int(np.sum(np.linalg.svd(square, compute_uv=False) <= limit))
@@ -143,7 +138,7 @@ def find_weak_directions(
 
 
 def _search_sets(square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]) -> list[Vector]:
-    """Return the weak directions of all sets of one size that hold no smaller one; the weakest first."""
+    """Return the weak directions of all minimal sets of one size, the weakest first."""
     held = [set(one) for one in smaller]
     sets = [one for one in combinations(range(square.shape[1]), size) if not any(small <= set(one) for small in held)]
     if not sets:
@@ -155,9 +150,9 @@ def _search_sets(square: Matrix, limit: float, size: int, smaller: Sequence[tupl
 
 
 def _search_by_elimination(square: Matrix, limit: float, chosen: Sequence[Vector], wanted: int) -> list[Vector]:
-    """Return the directions still missing, of as few components as leaving columns out one by one finds.
+    """Return the missing directions by elimination of columns.
 
-    Of every direction known the largest mover is held fixed, so that the next one is another.
+    The largest component of every known direction is fixed, so that the next direction differs.
     """
     kept = list(range(square.shape[1]))
     found: list[Vector] = []
@@ -171,7 +166,7 @@ def _search_by_elimination(square: Matrix, limit: float, chosen: Sequence[Vector
 
 
 def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> Vector:
-    """Return a weak direction of which no component can be left out."""
+    """Return a weak direction without superfluous components."""
     left = list(columns)
     while True:
         _, direction = _find_weakest(square, left)
@@ -185,7 +180,7 @@ def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> 
 
 
 def _find_weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector]:
-    """Return the smallest singular value of some columns, and its vector among all parameters."""
+    """Return the smallest singular value of some columns, and its vector in all parameters."""
     if not columns:
         return math.inf, _embed_vector(np.zeros(0), columns, square.shape[1])
     _, sizes, right = np.linalg.svd(square[:, np.asarray(columns)], full_matrices=False)

@@ -1,20 +1,18 @@
-"""Test for structure in the residuals of a record that a model could still explain.
+"""Whiteness test of residuals, for structure that a better model could explain.
 
-White residuals of n samples have autocorrelations ρ_k that lie within ±z/√n in the share
-`level` of all lags, z being the quantile of the normal distribution, and
+For white residuals of n samples, a fraction `level` of the autocorrelations ρ_k lies within ±z/√n, where z is the
+quantile of the normal distribution, and
 
     Q = n (n + 2) Σ_{k=1..L} ρ_k²/(n - k)
 
-is distributed as χ² with L degrees of freedom (Ljung and Box (1978), Biometrika 65).
-
-The correlation ρ_k of residuals k samples apart, and the number n_eff of independent samples, are
+is distributed as χ² with L degrees of freedom (Ljung and Box (1978), Biometrika 65). The autocorrelation ρ_k at lag k
+and the number n_eff of independent samples are
 
     ρ_k = Σ r_t r_{t+k} / Σ r_t²,    τ = -1 + 2 Σ_m (ρ_{2m} + ρ_{2m+1}),    n_eff = n/τ
 
-The sum runs over the first pairs m = 0, 1, … that are all positive (the initial positive
-sequence: Geyer (1992), Statistical Science 7), since the tail of an estimated ρ is only noise.
-The mean is not taken off, there and in the test: what the model misses everywhere alike is an error like any other,
-and the most strongly correlated one.
+The sum covers the first pairs m = 0, 1, … that are all positive (the initial positive sequence: Geyer (1992),
+Statistical Science 7), since the tail of an estimated ρ is noise. The mean is not subtracted: a constant error of the
+model is also an error, with the strongest correlation.
 """
 
 from __future__ import annotations
@@ -35,9 +33,9 @@ from martensite.search.quantity_text import format_number
 
 Vector: TypeAlias = NDArray[np.float64]
 LEAST_SAMPLES = 10
-"""Samples below which whiteness is not tested."""
+"""Least number of samples for the test."""
 LAGS = 20
-"""Lags tested, if the record is five times as long."""
+"""Number of lags tested, if the record is five times as long."""
 
 
 @dataclass(frozen=True)
@@ -48,22 +46,22 @@ class Whiteness:
     autocorrelation: tuple[float, ...]
     """ρ_1 … ρ_L."""
     band: float
-    """Half width within which the share `level` of ρ_k lies if the residuals are white."""
+    """Half width of the band that contains a fraction `level` of ρ_k for white residuals."""
     statistic: float
     """Q of Ljung and Box."""
     p_value: float
-    """Probability of so large a Q, were the residuals white."""
+    """Probability of at least this Q for white residuals."""
     samples: int
     level: float
 
     @property
     def white(self) -> bool:
-        """Return whether the test finds nothing at its level."""
+        """Return whether the residuals pass the test at its level."""
         return self.p_value >= 1.0 - self.level
 
     @property
     def memory(self) -> int | None:
-        """Return the first lag at which the autocorrelation is within the band; None if beyond the last."""
+        """Return the first lag with an autocorrelation within the band; None if beyond the last lag."""
         lags = enumerate(self.autocorrelation, 1)
         return next((k for k, rho in lags if abs(rho) <= self.band), None)
 
@@ -96,12 +94,11 @@ def assess_whiteness(
 ) -> Whiteness:
     """Test the residuals (samples,) of one record, equally spaced in time.
 
-    The number L of lags is 20, or a fifth of a shorter record, if left out; the level is that of the band and of the
-    test.
+    The default number L of lags is 20, or a fifth of a shorter record. The level applies to the band and to the test.
 
     Raises:
-        DataError: the residuals are fewer than 10, or not finite.
-        ParameterError: there are not as many lags, or the level is not between 0 and 1.
+        DataError: there are fewer than 10 residuals, or they are not finite.
+        ParameterError: the number of lags is invalid, or the level is not between 0 and 1.
     """
     count = len(residuals)
     if count < LEAST_SAMPLES:
@@ -127,7 +124,7 @@ def assess_whiteness(
 
 
 def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None) -> Vector:
-    """ρ_0 = 1, ρ_1, … up to the longest lag, from one or several records in a row.
+    """Compute ρ_0 = 1, ρ_1, … up to the longest lag, from one or several consecutive records.
 
     Args:
         residuals: (samples,), equally spaced in time within each record.
@@ -137,7 +134,7 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
         (longest record,); zeros, without the 1, if all residuals are 0.
 
     Raises:
-        DataError: the residuals are none or not finite, or not as many as `lengths` say.
+        DataError: the residuals are empty, not finite, or inconsistent with `lengths`.
     """
     errors = require_residuals(residuals)
     parts = [len(errors)] if lengths is None else list(lengths)
@@ -151,10 +148,10 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
 
 
 def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> float:
-    """Return the equivalent number of independent samples, at most all samples; see `compute_autocorrelation`.
+    """Return the effective number of independent samples, at most all samples; see `compute_autocorrelation`.
 
     Raises:
-        DataError: the residuals are none or not finite, or not as many as `lengths` say.
+        DataError: the residuals are empty, not finite, or inconsistent with `lengths`.
     """
     rho = compute_autocorrelation(residuals, lengths)
     count = len(residuals)
@@ -166,10 +163,10 @@ def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None
 
 
 def require_residuals(residuals: Any) -> Vector:
-    """Return the residuals as an array, scaled to at most 1 so that no square over- or underflows.
+    """Return the residuals as an array, scaled to at most 1 against overflow and underflow of squares.
 
     Raises:
-        DataError: they are none, or not finite.
+        DataError: the residuals are empty or not finite.
     """
     errors = np.asarray(residuals, np.float64)
     if errors.ndim != 1 or not len(errors):
