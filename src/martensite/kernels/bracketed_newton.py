@@ -1,12 +1,12 @@
-"""Bracketed Newton iteration: compiles, batches and differentiates.
+"""Bracketed Newton iteration for strictly increasing functions, which compiles, batches and differentiates.
 
-For a strictly increasing function. An iterate on an end of the bracket is rejected, else flat sides make plain
-clipping cycle between the ends without end; so is a step across the bracket that halves neither it nor the last step.
-A correction at round-off level is always accepted, since a comparison near the root may round differently in its
-several uses. It ends with the first step that is small, or after which the next would be: Newton's method squares the
-error, so the next is the cube of a step over the square of the one before. After a halving the next step cannot be
-estimated; the halving is stored as a negative step. The slope is exact (dual numbers), so the function need not return
-a derivative.
+An iterate on an end of the bracket is rejected, because flat sides would make clipping cycle between the ends. A step
+across the bracket that halves neither it nor the last step is also rejected. A correction at round-off level is always
+accepted, because comparisons near the root may round differently in their uses.
+
+The iteration ends if the step is small, or if the next step would be. Newton's method squares the error, so the next
+step is the cube of a step over the square of the previous step. After a halving no estimate exists; a negative step
+marks the halving. Dual numbers give the exact derivative, so the function need not return it.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 MOST_ITERATIONS = 40
-"""Iterations after which a root counts as not found."""
+"""Largest number of iterations before a failure."""
 ROUND_OFF = 32.0
-"""A correction of so many roundings is always accepted."""
+"""Correction, in roundings, that is always accepted."""
 SMALL = 1e-13
-"""A step after which the root is found."""
+"""Step at which the root is found."""
 STEP_SAFETY = 10.0
 """Largest ratio of the next step to the expected step."""
 FIRST = 1e30
-"""The step before the first."""
+"""Step before the first."""
 NONE = 1e-30
-"""In place of a step of length 0, which is the last."""
+"""Replacement of a step of length 0, which is the last."""
 
 
 def solve_bracketed(
@@ -42,11 +42,11 @@ def solve_bracketed(
 ) -> Scalar:
     """Return the root of an increasing `function(xp, x)` inside the bracket, from `start`.
 
-    A bracket that reaches beyond a possible end of the solutions lets a root there be hit
-    exactly. With slopes of at least 1, |function(root)| bounds the error of the root. A step of
-    `enough` is the last; so is, if the function is `smooth`, one that says the same of the next.
-    Where the slope changes by orders of magnitude nothing can be said of it. Where no root is
-    `wanted`, the answer is `start`.
+    A bracket beyond a possible end of the solutions permits an exact root there. With derivatives of at least 1,
+    |function(root)| bounds the error of the root. A step of `enough` is the last; for a `smooth` function the estimate
+    of
+    the next step also counts. The estimate is invalid if the derivative changes by orders of magnitude. Where `wanted`
+    is false, the result is `start`.
     """
     rounding = ROUND_OFF * xp.eps()
     last_step = xp.maximum(enough, rounding)

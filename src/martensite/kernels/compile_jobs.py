@@ -1,8 +1,9 @@
-"""Optimised libraries compiled in the background: jobs in the cache folder, and one process that does them.
+"""Background compilation of optimised libraries: job files in the cache folder, and one worker process.
 
-A job is a file beside the library that it is for, `NAME.job`. The process is detached, of the lowest priority, and
-alone in its cache folder by a lock; it ends when no job is left. It writes a library as any other process does, so an
-interrupted job leaves nothing that could be loaded. A job that fails leaves `NAME.failed`, and is not tried again.
+A job is a file `NAME.job` next to its library. The process is detached, has the lowest priority, and holds a lock of
+its
+cache folder; it ends without remaining jobs. It writes a library like any other process, so an interrupted job leaves
+no loadable file. A failed job leaves `NAME.failed` and is not repeated.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ LOWEST = "19"
 
 
 def order_library(path: Path, source: str, more: Sequence[str], quick: Path, module: str) -> None:
-    """Let the optimised library of a source be compiled in the background; without effect where that is impossible.
+    """Order the background compilation of the optimised library of a source; without effect if impossible.
 
     Args:
         path: library in the cache.
-        source: its C.
-        more: flags of the compiler beside the usual ones.
-        quick: library that it replaces, which is removed then.
-        module: module that does the jobs when it is run.
+        source: C source.
+        more: additional compiler flags.
+        quick: library to replace, which is then removed.
+        module: module that runs the jobs.
     """
     if path.with_suffix(FAILED).exists():
         return
@@ -47,7 +48,7 @@ def order_library(path: Path, source: str, more: Sequence[str], quick: Path, mod
 
 
 def _start(folder: Path, module: str) -> None:
-    """Start the process; the shell between leaves it to the system, so that nobody has to wait for it."""
+    """Start the process through a shell, so that no parent must wait for it."""
     command = ["nice", "-n", LOWEST, *python_command("-m", module)]
     nothing = subprocess.DEVNULL
     subprocess.run(
@@ -64,7 +65,7 @@ def _start(folder: Path, module: str) -> None:
 
 @contextmanager
 def _lock(folder: Path) -> Generator[bool]:
-    """Hold the lock of a folder within the block; False if another process has it."""
+    """Hold the lock of a folder within the block; False if another process holds it."""
     with (folder / LOCK).open("a") as file:
         (folder / LOCK).chmod(0o600)
         try:
@@ -76,12 +77,12 @@ def _lock(folder: Path) -> Generator[bool]:
 
 
 def do_jobs(compile_library: Callable[[Path, str, tuple[str, ...]], None]) -> None:
-    """Do all jobs, unless another process does them.
+    """Run all jobs, unless another process does.
 
-    A job is written before the lock is tried, and jobs are looked for after its release: none is forgotten.
+    A job is written before the lock is tried, and jobs are checked after its release, so that every job is found.
 
     Args:
-        compile_library: compiles the library of a path, a source and more flags; `CompileError` if it cannot.
+        compile_library: function that compiles the library of a path, a source and flags; `CompileError` on failure.
     """
     with suppress(OSError):
         folder = make_cache("c")
@@ -94,7 +95,7 @@ def do_jobs(compile_library: Callable[[Path, str, tuple[str, ...]], None]) -> No
 
 
 def _do(job: Path, compile_library: Callable[[Path, str, tuple[str, ...]], None]) -> None:
-    """Do a job, of this user alone, and remove it."""
+    """Run a job of this user alone, and remove it."""
     trusted = is_private_file(job)
     try:
         asked = json.loads(job.read_text()) if trusted else None

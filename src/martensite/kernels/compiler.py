@@ -1,7 +1,6 @@
-"""The C compiler of the machine: C in, functions out, kept in a cache.
+"""C compilation of kernels, with a cache of libraries.
 
-Every compiled program of this package comes from here: one folder of libraries, one message if no compiler is found,
-one way to pass numbers and arrays.
+All compiled programs use one folder of libraries, one message for a missing compiler, and one calling convention.
 """
 
 from __future__ import annotations
@@ -42,14 +41,13 @@ FLAGS = (
     "-shared",
 )
 WIDE = ("-mprefer-vector-width=512",)
-"""For processors with AVX-512: compilers prefer half the width, which costs a batch a third."""
+"""Flag for processors with AVX-512: by default compilers use half the width, which costs a batch a third."""
 
 
 def find_compiler() -> str | None:
-    """Return the C compiler that would be used, or None.
+    """Return the C compiler, or None.
 
-    That of the machine: the one that `CC` names, `cc` or `gcc`; else the one of the package
-    `ziglang`, which the extra `cc` installs.
+    It is the compiler named by `CC`, `cc` or `gcc`, or otherwise the compiler of the package `ziglang` (extra `cc`).
     """
     return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or _find_zig()
 
@@ -79,24 +77,24 @@ def _find_zig() -> str | None:
 
 
 def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
-    """Return the C of a file that lies in a room, below definitions of its constants."""
+    """Return the C source of a package file, below definitions of its constants."""
     text = (Path(__file__).parents[1] / room / name).read_text(encoding="utf-8")
     return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
 
 def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False) -> Any:
-    """Compile C source, with more flags, to a shared library in the cache (by hash) and load it.
+    """Compile C source to a shared library in the cache (by hash) and load it.
 
-    An existing library is loaded if it is complete and built on this machine; else it is compiled again. If the cache
-    is not writable, a folder of this process is used.
-
-    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
+    A complete library built on this machine is reused. If the cache is not writable, a folder of this process is used.
+    The
+    environment variable `MARTENSITE_CFLAGS` is appended to the compiler flags.
 
     Args:
-        source: the C.
-        more: flags of the compiler beside the usual ones.
-        soon: if the optimised library is not there, take one of the quick compiler
-            (`martensite.kernels.quick_compiler`), and have the optimised one compiled in the background.
+        source: C source.
+        more: additional compiler flags.
+        soon: True to accept a library of the quick compiler (`martensite.kernels.quick_compiler`) if the optimised
+            library
+            is missing, and compile that in the background.
 
     Raises:
         CompileError: no compiler was found, it failed, or no folder is writable for its output.
@@ -132,7 +130,7 @@ def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False)
 
 
 def is_compiled(source: str, more: tuple[str, ...] = (), *, soon: bool = False) -> bool:
-    """Return whether `load_library` would find the library, so that nothing is compiled."""
+    """Return whether `load_library` would find the library without compilation."""
     if find_compiler() is None:
         return False
     with suppress(OSError):
@@ -143,10 +141,10 @@ def is_compiled(source: str, more: tuple[str, ...] = (), *, soon: bool = False) 
 
 
 def compile_library(path: Path, source: str, more: tuple[str, ...]) -> None:
-    """Compile the optimised library of a source, unless it is there.
+    """Compile the optimised library of a source, unless it exists.
 
     Raises:
-        CompileError: the compiler failed, or the library would not be used here under this name.
+        CompileError: the compiler failed, or the library would not be accepted under this name.
     """
     command = _build_command(more)
     if path.name != _name_library(command, source):
@@ -156,12 +154,12 @@ def compile_library(path: Path, source: str, more: tuple[str, ...]) -> None:
 
 
 def call_compiled(function: Any, *arguments: Any) -> None:
-    """Call a function of a library: a whole number is a `long`, all else arrays of C's order."""
+    """Call a function of a library, with whole numbers as `long` and others as C-contiguous arrays."""
     function(*(ctypes.c_long(one) if isinstance(one, int) else ctypes.c_void_p(one.ctypes.data) for one in arguments))
 
 
 def _list_quick(source: str, usual: tuple[str, ...], soon: bool) -> list[tuple[str, ...]]:
-    """Return the commands of the quick compiler for a source, best first; none where it is not to be used."""
+    """Return the commands of the quick compiler for a source, best first; empty if it is not to be used."""
     mode = read_mode()
     if not is_within_reach(source) or not (mode == "only" or (soon and mode == "first")):
         return []
@@ -186,20 +184,20 @@ def _name_library(command: Sequence[str], source: str) -> str:
 
 
 def _locate_folder() -> Path:
-    """Return the folder for libraries, kept from process to process; `OSError` if it is unusable or not trusted."""
+    """Return the persistent folder for libraries; `OSError` if it is unusable or not trusted."""
     return make_cache("c")
 
 
 @cache
 def _make_own_folder() -> Path:
-    """Return a folder of this process, which goes with it."""
+    """Return a folder of this process, removed at its end."""
     folder = tempfile.mkdtemp(prefix="martensite-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return Path(folder)
 
 
 def _describe_machine() -> str:
-    """Describe the features that -march=native depends on, so that a shared cache folder works on several machines."""
+    """Describe the features behind -march=native, so that several machines can use one cache folder."""
     try:
         text = Path("/proc/cpuinfo").read_text()
     except OSError:
@@ -209,7 +207,7 @@ def _describe_machine() -> str:
 
 
 def _load_from(path: Path, command: Sequence[str], source: str) -> Any:
-    """Return a library, made where it is missing, damaged, or of another machine."""
+    """Return a library, compiled if it is missing, damaged, or of another machine."""
     if _is_whole(path):
         with suppress(OSError):
             return ctypes.CDLL(str(path))
@@ -218,9 +216,9 @@ def _load_from(path: Path, command: Sequence[str], source: str) -> Any:
 
 
 def _is_whole(path: Path) -> bool:
-    """Return whether a library is what this user's compiler wrote for this source.
+    """Return whether a library is complete and written by this user's compiler for this source.
 
-    Loading a library whose end is missing would kill the process; loading a stranger's would run the stranger's code.
+    A truncated library would kill the process; a stranger's library would run the stranger's code.
     """
     if not (is_private_file(path) and is_private_file(_locate_digest(path))):
         return False
@@ -240,7 +238,7 @@ def _digest(raw: bytes) -> bytes:
 
 
 def _name_mark(path: Path) -> str:
-    """Return the symbol at the end of a library's source: a library without it was made of another source."""
+    """Return the symbol at the end of a library's source, which identifies the source."""
     return f"martensite_{path.stem}"
 
 
@@ -255,7 +253,7 @@ def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
             raise CompileError(f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}")
         digest = _locate_digest(library)
         digest.write_bytes(_digest(library.read_bytes()))
-        keep_private(digest, _locate_digest(path))  # before the library, which is not loaded without its digest
+        keep_private(digest, _locate_digest(path))  # before the library, which requires its digest
         keep_private(library, path)
 
 

@@ -1,8 +1,7 @@
-"""Expression graphs: what tracing a kernel produces, free of repetition.
+"""Expression graphs from traced kernels, without repeated expressions.
 
-Equal expressions are one node, constants are folded with the meaning of `floats`, and every
-node knows what it depends on: parameters only (computed once per run) or state and input. A
-body that runs over rows (`each`) is traced once and stays a loop.
+Equal expressions are one node, and constants are folded with the meaning of `floats`. Every node has its dependencies:
+parameters only (computed once per run) or state and input. A body over rows (`each`) is traced once as a loop.
 """
 
 from __future__ import annotations
@@ -18,21 +17,23 @@ from martensite.kernels.namespace import OPERATIONS
 from martensite.kernels.traced_numbers import TracedNumber, make_kernel_error, make_operation_error
 
 PARAMETER, VARYING, LOOP = 1, 2, 4
-"""Bits of the dependencies of a node. The nodes inside the body of a loop have the bit LOOP, or LOOP << 1 in a loop
-inside another, and so on."""
+"""Bits of the dependencies of a node.
+
+Nodes inside a loop body have the bit LOOP, or LOOP << 1 in a nested loop, and so on.
+"""
 SLOPE = 1 << 32
 """Additional dependency of a derivative (`martensite.kernels.slopes`)."""
 
 
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
-"""Operations whose results are true or false."""
+"""Operations with true or false results."""
 CONDITIONS = {"where": 1, "both": 2, "either": 2, "negate": 1}
-"""Number of leading arguments of an operation that are true or false; the others are numbers."""
+"""Number of leading flag arguments of an operation; the others are numbers."""
 UNTYPED = frozenset({"input", "constant", "each", "item", "repeat", "result"})
 """Operations without arguments, or with arguments of both types."""
 CONDITION = "a condition is no number to compute with"
 COMMUTATIVE = ("add", "mul", "both", "either")
-"""Operations whose two arguments may change places without a change of a single bit."""
+"""Operations whose two arguments commute exactly."""
 
 
 def _divide_numbers(a: float, b: float) -> float:
@@ -53,25 +54,25 @@ OPERATORS: dict[str, Callable[..., Any]] = {
 
 
 class GraphLoop(NamedTuple):
-    """A body that is evaluated for every row of some columns."""
+    """Loop with a body for every row of some columns."""
 
     columns: tuple[tuple[int, ...], ...]
     row: tuple[int, ...]
-    """The inputs of the body, one per column."""
+    """Inputs of the body, one per column."""
     outputs: tuple[int, ...]
     bit: int
     """Dependency bit of the nodes of the body."""
 
 
 class Repeat(NamedTuple):
-    """A body that replaces a state by the next, some times."""
+    """Loop whose body replaces a state by the next state."""
 
     turns: int
     stops: bool
-    """True if it ends before that where the first number of the state is not above 0."""
+    """True if the loop also ends at a first state variable that is not above 0."""
     begin: tuple[int, ...]
     state: tuple[int, ...]
-    """The inputs of the body."""
+    """Inputs of the body."""
     outputs: tuple[int, ...]
     bit: int
     """Dependency bit of the nodes of the body."""
@@ -86,18 +87,18 @@ class Graph:
         self.depends: list[int] = []
         self.details: list[Any] = []
         self.flags: set[int] = set()
-        """The nodes that are true or false, and no numbers."""
+        """Nodes that are flags, not numbers."""
         self.loops: dict[int, GraphLoop] = {}
         self.repeats: dict[int, Repeat] = {}
         self._depth = 0
         self._known: dict[tuple[Any, ...], int] = {}
 
     def input(self, name: str, depends: int) -> Expr:
-        """Return a named number from outside."""
+        """Return a named input."""
         return self._node("input", (name,), depends)
 
     def constant(self, value: float | bool) -> Expr:
-        """Return a number known while tracing."""
+        """Return a constant known while tracing."""
         try:
             value = value if isinstance(value, bool) else float(value)
         except (TypeError, ValueError) as error:
@@ -121,7 +122,7 @@ class Graph:
     def loop(
         self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]], slopes: Sequence[Sequence[Any]] = ()
     ) -> tuple[list[Expr], ...]:
-        """Trace a body over rows, those of `slopes` last; equal loops are one."""
+        """Trace a body over rows, with the `slopes` columns last; equal loops are one."""
         bit, results, row = self._body(body, "g", len(columns), len(slopes))
         columns = [*columns, *slopes]
         inside = [r for r in results if self.depends[r.index] & bit]
@@ -149,7 +150,7 @@ class Graph:
         slopes: Sequence[Any] = (),
         stops: bool = False,
     ) -> list[Expr]:
-        """Trace one turn of a loop over a state, its `slopes` last."""
+        """Trace one iteration of a loop over a state, with its `slopes` last."""
         begin = tuple(self._expr(value).index for value in (*state, *slopes))
         bit, results, inputs = self._body(body, "r", len(state), len(slopes))
         outputs = tuple(r.index for r in results)
@@ -162,13 +163,13 @@ class Graph:
         ]
 
     def _like(self, depends: int, index: int) -> int:
-        """`depends`, for a derivative if and only if that node is one."""
+        """Return `depends` with the derivative bit of a node."""
         return (depends & ~SLOPE) | (self.depends[index] & SLOPE)
 
     def _body(
         self, body: Callable[..., Sequence[Any]], letter: str, count: int, slopes: int
     ) -> tuple[int, list[Expr], tuple[int, ...]]:
-        """Trace the body of a loop: its bit, its results and its inputs."""
+        """Trace the body of a loop, and return its bit, results and inputs."""
         bit, name = LOOP << self._depth, letter * (self._depth + 1)
         inputs = [self.input(f"{name}{k}", bit | VARYING) for k in range(count)]
         inputs += [self.input(f"d{name}{k}", bit | VARYING | SLOPE) for k in range(slopes)]
@@ -180,11 +181,11 @@ class Graph:
         return bit, results, tuple(i.index for i in inputs)
 
     def _loop_depends(self, needed: Sequence[int]) -> int:
-        """Return the dependencies of a loop that takes these nodes: the loops around it, and VARYING."""
+        """Return the dependencies of a loop on these nodes: the loops around it, and VARYING."""
         return VARYING | (self._join_dependencies(needed) & ~PARAMETER)
 
     def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
-        """Return the nodes that the body of a loop takes from around it."""
+        """Return the nodes outside the body of a loop that it uses."""
 
         def below(index: int) -> tuple[int, ...]:
             inside = self.depends[index] & bit and self.operations[index] != "input"
@@ -202,14 +203,14 @@ class Graph:
         return value if isinstance(value, Expr) else self.constant(value)
 
     def children(self, index: int) -> tuple[int, ...]:
-        """Return the nodes that a node is computed from: a root is not computed from its slopes."""
+        """Return the operands of a node, without the derivatives of a root."""
         operation, arguments = self.operations[index], self.arguments[index]
         if operation in ("input", "constant"):
             return ()
         return arguments[:1] if operation == "implicit_root" else arguments
 
     def walk(self, start: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[int]:
-        """Yield some nodes and all that they lead to, each once; `below` says where one leads."""
+        """Yield some nodes and all their descendants, each once; `below` returns the children."""
         seen, left = set[int](), list(start)
         while left:
             index = left.pop()
@@ -219,7 +220,7 @@ class Graph:
                 left += below(index)
 
     def value_of(self, node: Expr) -> float | bool | None:
-        """Return the value of a constant node, else None."""
+        """Return the value of a constant node; otherwise None."""
         i = node.index
         return self.arguments[i][0] if self.operations[i] == "constant" else None
 
@@ -238,11 +239,10 @@ class Graph:
         return Expr(self, index)
 
     def _is_flag(self, operation: str, args: tuple[Any, ...]) -> bool:
-        """Return whether a new node is true or false.
+        """Return whether a new node is a flag.
 
         Raises:
-            KernelError: there is a condition among numbers, or a number among conditions. Floats
-                take both, but in C a vector of conditions is of another type.
+            KernelError: flags and numbers are mixed. Floats accept both, but in C a vector of flags has another type.
         """
         if operation in CONDITIONS:
             return self._is_choice_of_flags(operation, args)
@@ -253,7 +253,7 @@ class Graph:
         return operation in FLAGS
 
     def _is_choice_of_flags(self, operation: str, args: tuple[Any, ...]) -> bool:
-        """Return whether a new node is true or false, for operations that take conditions."""
+        """Return whether a new node is a flag, for operations with conditions."""
         count = CONDITIONS[operation]
         chosen = self.flags.intersection(args[count:])
         if not self.flags.issuperset(args[:count]):
@@ -281,7 +281,7 @@ class Graph:
         return None
 
     def _signs(self, operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
-        """Return the rules for minus signs, which are exact as well."""
+        """Return the rules for minus signs, which are also exact."""
         a, b = nodes
         if operation == "mul" and -1.0 in known:
             return -b if known[0] == -1.0 else -a
@@ -291,7 +291,7 @@ class Graph:
         return a + last if operation == "sub" and last is not None else None
 
     def _find_negated(self, node: Expr) -> Expr | None:
-        """Return the node whose negative a node is; None if it is not a negative."""
+        """Return the operand of a negative node; otherwise None."""
         if self.operations[node.index] != "neg":
             return None
         return Expr(self, self.arguments[node.index][0])
@@ -321,12 +321,12 @@ def _apply_identities(operation: str, nodes: list[Expr], known: list[Any]) -> Ex
 
 
 def _write_operator(operation: str, reflected: str) -> Callable[..., Any]:
-    """A method of nodes, unless the other side is richer (a dual number, an array): then let it answer."""
+    """Return an operator method of nodes that defers to a richer operand (a dual number, an array)."""
 
     def apply(a: Expr, b: Any) -> Any:
         if isinstance(b, Expr | float | int):
             return a.graph.apply(operation, a, b)
-        if getattr(b, "shape", None) == ():  # a number of NumPy
+        if getattr(b, "shape", None) == ():  # a NumPy number
             return a.graph.apply(operation, a, b.item())
         answer = getattr(b, reflected, None)
         return a.graph.apply(operation, a, b) if answer is None else answer(a)
@@ -342,7 +342,7 @@ def _write_reflected(operation: str) -> Callable[..., Any]:
 
 
 class Expr(TracedNumber):
-    """A node of a graph; operators build further nodes."""
+    """Node of a graph; operators build further nodes."""
 
     __slots__ = ("graph", "index")
 
@@ -362,10 +362,10 @@ class Expr(TracedNumber):
 
 
 class GraphNamespace:
-    """The kernel operations as nodes of one graph."""
+    """Kernel operations as nodes of one graph."""
 
     level = 0
-    """Level of its numbers, which are not dual."""
+    """Level of numbers that are not dual."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -395,9 +395,9 @@ class GraphNamespace:
         return self.graph.repeat(count, body, state)
 
     def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
-        """Add one loop over a state that ends where the first number is not above 0."""
+        """Add one loop over a state that ends at a first variable not above 0."""
         return self.graph.repeat(most, body, state, stops=True)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
-        """`x` limited to [low, high]."""
+        """Return `x` limited to [low, high]."""
         return self.graph.apply("minimum", self.graph.apply("maximum", x, low), high)

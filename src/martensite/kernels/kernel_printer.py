@@ -1,9 +1,8 @@
-"""The functions of a program as C statements, whatever the functions around them look like.
+"""Functions of a program as C statements, independent of their surrounding function declarations.
 
-What follows from the parameters p alone is computed once, in `prepare`, and is c[i] from then on.
-Every other function reads c and its inputs x, and says what its results are. A program that was
-differentiated (`martensite.kernels.slopes`) has the derivatives of each array in another one, whose
-name has a `d` before it: dp, dc, dx, dy.
+Values that depend on the parameters p alone are computed once, in `prepare`, and are then c[i]. Every other function
+reads c and its inputs x, and returns its results. In a differentiated program (`martensite.kernels.slopes`), an array
+with prefix `d` has the derivatives of each array: dp, dc, dx, dy.
 """
 
 from __future__ import annotations
@@ -18,27 +17,26 @@ from martensite.kernels.slopes import slope_input
 
 
 class Statements(NamedTuple):
-    """A function in C, without what is around it."""
+    """Statements of a C function, without its declaration."""
 
     lines: list[str]
-    """Assignments of what it needs on the way."""
+    """Assignments of intermediate values."""
     results: list[str]
     """Results of the statements as expressions."""
     flags: list[bool]
-    """Which of them are true or false, and no numbers."""
+    """True for results that are flags, not numbers."""
 
 
 class KernelPrinter:
-    """Prints the functions of a program one by one.
+    """Printer of the functions of a program.
 
     Args:
-        program: the functions.
-        dialect: how operations are written.
-        place: how a number of an array is written: name, then place.
-        test: how a number is taken for a condition.
-        kept: places of the parameters that p holds; all by default.
-        moving: places of the parameters whose derivatives dp holds; None if the program was not
-            differentiated.
+        program: functions to print.
+        dialect: notation of operations.
+        place: notation of an array element: name, then index.
+        test: conversion of a number to a condition.
+        kept: indices of the parameters in p; all by default.
+        moving: indices of the parameters with derivatives in dp; None if the program was not differentiated.
     """
 
     def __init__(
@@ -64,7 +62,7 @@ class KernelPrinter:
         self.printer.share(hoisted, lambda i: tests[i])
 
     def print_function(self, function: Function, inputs: Sequence[str] | None = None) -> Statements:
-        """Return a function of the program, with its inputs where they are told to be, by default in x."""
+        """Return a function of the program, with its inputs at the given places, by default in x."""
         every = range(len(function.inputs))
         self._share_inputs(function.inputs, inputs or [self.place.format("x", i) for i in every])
         if self.moving is not None:
@@ -74,7 +72,7 @@ class KernelPrinter:
         return self._print(function.outputs)
 
     def list_places(self, array: str, nodes: Sequence[Expr]) -> list[tuple[str, int]]:
-        """Return the array and place of each of some nodes: numbers and derivatives are counted apart."""
+        """Return the array and index of each of some nodes; values and derivatives are counted separately."""
         counts = {array: 0, f"d{array}": 0}
         found: list[tuple[str, int]] = []
         for node in nodes:

@@ -1,9 +1,8 @@
-"""The operations a kernel may use, and the two types it sees.
+"""Operations and types of kernels.
 
-`Scalar` and `Flag` are written as float and bool: to a kernel every runtime's number *is* a
-float. At run time it may be a float, an array, a node of an expression graph or a dual
-number. Rules for kernels: straight line (no `if`, `and`, `or`, `not`, `while` on values;
-loops of fixed count only), choices by `where`, whose unused side must be safe to evaluate.
+`Scalar` and `Flag` are written as float and bool. At run time a number may be a float, an array, a node of an
+expression graph or a dual number. Kernels are straight lines: no `if`, `and`, `or`, `not` or `while` on values, and
+loops of fixed count only. Choices use `where`, and both sides must be safe to evaluate.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ class Namespace(Protocol):
     """Functions that a runtime must offer; arithmetic and comparisons are operators."""
 
     def where(self, flag: Flag, yes: Scalar, no: Scalar, /) -> Scalar:
-        """`yes` where the flag holds, else `no`; both are evaluated."""
+        """Return `yes` if the flag holds, otherwise `no`; both are evaluated."""
 
     def both(self, a: Flag, b: Flag, /) -> Flag:
         """Return the logical and."""
@@ -38,7 +37,7 @@ class Namespace(Protocol):
         """Return the larger of two."""
 
     def clip(self, x: Scalar, low: Scalar, high: Scalar, /) -> Scalar:
-        """`x` limited to [low, high]."""
+        """Return `x` limited to [low, high]."""
 
     def abs(self, x: Scalar, /) -> Scalar:
         """Return the absolute value."""
@@ -47,65 +46,64 @@ class Namespace(Protocol):
         """Return the square root; 0 for negative arguments."""
 
     def exp(self, x: Scalar, /) -> Scalar:
-        """Exponential; the argument is limited to 700."""
+        """Return the exponential; the argument is limited to 700."""
 
     def log(self, x: Scalar, /) -> Scalar:
         """Return the natural logarithm; the argument is at least 1e-300."""
 
     def power(self, base: Scalar, exponent: Scalar, /) -> Scalar:
-        """`base` to the `exponent`, for a base above 0; at most 1e304.
+        """Return `base` to the `exponent`, for a base above 0; at most 1e304.
 
-        At a base of 0 or below it is 0, and so are its slopes, whatever the exponent; just above
-        0 the slope of a power below 1 has no limit. A whole exponent that is written as such (`3`,
-        not `3.0`) is multiplied out, as in `base ** 3`, for a base of any sign.
+        For a base of 0 or below, the result and its derivatives are 0. Near 0 the derivative of a power below 1 is
+        unbounded. A
+        literal whole exponent (`3`, not `3.0`) is multiplied out, as in `base ** 3`, for a base of any sign.
         """
 
     def sin(self, x: Scalar, /) -> Scalar:
-        """Sine."""
+        """Return the sine."""
 
     def cos(self, x: Scalar, /) -> Scalar:
-        """Cosine."""
+        """Return the cosine."""
 
     def tanh(self, x: Scalar, /) -> Scalar:
         """Return the hyperbolic tangent."""
 
     def nearest(self, x: Scalar, /) -> Scalar:
-        """Return the nearest whole number, the even one of two.
+        """Return the nearest whole number, the even number of two.
 
-        To differentiation it is `x` itself: a staircase has no derivative that is of use.
+        Differentiation takes it as `x`, because a staircase has no useful derivative.
         """
 
     def quarter_sine(self, x: Scalar, /) -> Scalar:
-        """sin(πx/2) for 0 ≤ x ≤ 1 only, accurate to the last digits near 0."""
+        """Return sin(πx/2) for 0 ≤ x ≤ 1 only, accurate to the last digits near 0."""
 
     def erfcx(self, x: Scalar, /) -> Scalar:
-        """exp(x²) erfc(x) for x ≥ 0 only: the scaled complementary error function."""
+        """Return exp(x²) erfc(x), the scaled complementary error function, for x ≥ 0 only."""
 
     def each(self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]) -> tuple[Sequence[Scalar], ...]:
         """Return the columns of results of `body` over the rows of equally long columns.
 
-        Traced, the body is one loop instead of as many copies as there are rows.
+        When traced, the body is one loop and not a copy per row.
         """
 
     def repeat(self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
-        """Return the state after `count` turns of `body`, as one loop."""
+        """Return the state after `count` iterations of `body`, as one loop."""
 
     def iterate(self, most: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
-        """Return the state after turns of `body` for as long as its first number is above 0.
+        """Return the state after iterations of `body` while its first variable is above 0.
 
-        At most `most` turns, none if that number is 0 from the beginning. Every lane of a batch
-        stops by itself.
+        There are at most `most` iterations. Every batch element stops separately.
         """
 
     def detach(self, x: Scalar, /) -> Scalar:
-        """`x` itself, but a constant to differentiation."""
+        """Return `x`, as a constant for differentiation."""
 
     def implicit_root(self, root: Scalar, newton: Scalar, /) -> Scalar:
-        """`root`, with the derivatives of `newton`: a step of Newton's method from that root.
+        """Return `root`, with the derivatives of `newton`, a Newton step from this root.
 
-        The step must start at `detach(root)`. Only derivatives evaluate it, and they need not
-        follow the iterations that led to the root. First derivatives are those of the root;
-        further ones are those of the step.
+        The step must start at `detach(root)`. Only derivatives evaluate it, and they need not follow the iterations.
+        First
+        derivatives belong to the root, higher derivatives to the step.
         """
 
     def eps(self) -> Scalar:

