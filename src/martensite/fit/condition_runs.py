@@ -1,8 +1,7 @@
-"""Runs of a table of conditions: rows are short runs from rest, outputs are measures of them.
+"""Runs of a table of conditions: rows are short runs from the initial state, outputs are measures of them.
 
-All rows of a specimen share one program. Rows differ in parameters, waveform and duration only. They run in parallel,
-each in a separate lane. Derivatives are computed row by row; the derivatives of a measure follow from its derivatives
-by every sample.
+All rows of a specimen use one program and differ in parameters, waveform and duration only. They run in parallel, one
+per batch element. Derivatives are computed row by row, with the chain rule from the samples to each measure.
 """
 
 from __future__ import annotations
@@ -33,39 +32,39 @@ class TableRow(NamedTuple):
     """Inputs of one row."""
 
     inputs: Mapping[str, float]
-    """Path as `--set` takes it -> number [SI]."""
+    """Path for `--set` -> value [SI]."""
     changes: Mapping[str, float]
-    """Path in the system -> number [SI] that differs from that of the first row."""
+    """Path in the system -> value [SI] that differs from the first row."""
     waveform: Waveforms
     duration: float
     """[s]"""
     row: int
-    """Number of the row in the file; for repeats, the number of the first."""
+    """Row number in the file; for repeats, the first row number."""
 
 
 @dataclass(frozen=True)
 class ConditionExperiment(Experiment):
-    """The rows of a specimen: conditions instead of times, measures instead of outputs.
+    """Rows of a specimen, with conditions instead of times and measures instead of outputs.
 
-    Its `times` are numbers of rows, counted from 1; `columns` are measures, and what they are called.
+    Its `times` are row numbers from 1; `columns` maps measures to their names.
     """
 
     conditions: tuple[TableRow, ...] = ()
     factors: Mapping[str, tuple[float, ...]] = field(default_factory=dict[str, tuple[float, ...]])
-    """Measure -> what the errors of single rows are multiplied by, for repeats and standard deviations."""
+    """Measure -> factors on the errors of single rows, for repeats and standard deviations."""
     input_units: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Path that a column sets -> its SI unit."""
+    """Path set by a column -> its SI unit."""
     level: str = ""
     """Path of the drive among the inputs; empty without a drive."""
 
     def __post_init__(self) -> None:
-        """Raise `DataError` where nothing is measured."""
+        """Raise `DataError` if there are no measurements."""
         if not np.isfinite(self.measured).any():
             raise DataError(f"Specimen `{self.name}` has no measured number.")
 
     @cached_property
     def rows(self) -> Any:
-        """Return all of them."""
+        """Return the indices of all rows."""
         return np.arange(len(self.record))
 
     @cached_property
@@ -109,11 +108,11 @@ class ConditionExperiment(Experiment):
         return [_extend_grid(grid, most) for grid in found]
 
     def grid(self, step: float | None = None) -> Any:
-        """Return all rows side by side."""
+        """Return the grids of all rows, as a batch."""
         return lane_grid(self.grids(step))
 
     def runner(self, step: float | None = None, outputs: Sequence[str] | None = None) -> Any:
-        """Return the runs of the experiment, row after row."""
+        """Return the runner of all rows."""
         return ConditionRunner(self, self.grids(step))
 
     def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:
@@ -133,12 +132,12 @@ def _extend_grid(grid: TimeGrid, rows: int) -> TimeGrid:
 
 
 class ConditionRunner:
-    """Does for conditions what a `BatchRunner` does for one waveform: a sample is the measures of a row."""
+    """Counterpart of `BatchRunner` for conditions: a sample is the measures of a row."""
 
     def __init__(
         self, experiment: ConditionExperiment, grids: Sequence[TimeGrid], outputs: Sequence[str] | None = None
     ) -> None:
-        """Prepare runs; of the measures of the experiment, or of outputs."""
+        """Prepare runs with the measures of the experiment, or with given outputs."""
         self.experiment, self.grids = experiment, list(grids)
         self.measures = list(experiment.measures.values())
         system = experiment.system
@@ -153,7 +152,7 @@ class ConditionRunner:
 
     @cached_property
     def grid(self) -> LaneGrid:
-        """Return all rows side by side."""
+        """Return the grids of all rows, as a batch."""
         return lane_grid(self.grids)
 
     def run_one(self, values: Any) -> Any:
@@ -162,7 +161,7 @@ class ConditionRunner:
         return found if np.isfinite(found).all() else None
 
     def run_many(self, table: Any) -> Any:
-        """Return the measures (points, rows, measures) of a table (points, parameters); NaN where a run fails."""
+        """Return the measures (points, rows, measures) of a table (points, parameters); NaN for failed runs."""
         rows, points = len(self.grids), len(table)
         places = np.repeat(np.arange(rows), points)
         marched = self.march(places, np.tile(np.asarray(table), (rows, 1)))
@@ -187,7 +186,7 @@ class ConditionRunner:
         return (np.array(rows), np.array(slopes)) if finite else None
 
     def march(self, places: Any, table: Any) -> Any:
-        """Outputs (runs, samples, outputs) of some rows, each with its own numbers; NaN where a run fails."""
+        """Return the outputs (runs, samples, outputs) of rows with separate parameters; NaN for failed runs."""
         values = np.stack([self._set_values(row, one) for row, one in zip(places, table, strict=True)])
         if not self.native:
             runs = [
@@ -217,12 +216,12 @@ class ConditionRunner:
         return np.where(np.isfinite(runs).all(axis=(1, 2))[:, None], np.stack(found, axis=1), np.nan)
 
     def _select(self, one: AbstractMeasure, runs: Any) -> Any:
-        """Return the columns that a measure looks at, (columns, samples, runs)."""
+        """Return the columns used by a measure, (columns, samples, runs)."""
         places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
         return np.transpose(runs[:, :, places], (2, 1, 0))
 
     def _weigh(self, one: AbstractMeasure, times: Any, run: Any, slopes: Any) -> Any:
-        """Return the derivatives (directions,) of a measure from those of the outputs."""
+        """Return the derivatives (directions,) of a measure from the derivatives of the outputs."""
         places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
         weights = one.derivatives(tabulate_samples(times, self._select(one, run[None])))[:, :, 0]
         return np.einsum("cs,scd->d", weights, slopes[:, places])

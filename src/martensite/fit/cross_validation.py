@@ -1,7 +1,7 @@
-"""Cross-validation: held-out errors of a model, compared with those of its rivals.
+"""Cross-validation: held-out errors of a model, compared with baselines.
 
-Every record is left out in turn and predicted from the others. If the others are insufficient, parts of the record are
-left out instead. `martensite.search.rivals` has the rule by which a model predicts.
+Every record is predicted from the others in turn. If the others are insufficient, parts of the record are left out
+instead. `martensite.search.rivals` has the criterion of prediction.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from martensite.search.rivals import Prediction
 from martensite.search.time_box import TimeBox
 
 TAIL = 0.3
-"""Part of a single driven record that is held out, its end."""
+"""Fraction at the end of a single driven record that is held out."""
 FOLD_EVALUATIONS = 40
-"""Evaluations of one local search where a record is left out."""
+"""Evaluations of one local search with a held-out record."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class OutputError(Prediction):
     output: str
     unit: str
     offset_rms: float
-    """Error with an offset that was fitted to each held-out record; NaN if no offset was fitted."""
+    """Error with an offset fitted to each held-out record; NaN without a fitted offset."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class PooledError(OutputError):
 
 
 def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
-    """Return the errors of every output over all records, with the rivals that all records have."""
+    """Return the errors of every output over all records, with the common baselines."""
     found: list[PooledError] = []
     for output in dict.fromkeys(one.output for one in errors):
         own = [one for one in errors if one.output == output]
@@ -76,14 +76,14 @@ def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
 def cross_validate(
     whole: Fit, start: Sequence[FreeNumber], *, kind: AbstractExperimentKind, box: TimeBox, hold_out: str = AUTO
 ) -> list[HeldOutError]:
-    """Return the held-out errors of a model that was fitted to all records; without those that time does not allow.
+    """Return the held-out errors of a model fitted to all records, as far as the time limit permits.
 
     Args:
-        whole: the fit to all records, near which the searches begin.
-        start: the free numbers as proposed, where they begin as well.
+        whole: fit to all records, near which the searches begin.
+        start: proposed values of the free parameters, as a further start.
         kind: kind of the experiment.
-        box: limit of time.
-        hold_out: what is held out, as `choose_held_out` takes it.
+        box: time limit.
+        hold_out: held-out data, as in `choose_held_out`.
 
     Raises:
         KeyboardInterrupt: the tests were interrupted.
@@ -100,14 +100,14 @@ def cross_validate(
             fits.append(solve_problem(with_start(fold, one), most=FOLD_EVALUATIONS, inputs=False, tell=watch))
             if fits[-1].reason == INTERRUPTED:
                 raise KeyboardInterrupt
-        if any(fit.reason == OUT_OF_TIME for fit in fits):  # it has seen the held-out data: the start was fitted to it
+        if any(fit.reason == OUT_OF_TIME for fit in fits):  # no true prediction: the start was fitted to held-out data
             continue
         found += _judge_fold(min(fits, key=lambda fit: fit.cost), fold, kind.given_start)
     return found
 
 
 def list_folds(problem: Problem, kind: AbstractExperimentKind, hold_out: str = AUTO) -> Iterator[Problem]:
-    """Yield the problem with every record left out in turn, with parts of all, or with what is asked for."""
+    """Yield the problem with every record left out in turn, with parts of all, or with the requested data."""
     names, one = [one.name for one in problem.experiments], problem.experiments[0]
     if hold_out == NONE:
         return
@@ -140,7 +140,7 @@ def with_start(problem: Problem, numbers: Mapping[str, float]) -> Problem:
 
 
 def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutError]:
-    """Yield the errors of a fold; if the start of a record is given, what is fitted to it is part of the input."""
+    """Yield the errors of a fold; if the start of a record is given, parameters fitted to it are part of the input."""
     rows = list_compared(fit)
     training = [one for one in fold.experiments if not one.held_out]
     for one in rows:
@@ -168,10 +168,11 @@ def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutE
 
 
 def _predict_zero(fit: Fit, fitted: Sequence[ComparedOutput], one: ComparedOutput) -> float:
-    """Return the offset of a held-out record by those of the fitted ones.
+    """Return the predicted offset of a held-out record.
 
-    It is their mean; or, if the smallest values of the fitted records agree better than their offsets, the offset
-    that gives the record the same smallest value.
+    It is the mean offset of the fitted records. If their smallest values agree better than their offsets, the offset
+    gives
+    the record the same smallest value.
     """
     zeros = [x for name, x in fit.numbers.items() if name.startswith(f"offset.{one.output}@")]
     lows = [float(np.min(x.model)) for x in fitted]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from martensite.fit.experiment import Experiment
 
 LAGS = 16
-"""Time constants that are tried."""
+"""Tried time constants."""
 SQUARED = ("V", "A")
 """Units of drives that heat by their square."""
 TURNED = 0.1
@@ -23,23 +23,23 @@ TURNED = 0.1
 
 @dataclass(frozen=True)
 class DriveLag:
-    """A first-order lag from what heats to what is measured."""
+    """First-order lag from the heating drive to the measured column."""
 
     time_constant: float
     """[s]; 0 for none."""
     gain: float
-    """Measured unit per unit of what heats."""
+    """Measured unit per unit of the heating drive."""
     zero: float
     rms: float
-    """Error over the rows it was fitted to."""
+    """Error over the fitted rows."""
 
     def predict(self, record: Record, drive: str) -> Any:
-        """(rows,): what it says of a record."""
+        """Return the prediction (rows,) of a record."""
         return self.zero + self.gain * filter_drive(record, drive, self.time_constant)
 
 
 def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
-    """Return the heating column, (rows,), behind a lag [s] that begins at rest."""
+    """Return the heating column, (rows,), behind a lag [s] from an initial steady state."""
     times, u = np.asarray(record.times), np.asarray(record[drive], float)
     heat = np.where(np.isfinite(u), u, 0.0) ** (2.0 if record.units[drive] in SQUARED else 1.0)
     if time_constant <= 0.0:
@@ -52,13 +52,13 @@ def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
 
 
 def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int = LAGS) -> DriveLag:
-    """Return the lag that explains a column of some records best; rows with NaN are not seen.
+    """Return the lag that explains a column of some records best; rows with NaN are ignored.
 
     Args:
-        records: with times.
-        drive: column that drives.
-        column: that is explained.
-        lags: how many time constants are tried, besides none.
+        records: records with times.
+        drive: drive column.
+        column: explained column.
+        lags: number of time constants tried, besides no lag.
     """
     seen = [np.isfinite(np.asarray(one[column], float)) for one in records]
     y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, seen, strict=True)])
@@ -76,7 +76,7 @@ def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int 
 
 
 def find_drive(one: Experiment) -> str:
-    """Return the drive that follows the column that moves most for its size; empty for none."""
+    """Return the drive that follows the column with the largest relative changes; empty without a drive."""
     share = {drive: _measure_move(np.asarray(one.record[name], float)) for drive, name in one.follows.items()}
     return max(share, key=share.__getitem__, default="")
 
@@ -86,9 +86,9 @@ def _measure_move(x: Any) -> float:
 
 
 def find_period(experiment: Experiment) -> float:
-    """Return the mean period [s] of what drives an experiment; its length if it never returns, 0 for none.
+    """Return the mean period [s] of the drive of an experiment; its length without a return, 0 without a drive.
 
-    Counted are passages from below a quarter of its range to above three quarters, and back.
+    The count covers passages from below a quarter of its range to above three quarters, and back.
     """
     if not experiment.follows:
         return 0.0
@@ -101,7 +101,7 @@ def find_period(experiment: Experiment) -> float:
 
 
 def refine_period(one: Experiment) -> float:
-    """Return the period [s] near the mean one after which what drives repeats itself best; 0 for none."""
+    """Return the period [s] near the mean period at which the drive repeats best; 0 without a drive."""
     about = find_period(one)
     if about == 0.0:
         return 0.0

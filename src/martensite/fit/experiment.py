@@ -1,8 +1,7 @@
-"""Experiments: a system, what drove it, and what was measured.
+"""Experiments: a system, its drives and its measurements.
 
-Measured rows may be spaced as they like, and miss samples (NaN) in what is compared. A run
-begins at the start of its waveforms, `lead` before time 0 of the record, and is compared where
-the record has rows.
+Measured rows may have any spacing, and NaN in compared columns. A run begins at the start of its waveforms, `lead`
+before time 0 of the record, and is compared at the rows of the record.
 """
 
 from __future__ import annotations
@@ -26,34 +25,33 @@ from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, by
 from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
 
 ALL = ((-math.inf, math.inf),)
-"""The stretch that keeps a whole record back."""
+"""Interval that holds out a whole record."""
 LEAST_ROWS = 8
-"""Rows without which nothing can be fitted."""
+"""Least number of rows of a fit."""
 MOST_ROWS = 4000
-"""Rows that are compared; a longer record is thinned evenly."""
+"""Largest number of compared rows; a longer record is thinned evenly."""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """One record and the system that is to explain it."""
+    """Record with the system that models it."""
 
     name: str
     system: AbstractSystem
     waveform: Waveforms
     record: Record
     columns: Mapping[str, str]
-    """Output of the system -> column of the record that it is compared with."""
+    """Output of the system -> compared column of the record."""
     step: float = math.inf
-    """Longest step [s]; steps end on samples and on edges of the waveform besides."""
+    """Longest step [s]; steps also end on samples and on edges of the waveform."""
     held: tuple[tuple[float, float], ...] = ()
-    """Stretches of time [s] that are kept back from the fit; (-inf, inf) keeps all."""
+    """Held-out time intervals [s]; (-inf, inf) for the whole record."""
     weights: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Output -> weight of its squared residuals; 1 if not given."""
+    """Output -> weight of its squared residuals; 1 by default."""
     lead: float = 0.0
-    """Time that the run takes before time 0 of the record [s]: what brings the element into the
-    state in which the record begins."""
+    """Run time before time 0 of the record [s], which brings the element into the initial state of the record."""
     follows: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Drive -> column of the record that its waveform follows."""
+    """Drive -> column of the record followed by its waveform."""
     groups: Mapping[str, str] = field(default_factory=dict[str, str])
     """Groups of the record, by kind: `specimen` -> A."""
 
@@ -62,14 +60,14 @@ class Experiment:
 
     @cached_property
     def rows(self) -> Any:
-        """Return the indices of the rows of the record that are compared."""
+        """Return the indices of the compared rows."""
         count = len(self.record)
         stride = -(-count // MOST_ROWS)
         return np.arange(0, count, stride)
 
     @cached_property
     def times(self) -> Any:
-        """When they were measured [s]."""
+        """Return the times of the compared rows [s]."""
         return np.asarray(self.record.times)[self.rows]
 
     @cached_property
@@ -80,7 +78,7 @@ class Experiment:
 
     @cached_property
     def kept_back(self) -> Any:
-        """True for the rows that the fit does not see."""
+        """Return the held-out rows, as True."""
         flags = np.zeros(len(self.times), bool)
         for first, last in self.held:
             flags |= (self.times >= first) & (self.times <= last)
@@ -93,7 +91,7 @@ class Experiment:
 
     @property
     def held_out(self) -> bool:
-        """Return whether the whole record is kept back."""
+        """Return whether the whole record is held out."""
         return bool(self.kept_back.all())
 
     @property
@@ -103,7 +101,7 @@ class Experiment:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Return the name of the record and its groups: the labels that can have separate parameters."""
+        """Return the name of the record and its groups, the labels of separate parameters."""
         return self.name, *self.groups.values()
 
     @property
@@ -112,7 +110,7 @@ class Experiment:
         return 1.0
 
     def describe_outputs(self) -> Mapping[str, Output]:
-        """Return everything that it could be compared in."""
+        """Return all comparable outputs."""
         return self.system.outputs()
 
     def describe_row(self, time: float) -> str:
@@ -120,7 +118,7 @@ class Experiment:
         return f"{format_number(time)} s"
 
     def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:
-        """Return the outputs (samples, outputs) of a run with other numbers, at some of the rows that are compared."""
+        """Return the outputs (samples, outputs) of a run with other parameters, at some compared rows."""
         runner = self.runner(step, outputs)
         return runner.run_many(np.array([runner.compiled.values(system)]))[0][rows]
 
@@ -129,14 +127,15 @@ class Experiment:
         return cast("Table", by_name(self.system, self.waveform)[drive])
 
     def with_inputs(self, inputs: Mapping[str, Any]) -> Experiment:
-        """Return the experiment with other rows in columns that it follows, by drive."""
+        """Return the experiment with other rows in its followed columns, by drive."""
         changed = {
             name: Table(times=self.followed(name).times, values=tuple(map(float, row))) for name, row in inputs.items()
         }
         return replace(self, waveform={**by_name(self.system, self.waveform), **changed})
 
     def driven_grid(self, variants: Sequence[Mapping[str, Any]], step: float | None = None) -> LaneGrid:
-        """Grids of variants of columns that it follows, each a lane, and for prescribed states on equal steps."""
+        """Return grids of variants of followed columns, one per batch element, with equal steps for prescribed states.
+        """
         drives = list(self.system.drives())
         late, names = [drive.at_end for drive in drives], [drive.name for drive in drives]
         if not all(late[names.index(name)] for name in variants[0]):
@@ -160,7 +159,7 @@ class Experiment:
         return {}
 
     def grid(self, step: float | None = None) -> TimeGrid:
-        """Return the time grid, with samples at 0 and at the rows that are compared."""
+        """Return the time grid, with samples at 0 and at the compared rows."""
         times = (self.times + self.lead).tolist()
         if times[0] > 0.0:
             times = [0.0, *times]
@@ -173,8 +172,8 @@ class Experiment:
         """Return the runs of the experiment, with samples at the compared rows.
 
         Args:
-            step: longest step [s]; its own if None.
-            outputs: what is looked at; what is compared if None.
+            step: longest step [s]; None for the step of the experiment.
+            outputs: sampled outputs; None for the compared outputs.
         """
         grid = self.grid(step)
         first = len(grid.times) - len(self.times)
@@ -182,7 +181,7 @@ class Experiment:
 
 
 def check_experiment(experiment: Experiment) -> None:
-    """Refuse a record that cannot be compared with its system.
+    """Raise an error for a record that cannot be compared with its system.
 
     Raises:
         DataError: unknown outputs, other units, too few rows, a constant or an impossible column.

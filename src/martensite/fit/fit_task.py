@@ -1,4 +1,4 @@
-"""A task: logs, the scenarios that are to explain them, what is free, and how to search.
+"""Fit tasks: logs, their scenarios, free parameters, and search options.
 
 A task becomes a problem in steps. Every log gets a separate scenario, built with the log if the scenario follows it.
 Then driving and compared columns are separated, parts are held out, and steps are chosen. The problem is checked
@@ -69,21 +69,21 @@ class FitTask:
     each: Sequence[str | SearchRange] = ()
     hold_out: str | Sequence[str] = AUTO
     columns: Columns | None = None
-    """Outputs that are compared, `OUTPUT=COLUMN*FACTOR`; all that logs and system share if None."""
+    """Compared outputs, `OUTPUT=COLUMN*FACTOR`; None for all common outputs of logs and system."""
     noise: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
     step: float | None = None
-    """Longest step of all runs [s]; that of the scenario, or one to its tolerance, if None."""
+    """Longest step of all runs [s]; None for the step of the scenario, or a step chosen by the tolerance."""
     search: FitSearch = FitSearch()
 
     def arrange(self, *, check: bool = True) -> ArrangedFit:
-        """Return the problem, ready to be solved.
+        """Return the complete problem.
 
         Args:
-            check: whether the start is looked at; without, the search may begin where nothing transforms.
+            check: True to check the start; otherwise the search may begin without any transformation.
 
         Raises:
-            InputError: logs, scenario and free parameters do not fit each other.
-            SolveError: a run that is to show the step fails.
+            InputError: logs, scenario and free parameters are inconsistent.
+            SolveError: a test run for the choice of the step fails.
         """
         if not self.logs:
             raise InputError("A fit needs at least one log; none given.")
@@ -149,22 +149,22 @@ class FitTask:
 
 @dataclass(frozen=True)
 class ArrangedFit:
-    """A problem, and where it came from."""
+    """Problem with its origin."""
 
     problem: Problem
     models: dict[str, tuple[Scenario, Callable[[Record], Scenario]]]
-    """Record -> its scenario, and what makes it with another record."""
+    """Record -> its scenario, and a function that builds it with another record."""
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
     turns: bool = False
-    """True if every record is left out in turn besides."""
+    """True if every record is also left out in turn."""
 
     def solve(self, tell: Tell | None = None, state: Path | None = None) -> Fit:
         """Solve the fit; see `solve` for reports and saved states.
 
         Raises:
             DataError: the headings of a record seem to be swapped.
-            SolveError: the runs fail at the start, and at every point tried.
+            SolveError: the runs fail at the start and at all points tried.
         """
         fit = solve_problem(self.problem, **vars(self.search), tell=tell, state=state)
         first, _ = next(iter(self.models.values()))
@@ -180,7 +180,7 @@ class ArrangedFit:
 
 
 def list_paths(scenario: Scenario) -> dict[str, str]:
-    """Return the path in the scenario, as `--set` takes it -> path in the system, where they differ."""
+    """Return path in the scenario, as for `--set` -> path in the system, if they differ."""
     paths = {scenario.places.path(leaf.path): leaf.path for leaf in scenario.system.leaves()}
     own = set(paths.values())
     words = {word: places for word, places in INPUTS.items() if " " not in word and not find_paths(word, own)}
@@ -189,7 +189,7 @@ def list_paths(scenario: Scenario) -> dict[str, str]:
 
 
 def spell_paths(ranges: str | Sequence[str | SearchRange], known: Mapping[str, str]) -> list[FreeText | SearchRange]:
-    """Return the free parameters with their paths in the system; `known` maps paths of the scenario to these."""
+    """Return the free parameters with paths in the system; `known` maps paths of the scenario to these."""
     given = [ranges] if isinstance(ranges, str) else ranges
     parsed = [parse_free(one, *FIT_FORMS) if isinstance(one, str) else one for one in given]
     return [replace(one, name=known.get(one.name, one.name)) for one in parsed]
@@ -214,7 +214,7 @@ def _choose_steps(
 def _build_experiments(
     found: Sequence[LoadedLog], task: FitTask, wanted: Sequence[ComparedColumn]
 ) -> tuple[list[Experiment], list[str]]:
-    """Return one experiment per record, without steps, and what to say of its columns."""
+    """Return one experiment per record, without steps, and remarks on its columns."""
     made: list[Experiment] = []
     notes: list[str] = []
     for one in found:
@@ -243,7 +243,7 @@ def _build_experiments(
 def _describe_held(
     record: Record, system: AbstractSystem, waveform: Waveforms, follows: Mapping[str, str]
 ) -> list[str]:
-    """Return the columns whose levels are held from row to row."""
+    """Return the columns with levels that are constant between rows."""
     tables = {column: by_name(system, waveform)[drive] for drive, column in follows.items()}
     held = [column for column, one in tables.items() if isinstance(one, Table) and len(one.times) > len(record) + 1]
     return [
@@ -267,7 +267,7 @@ def _choose_held_out(
 def _drop_silent_outputs(
     made: list[Experiment], free: Sequence[SearchRange], each: Sequence[SearchRange]
 ) -> tuple[list[Experiment], list[str]]:
-    """Return the experiments without the outputs that no free parameter moves in any record."""
+    """Return the experiments without outputs that no free parameter affects in any record."""
     own = [one for one in each if not is_nuisance(one.name)]
     training = build_problem(made, free, each=own).training
     quiet = find_silent_outputs(training)

@@ -1,4 +1,4 @@
-"""Verdicts on a fit before its values are used, in sentences.
+"""Verdicts on a fit, as sentences to read before its values are used.
 
 The sentences compare the results of the fit with fixed limits, without new computations.
 """
@@ -18,13 +18,13 @@ from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 
 WORSE = 1.5
-"""Held-out error over training error from which on a fit is said to predict less than it fits."""
+"""Ratio of held-out to training error above which predictions are reported as worse than the fit."""
 POOR = 50.0
-"""Share of the measured variation [%] below which a model is said to miss most of it."""
+"""Explained fraction of the variation [%] below which a model is reported as poor."""
 OTHER_CADENCE = 1.5
-"""Ratio of periods from which on a record has another cadence."""
+"""Ratio of periods above which the period of a record counts as different."""
 NOTABLE = 0.05
-"""Error over the whole range of an output below which a model is not said to miss it."""
+"""Error as a fraction of the range of an output, below which no misfit is reported."""
 
 
 def format_error(output: str, value: float, unit: str, digits: int = 3) -> str:
@@ -113,7 +113,7 @@ def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> 
 
 
 def warn_of_baselines(fit: Fit) -> Iterator[str]:
-    """Yield the outputs that a prediction without a model predicts as well."""
+    """Yield the outputs that a baseline predicts equally well."""
     scores, rows = score_baselines(fit), _list_predicted(fit)
     for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
         found = pool_baselines(scores, name)
@@ -169,7 +169,7 @@ def _describe_input_noise(fit: Fit) -> Iterator[str]:
 
 
 def _describe_one_cadence(fit: Fit) -> Iterator[str]:
-    """Yield a warning if the cadence matters but was not varied."""
+    """Yield a warning if the period matters but was not varied."""
     rows = list_compared(fit)
     periods = {one.record: find_period(one.experiment) for one in rows}
     drives = fit.system().actuators().values()
@@ -184,7 +184,7 @@ def _describe_one_cadence(fit: Fit) -> Iterator[str]:
 
 
 def _warn_of_cadence(fit: Fit) -> Iterator[str]:
-    """Yield the records kept back whose speed is another than that of all fitted, and that are predicted worse."""
+    """Yield the held-out records with a different period and worse predictions."""
     rows = list_compared(fit)
     fitted = [find_period(one) for one in fit.problem.experiments]
     for one in rows:
@@ -204,7 +204,7 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
 
 
 def _compute_share(one: ComparedOutput, rows: Any) -> float:
-    """Return the error of some rows over what was measured to vary in them."""
+    """Return the error of some rows as a fraction of their measured variation."""
     return float(np.std(one.residuals[rows]) + abs(np.mean(one.residuals[rows]))) / (
         float(np.std(one.measured[rows])) or math.inf
     )
@@ -254,7 +254,7 @@ def _measure_range(rows: list[ComparedOutput], output: str) -> float:
 
 
 def warn_of_directions(fit: Fit) -> Iterator[str]:
-    """Yield the numbers that the records do not determine, or do not tell apart."""
+    """Yield the parameters that the records do not determine or separate."""
     yield from (one.sentence for one in fit.identifiability.weak)
     weak = {name for one in fit.identifiability.weak for name in one.names} | set(fit.at_bound())
     yield from (f"`{name}` is not determined: {why}." for name, why in fit.undetermined.items() if name not in weak)

@@ -1,13 +1,11 @@
-"""Logs: the records of a fit, each with its scenario.
+"""Logs: records of a fit with their scenarios, and the choice of held-out data.
 
-Held-out data of a fit, which test its predictions.
-
-auto     3 or more records: the middle one of the list, whole; fewer: four stretches of each cycle,
-the fifth, tenth, fifteenth and last of twenty that are equally long along its path (`path_places`)
-parts    such stretches of each record, however many there are
-none     nothing
+auto     3 or more records: the middle record of the list; fewer: four stretches of each cycle,
+the fifth, tenth, fifteenth and last of twenty of equal length along its path (`path_places`)
+parts    such stretches of each record
+none     no held-out data
 each     every record, or every specimen of a group `specimen`, in turn: from fits to all others
-25 %     the last quarter of each record (any share below 100 %)
+25 %     the last quarter of each record (any fraction below 100 %)
 A, B     records of these names
 """
 
@@ -34,7 +32,7 @@ from martensite.signals.records import Record
 Stretches = tuple[tuple[float, float], ...]
 AUTO, PARTS, NONE, EACH = "auto", "parts", "none", "each"
 MANY_RECORDS = 3
-"""Records from which on a whole one is kept back."""
+"""Number of records from which a whole record is held out."""
 STRETCHES, KEPT = 20, (4, 9, 14, 19)
 Source = str | Path | Record
 Model = str | Path | Scenario
@@ -42,10 +40,10 @@ Model = str | Path | Scenario
 
 @dataclass(frozen=True)
 class Log:
-    """A record to be explained, and by what."""
+    """Record with the scenario that models it."""
 
     source: Source
-    """A file, `data:<data set>/<file>`, or a record."""
+    """File, `data:<data set>/<file>`, or record."""
     scenario: Model
     interval: float | None = None
     """Time between rows [s] of a file without times."""
@@ -56,9 +54,9 @@ class Log:
     held: bool = False
     """True if the log is held out."""
     name: str = ""
-    """In reports; that of the file if left out."""
+    """Name in reports; by default the name of the file."""
     named: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Meaning of columns of the file, by heading or number, where it should not be guessed (`read_lab_file`)."""
+    """Meaning of columns of the file, by heading or number, which replaces a guess (`read_lab_file`)."""
     groups: Mapping[str, str] = field(default_factory=dict[str, str])
     """Groups of the log, by kind: `specimen` -> A."""
 
@@ -89,7 +87,7 @@ class LoadedLog:
 
 
 def read_logs(logs: Sequence[Log]) -> list[LoadedLog]:
-    """Read logs and build their scenarios; records of one name are numbered.
+    """Read logs and build their scenarios; records with equal names are numbered.
 
     Raises:
         InputError: a file is missing or malformed, or does not fit its scenario.
@@ -123,7 +121,7 @@ def describe_untimed(found: Sequence[LoadedLog]) -> list[str]:
 
 
 def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:
-    """Return the sentences about samples that a log misses."""
+    """Return remarks on missing samples of a log."""
     follows, record = one.scenario.follows.values(), one.record
     notes: list[str] = []
     for name in dict.fromkeys([*follows, *columns]):
@@ -142,7 +140,7 @@ def check_matching(logs: Sequence[Source], scenarios: Sequence[Model]) -> list[M
     """Return one scenario for every log.
 
     Raises:
-        DataError: they are neither one nor equally many.
+        DataError: the number of scenarios is neither 1 nor the number of logs.
     """
     if len(scenarios) == 1:
         return list(scenarios) * len(logs)
@@ -157,13 +155,13 @@ def choose_held_out(
     times: Sequence[Sequence[float]],
     places: Sequence[Any] | None = None,
 ) -> list[Stretches]:
-    """Return the held-out stretches of time of every record.
+    """Return the held-out time intervals of every record.
 
     Args:
-        hold_out: see above.
-        names: of the records.
-        times: of their rows [s].
-        places: of their rows on the path of a cycle, from 0 to 1; in proportion to time if left out.
+        hold_out: text as above.
+        names: names of the records.
+        times: times of their rows [s].
+        places: positions of their rows on the path of a cycle, from 0 to 1; by default in proportion to time.
 
     Raises:
         InputError: an invalid fraction, an unknown record, or no data left to fit.
@@ -197,7 +195,7 @@ def _spread_evenly(rows: Sequence[float]) -> Any:
 
 
 def _choose_stretches(times: Sequence[float], places: Any) -> Stretches:
-    """Return the times between which rows lie in the held-out parts of a path."""
+    """Return the intervals of time in the held-out parts of a path."""
     held = np.isin(np.minimum(np.asarray(places) * STRETCHES, STRETCHES - 1).astype(int), KEPT)
     ends = np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]])))
     return tuple((times[first], times[after - 1]) for first, after in ends.reshape(-1, 2).tolist())

@@ -1,8 +1,7 @@
-"""The numbers of a fitted actuator under canonical names, each with its kind and its source.
+"""Parameters of a fitted actuator under canonical names, each with its kind and source.
 
-A number that was fitted to all records together is `fitted`, unless they say nothing about it.
-Any other is taken over from the material of the scenario, with its kind and source, if it is
-still that number; else it is `assumed`, since nothing but the scenario stands behind it.
+A common parameter of all records is `fitted`, unless the records do not determine it. Other parameters keep kind and
+source of the scenario's material, if the value is unchanged. Otherwise they are `assumed`.
 """
 
 from __future__ import annotations
@@ -33,14 +32,14 @@ FIT, SCENARIO, DEFAULT = "fit", "scenario", "default"
 
 @dataclass(frozen=True)
 class MaterialNumbers:
-    """Material parameters of a fit, gathered from the fitted system and its scenario."""
+    """Material parameters of a fit, from the fitted system and its scenario."""
 
     fit: Fit
     scenario: Scenario | None = None
     port: str | None = None
     digits: int | None = None
     sources: dict[str, Source] = field(default_factory=dict[str, Source])
-    """Sources of the parameters that are not fitted; filled by `values`."""
+    """Sources of the fixed parameters; filled by `values`."""
 
     @property
     def law(self) -> AbstractLaw:
@@ -53,11 +52,11 @@ class MaterialNumbers:
 
     @property
     def material(self) -> Material | None:
-        """Return the material that the scenario took its numbers from."""
+        """Return the material of the scenario."""
         return self.scenario.material if self.scenario else None
 
     def law_table(self) -> dict[str, str]:
-        """Return the law as a scenario writes it: kind, options, numbers that have no canonical name."""
+        """Return the law in scenario form: kind, options, and parameters without a canonical name."""
         law = self.law
         own = {
             name: exact_text(getattr(law, name), declared.unit)
@@ -67,10 +66,10 @@ class MaterialNumbers:
         return law_words(law) | own
 
     def values(self) -> dict[str, MaterialNumber]:
-        """Return all numbers by canonical name, in the order of the names.
+        """Return all parameters by canonical name, in the order of the names.
 
         Raises:
-            InputError: actuators, or the systems of several records, differ in a number.
+            InputError: actuators, or the systems of several records, differ in a parameter.
         """
         leaves = self._leaves()
         finite = {name: leaf for name, leaf in leaves.items() if math.isfinite(leaf.value)}
@@ -79,13 +78,13 @@ class MaterialNumbers:
         return {name: found[name] for name in NAMES if name in found}
 
     def others(self) -> list[FreeNumber]:
-        """Return the parameters fitted to all records together that do not belong to the material."""
+        """Return the common fitted parameters that do not belong to the material."""
         known = {*NAMES, *self.law.declarations}
         shared = (free for free in self.fit.problem.free if free.record is None)
         return [free for free in shared if free.path.rpartition(".")[2] not in known]
 
     def _leaves(self) -> Leaves:
-        """Return the canonical numbers of the actuator, with all numbers fitted."""
+        """Return the canonical parameters of the actuator, with all fitted values."""
         own = [free for free in self.fit.problem.free if free.record is not None]
         return name_canonically(self._systems(), self.port, lambda path: any(free.moves(path) for free in own))
 
@@ -100,20 +99,20 @@ class MaterialNumbers:
         if moving[0].name in self.fit.identifiability.without_effect:
             return self._idle(name, leaf, moving[0])
         if moving[0].record is None:
-            value = self.fit[moving[0].name] if moving[1:] else leaf.value  # a centre, with spreads about it
+            value = self.fit[moving[0].name] if moving[1:] else leaf.value  # a centre with random effects
             text = exact_text(value, leaf.declared.unit, self.digits)
             return _build_number(leaf, text, "fitted", FIT, describe_trust(self.fit, moving[0]))
         return self._each(moving, leaf)
 
     def _each(self, moving: list[FreeNumber], leaf: Leaf) -> MaterialNumber:
-        """Return a number that every record has for itself is none of the material: its start stays."""
+        """Return a separate parameter of records at its start, as it does not belong to the material."""
         fitted = ", ".join(f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving)
         text = exact_text(moving[0].start, leaf.declared.unit)
         note = f"where the fit began; fitted to every record for itself: {fitted}"
         return _build_number(leaf, text, "assumed", self._scenario_source(), note)
 
     def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> MaterialNumber:
-        """Return a number that the records say nothing about is not fitted, wherever it ended."""
+        """Return an idle parameter as not fitted."""
         begun = replace(leaf, value=free.start)
         found = self._inherited(name, begun)
         words = "free in the fit, but without effect on it: as at the start"
@@ -132,14 +131,14 @@ class MaterialNumbers:
         return _build_number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
 
     def _carried(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
-        """Yield the numbers of the scenario's material that the fitted system does not use."""
+        """Yield the material parameters of the scenario that the fitted system does not use."""
         if self.material:
             for name, number in self.material.values.items():
                 if name not in leaves:
                     yield name, self._copied(self.material, number)
 
     def _copied(self, material: Material, number: MaterialNumber) -> MaterialNumber:
-        """Return a number of another material, with its source."""
+        """Return a parameter of another material, with its source."""
         key = number.source
         if key in (FIT, SCENARIO, DEFAULT):
             key = f"{key}-of-{material.name}"
@@ -153,7 +152,7 @@ class MaterialNumbers:
 
 
 def describe_trust(fit: Fit, free: FreeNumber) -> str:
-    """Return the interval and bounds of a fitted number, and what is wrong with them, in words."""
+    """Describe the interval and bounds of a fitted parameter, with their problems."""
     found = fit.uncertainty
     wide = format_interval(found.widened(free.name), free.unit)
     plain = format_interval(found.interval(free.name), free.unit)
@@ -184,12 +183,12 @@ def name_canonically(
     """Return canonical name -> parameter of the elements of some systems, which must agree.
 
     Args:
-        systems: those of several records; the first is read.
-        port: the actuator that counts; all must agree if left out.
-        apart: paths of numbers that may differ between systems.
+        systems: systems of several records; the first is read.
+        port: selected actuator; by default all must agree.
+        apart: paths of parameters that may differ between systems.
 
     Raises:
-        InputError: actuators or systems differ in a number.
+        InputError: actuators or systems differ in a parameter.
         UnknownNameError: the port does not exist.
     """
     first, *others = [_list_numbers(system, port) for system in systems]
@@ -200,10 +199,10 @@ def name_canonically(
 
 
 def find_law(systems: Sequence[AbstractSystem], port: str | None = None) -> AbstractLaw:
-    """Return the law of an actuator, or of all if none is chosen, in all systems.
+    """Return the law of an actuator, or by default of all, in all systems.
 
     Raises:
-        InputError: there is more than one, or one with other options.
+        InputError: there is more than one law, or one with other options.
     """
     laws = [
         actuator.element.law

@@ -1,16 +1,15 @@
-"""Posterior samples of the fitted parameters: how they vary together, beyond a linear picture.
+"""Posterior samples of the fitted parameters, beyond the linear approximation.
 
-With residuals r of noise s, uniform priors within the bounds of the search and n_eff of n samples
-that are independent,
+With residuals r of noise s, uniform priors within the search bounds, and n_eff independent of n samples,
 
     -log p(u | data) = ½ (n_eff/n) Σ r²/s² + constant,        0 < u < 1,
 
-sampled by an ensemble of walkers (emcee: Foreman-Mackey et al. (2013), PASP 125), which needs no
-derivatives and is affine-invariant. Steps are differences of other walkers (ter Braak and Vrugt
-(2008), Stat. Comput. 18). One half of the ensemble moves at a time, in lanes of C.
+sampled by an ensemble of walkers (emcee: Foreman-Mackey et al. (2013), PASP 125), which needs no derivatives and is
+affine-invariant. Steps are differences of other walkers (ter Braak and Vrugt (2008), Stat. Comput. 18). One half of the
+ensemble moves at a time, as a batch in C.
 
-Draws of a walker are correlated over the autocorrelation time τ [steps]. Estimates of τ are
-reliable from 50 τ on (Sokal (1997), Functional Integration); a shorter chain has not converged.
+Draws of a walker are correlated over the autocorrelation time τ [steps]. Estimates of τ are reliable from 50 τ on
+(Sokal (1997), Functional Integration); a shorter chain has not converged.
 """
 
 from __future__ import annotations
@@ -31,10 +30,10 @@ from martensite.fit.fit import Fit
 from martensite.search.batch_runner import LANES
 
 LONG_ENOUGH = 50.0
-"""Autocorrelation times from which on a chain has converged."""
+"""Chain length, in autocorrelation times, from which it has converged."""
 WALKERS_PER_PARAMETER = 4
 WIDEST_START = 0.3
-"""Largest standard deviation of the starts, as a share of the range that is searched."""
+"""Largest standard deviation of the starts, as a fraction of the search range."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class Posterior:
     """Samples of the free parameters."""
 
     samples: dict[str, Any]
-    """Name -> (draws x walkers,) in SI, the walkers of a step one after the other."""
+    """Name -> (draws x walkers,) in SI, with consecutive walkers of each step."""
     walkers: int
     draws: int
     """Steps of every walker."""
@@ -62,12 +61,12 @@ class Posterior:
 
     @property
     def converged(self) -> bool:
-        """True if the chain is long enough for every parameter."""
+        """Return whether the chain is long enough for every parameter."""
         return all(self.draws >= LONG_ENOUGH * time for time in self.times.values())
 
     @property
     def sentence(self) -> str:
-        """Return the state how far the samples can be trusted, and what to do if the chain has not converged."""
+        """Describe the convergence of the chain, and the action if it has not converged."""
         slowest = max(self.times, key=lambda name: (not math.isfinite(self.times[name]), self.times[name]))
         time = self.times[slowest]
         size = f"{self.walkers} walkers made {self.draws} steps each"
@@ -86,9 +85,9 @@ def sample_posterior(fit: Fit, *, draws: int = 500, warmup: int = 200, seed: int
     """Sample the parameters around a fit.
 
     Args:
-        fit: a fit by least squares; its noise and its effective number of samples are used.
-        draws: steps of every walker after the warm-up, which are kept.
-        warmup: first steps of every walker, which are left out.
+        fit: fit by least squares, with its noise and its effective number of samples.
+        draws: number of kept steps of every walker after the warm-up.
+        warmup: number of first steps of every walker, which are discarded.
         seed: seed of all random numbers.
 
     Returns:
@@ -96,7 +95,7 @@ def sample_posterior(fit: Fit, *, draws: int = 500, warmup: int = 200, seed: int
 
     Raises:
         InputError: emcee is not installed.
-        ParameterError: `draws` or `warmup` is below 1, or the fit has no sample to spare.
+        ParameterError: `draws` or `warmup` is below 1, or the fit has no degrees of freedom.
     """
     if min(draws, warmup) < 1:
         raise ParameterError("Arguments `draws` and `warmup` must be at least 1.")
@@ -119,7 +118,7 @@ def sample_posterior(fit: Fit, *, draws: int = 500, warmup: int = 200, seed: int
 
 
 def _build_density(fit: Fit, weight: float) -> Callable[[Any], Any]:
-    """Return the function from points (m, free) to log densities (m,); -inf beyond a bound and where a run fails."""
+    """Return the function from points (m, free) to log densities (m,); -inf beyond a bound and for failed runs."""
     factor = -0.5 * weight * len(fit.evaluation.residuals)
 
     def compute_density(points: Any) -> Any:

@@ -1,9 +1,8 @@
-"""Steps of the runs of a fit: short enough at the start, and looked at again at the end.
+"""Choice of time steps for a fit, at the start and again at the end.
 
-Where all temperatures are prescribed and nothing depends on rates, the rows of a record are
-steps enough; one run with the halved step shows whether this is so. Elsewhere equal steps are
-halved until a run on them agrees with one with error control. A fit then keeps its steps: the cost
-is as smooth in the parameters as the model is.
+If all temperatures are prescribed and nothing depends on rates, one step per row may suffice; a run with halved steps
+tests this. Otherwise equal steps are halved until a run agrees with a run under error control. A fit then keeps its
+steps, so that the cost is a smooth function of the parameters.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 
 NOTICEABLE_CHANGE = 0.5
-"""Change of a parameter on halving the steps, in standard errors, from which on it is told."""
+"""Change of a parameter on halving the steps, in standard errors, from which it is reported."""
 NEGLIGIBLE_CHANGE = 1e-6
-"""Change of a parameter, as a share of its search range, that never matters."""
+"""Negligible change of a parameter, as a fraction of its search range."""
 
 
 def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
-    """Return an experiment with a step to the tolerance (share of range), and what to say of it.
+    """Return an experiment with a step chosen by the tolerance (fraction of range), and remarks.
 
     Raises:
         SolveError: the run fails at its start values.
@@ -39,7 +38,7 @@ def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, l
 
 
 def halve_step(experiment: Experiment) -> Experiment:
-    """Return the experiment with half the longest step that it takes."""
+    """Return the experiment with its longest step halved."""
     return replace(experiment, step=0.5 * experiment.grid().longest)
 
 
@@ -73,10 +72,9 @@ def _compare_runs(coarse: Any, fine: Any) -> Any:
 
 
 def describe_step_error(fit: Fit) -> list[str]:
-    """Return the effect of halving all steps, if it is noticeable compared with the noise.
+    """Describe the effect of halving all steps, if noticeable compared with the noise.
 
-    The parameters would move by about the least-squares solution of J dz = dr, where dr is the
-    change of the residuals.
+    The change of the parameters is about the least-squares solution of J dz = dr for the change dr of the residuals.
     """
     problem = fit.problem
     fixed = [one if problem.step is None else replace(one, step=problem.step) for one in problem.experiments]

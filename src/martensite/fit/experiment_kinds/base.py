@@ -1,7 +1,7 @@
-"""Base of all kinds of experiment: when logs hold one, which scenarios may explain it, and what to record next.
+"""Base of all kinds of experiment: recognition, scenario proposals, and next records.
 
-A kind is one file of this folder, or an entry point of the group `martensite.experiment_kinds`. The kinds are asked in
-their `order`; the first that recognises the logs is taken.
+A kind is a file of this folder, or an entry point of the group `martensite.experiment_kinds`. The first kind in `order`
+that recognises the logs is used.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ EXPERIMENT_KINDS: Registry[AbstractExperimentKind] = Registry("experiment", "mar
 
 @dataclass(frozen=True)
 class Proposal:
-    """One scenario that may explain the logs."""
+    """Scenario that may explain the logs."""
 
     name: str
     document: Document
     free: tuple[str, ...]
     columns: tuple[str, ...]
     rows: Sequence[Record]
-    """The records that it explains, with the columns that it needs."""
+    """Records covered by the proposal, with the required columns."""
     each: tuple[str, ...] = ()
     others: tuple[Mapping[str, float], ...] = ()
     """Further starts: free parameter -> value in SI."""
     spread: int = 0
-    """Local searches that begin at the best of many points over the bounds."""
+    """Number of local searches from the best of many points over the bounds."""
     jitter: Mapping[str, float] = field(default_factory=dict[str, float])
     """Record -> standard error of its drive after smoothing [SI]."""
 
@@ -58,7 +58,7 @@ class Assumptions:
     """Assumptions beyond the logs: values, and sentences about them."""
 
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    """Values by dotted path that the user gives instead."""
+    """User values by dotted path, which replace assumptions."""
     sentences: list[str] = field(default_factory=list[str])
     said: Mapping[str, Mapping[str, str]] = field(default_factory=dict[str, Mapping[str, str]])
     """Record -> entries in the lines above its table: lower-case word -> text next to it."""
@@ -68,7 +68,7 @@ class Assumptions:
     """Path -> assumed value [SI]."""
 
     def take(self, path: str, unit: str, value: float, effect: str) -> float:
-        """Return the given value [SI] of a path; otherwise the assumed one, and note it with its effect."""
+        """Return the given value [SI] of a path; otherwise use the assumed value, and note its effect."""
         if path in self.settings:
             return self.settle(path, unit, value)
         self.assumed[path] = value
@@ -76,16 +76,16 @@ class Assumptions:
         return value
 
     def settle(self, path: str, unit: str, value: float) -> float:
-        """Return the given value [SI] of a path, or one that changes nothing."""
+        """Return the given value [SI] of a path, or a value without effect."""
         return units.parse_quantity(str(self.settings[path]), unit) if path in self.settings else value
 
     def take_slope(self, name: str, alone: str) -> float:
-        """Return the given Clausius–Clapeyron slope [Pa/K]; otherwise the assumed one, since there is one `alone`."""
+        """Return the given Clausius–Clapeyron slope [Pa/K]; otherwise the assumed slope, if `alone`."""
         effect = f"with one {alone} only, temperatures at zero stress follow from it"
         return self.take(f"element.law.{name}", "Pa/K", SLOPE, effect)
 
     def find_said(self, record: Record, words: Sequence[str], pattern: re.Pattern[str]) -> float | None:
-        """Return the number that the file of a record gives for a quantity above its table, and note the words."""
+        """Return the value of a quantity in the header lines of a record, and note it."""
         for key, text in self.said.get(record.name, {}).items():
             found = pattern.search(text)
             if found is not None and any(word in key for word in words):
@@ -94,7 +94,7 @@ class Assumptions:
         return None
 
     def find_diameter(self, matters: bool) -> float:
-        """Return the diameter of the element [m]: the given one, or 1 mm."""
+        """Return the given diameter of the element [m], or 1 mm."""
         if not matters and "element.diameter" not in self.settings:
             return 1e-3
         return self.take("element.diameter", "m", 1e-3, "stresses and moduli are counted from this section")
@@ -102,7 +102,7 @@ class Assumptions:
 
 @dataclass(frozen=True)
 class FitEvidence:
-    """Results of a fit that decide which record is worth recording next."""
+    """Results of a fit that decide the choice of the next record."""
 
     experiments: Sequence[Experiment]
     proposal: str
@@ -110,7 +110,7 @@ class FitEvidence:
     predicts: bool
     """True if the model predicts held-out data."""
     undetermined: Set[str]
-    """Free parameters that the logs do not determine, alone or together."""
+    """Free parameters that the logs do not determine."""
 
 
 @dataclass(frozen=True)
@@ -121,9 +121,9 @@ class RecognisedExperiment:
     why: str
     """Reason in one clause."""
     drive: str = ""
-    """Column that drives; empty for none."""
+    """Drive column; empty without a drive."""
     measured: tuple[str, ...] = ()
-    """Columns to be explained, the most telling first."""
+    """Columns to be explained, the most informative first."""
 
     @property
     def name(self) -> str:
@@ -132,27 +132,27 @@ class RecognisedExperiment:
 
 
 class AbstractExperimentKind:
-    """Kind of experiment: rule of recognition, proposed scenarios, and next records."""
+    """Kind of experiment: recognition, proposed scenarios, and next records."""
 
     registered_name: ClassVar[str] = ""
     order: ClassVar[float] = 50.0
-    """Place in the order in which kinds are tried."""
+    """Position in the order of recognition."""
     meaning: ClassVar[str] = ""
     """Description in a few words, such as `a drive makes a force at constant length`."""
     needs: ClassVar[str] = ""
     """Columns that the logs must have, in words."""
     axis: ClassVar[str] = ""
-    """Column over which a loop without rates is drawn; empty if rates matter."""
+    """Column on the axis of a rate-independent loop; empty if rates matter."""
     own_zero: ClassVar[bool] = False
-    """True if each record may have its own zero or start."""
+    """True if each record may have a separate offset or start."""
     shows_shape: ClassVar[bool] = False
     """True if the records show the shape of the transformation, so that rounder laws are tried."""
     given_start: ClassVar[bool] = False
-    """True if the state in which a record begins is part of the input, so that it is fitted to a held-out record."""
+    """True if the initial state of a record is an input, fitted also to a held-out record."""
 
     @abstractmethod
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
-        """Return the experiment that the logs hold; None if it is of another kind."""
+        """Return the experiment in the logs; None for another kind."""
 
     @abstractmethod
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
@@ -160,14 +160,14 @@ class AbstractExperimentKind:
 
     @abstractmethod
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
-        """Yield sentences on records that would tell more, the most useful first."""
+        """Yield sentences on the most informative next records, the most useful first."""
 
     @abstractmethod
     def make_example(self) -> list[Record]:
-        """Return small made records [SI] of such an experiment; `martensite conform` tries the kind with them."""
+        """Return small synthetic records [SI] of such an experiment, for `martensite conform`."""
 
     def find_time_constant(self, fit: Fit) -> tuple[float, float, float] | None:
-        """Return a time constant [s] with its 95 % interval; None if the kind has none."""
+        """Return a time constant [s] with its 95 % interval; None if the kind has no time constant."""
         return None
 
 
@@ -177,14 +177,14 @@ def list_kinds() -> list[AbstractExperimentKind]:
 
 
 def recognise_experiment(records: Sequence[Record], asked: str | None = None) -> RecognisedExperiment:
-    """Return the experiment that some records hold.
+    """Return the experiment in some records.
 
     Args:
-        records: in SI.
-        asked: name of the kind, if it is known.
+        records: records in SI.
+        asked: name of the kind, if known.
 
     Raises:
-        UnknownNameError: no kind has the name.
+        UnknownNameError: there is no kind with this name.
         DataError: no kind recognises the records, or the columns of the requested kind are missing.
     """
     kinds = list_kinds() if asked is None else [EXPERIMENT_KINDS[asked]()]
@@ -208,16 +208,16 @@ def propose_scenarios(
     settings: Mapping[str, Any],
     said: Mapping[str, Mapping[str, str]] | None = None,
 ) -> tuple[list[Proposal], Assumptions]:
-    """Return the scenarios that may explain the records of an experiment, and what they assume.
+    """Return the scenarios that may explain the records of an experiment, and their assumptions.
 
     Args:
-        found: the experiment.
-        records: in SI.
+        found: recognised experiment.
+        records: records in SI.
         settings: values by dotted path, which replace assumptions.
         said: entries in the lines above the tables, by record.
 
     Raises:
-        DataError: indispensable data are missing; one sentence asks for them.
+        DataError: required data are missing; the message asks for them.
     """
     known = Assumptions(settings, said=said or {})
     proposals = [replace(one, jitter=known.jitter) for one in found.kind.propose(found, records, known)]

@@ -1,4 +1,4 @@
-"""Survey of the columns of logs: which of them vary, over which range, and which drives.
+"""Survey of the columns of logs: varying columns, their ranges, and the drives.
 
 A column varies if its range exceeds its scatter from row to row and is not small compared with its level.
 """
@@ -16,7 +16,7 @@ from martensite.signals.records import Record
 
 DRIVES, DEFORMATIONS, LOADS = map(list_quantities, ("drive", "shape", "load"))
 NOISE, LEVEL = 6.0, 0.02
-"""A range is a signal beyond so many scatters from row to row, and beyond this share of its level."""
+"""Least range of a signal, in scatters from row to row and as a fraction of its level."""
 LOADED = 0.5
 """Range of a load over its largest value above which the load is not constant."""
 HEATED = 15.0
@@ -33,12 +33,12 @@ class LogSurvey:
         self.varying = [n for n in self.names if any(_is_varying(n, r[n]) for r in records if n in r.columns)]
 
     def list_varying(self, names: Sequence[str]) -> list[str]:
-        """Return those of some columns that vary."""
+        """Return the varying columns of a selection."""
         return [name for name in names if name in self.varying]
 
     @cached_property
     def drives(self) -> list[str]:
-        """Return the varying drives; the first one drives, since it has the fewest different values."""
+        """Return the varying drives, with the fewest distinct values first."""
         found = self.list_varying(DRIVES)
         return sorted(found, key=lambda name: (self._count_levels(name), DRIVES.index(name)))
 
@@ -64,19 +64,19 @@ class LogSurvey:
 
     @property
     def is_loaded(self) -> bool:
-        """Return whether a load varies by more than the share `LOADED` of its largest value."""
+        """Return whether a load varies by more than the fraction `LOADED` of its largest value."""
         return max(map(self._share_range, self.loads), default=0.0) >= LOADED
 
     @property
     def is_falling(self) -> bool:
-        """Return whether all temperatures end well below where they begin."""
+        """Return whether all temperatures end well below their first values."""
         return all(_is_falling(_finite(one["temperature"])) for one in self._with("temperature"))
 
     def _with(self, name: str) -> list[Record]:
         return [one for one in self.records if name in one.columns]
 
     def _count_levels(self, name: str) -> int:
-        """Count the different values of a column: a command has few, its consequences have many."""
+        """Count the distinct values of a column; a command has few."""
         return sum(len(set(np.round(one[name], 12))) for one in self._with(name))
 
     def _share_range(self, name: str) -> float:
