@@ -1,4 +1,4 @@
-"""Fits of the numbers of a scenario to logs: search, uncertainty, and what the data leave open."""
+"""Fits of scenario parameters to logs: search, uncertainty, and identifiability."""
 
 from martensite.base.lazy import attach_names
 

@@ -41,10 +41,10 @@ def read_problem(
         free: parameters common to all logs: `A_s`, `A_s=40..90 degC`, `A_s=40..90 degC@60 degC`.
         each: separate parameters of each log: as in `free`, and `offset`, `offset.OUTPUT`, `delay`.
         hold_out: held-out data: auto (default), none, names of records, or `25 %`.
-        columns: compared outputs: `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`.
-            The default is all outputs that logs and system have in common, without the drives.
+        columns: compared outputs: `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`. The default is all outputs that
+            logs and system have in common, without the drives.
         noise: output -> standard deviation of its measurement, with unit or in SI.
-        step: longest step of all runs [s]; by default the step of the scenario, or a step chosen by the tolerance.
+        step: longest step of all runs [s], by default the step of the scenario, or a step chosen by the tolerance.
         overrides: changes to the scenarios, by dotted path.
 
     Raises:

@@ -76,7 +76,7 @@ def match_columns(
     Args:
         record: measured record.
         system: system that models the record.
-        wanted: requested outputs; empty for all common outputs.
+        wanted: requested outputs, empty for all common outputs.
         follows: drive -> followed column.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Noise of the columns that a fit follows: declared, or estimated from row to row."""
+"""Noise of followed columns, declared or estimated from row to row."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from martensite.fit.problem import Problem
 
 INCREDIBLE = 0.05
-"""Share of the range of a column above which an estimate of noise may be its signal."""
+"""Fraction of the range of a column above which the estimated noise may be signal."""
 OUTLYING = 4.0
-"""Standard deviations beyond which a row is a corner of the signal, and no noise."""
+"""Standard deviations beyond which a row is a corner of the signal, not noise."""
 
 
 class FollowedNoise(NamedTuple):
-    """Noise of a column that drives."""
+    """Noise of a drive column."""
 
     drive: str
     column: str
@@ -28,14 +28,14 @@ class FollowedNoise(NamedTuple):
 
 
 def estimate_column_noise(times: ArrayLike, values: ArrayLike) -> float:
-    """Return the standard deviation of a smooth or resting column about its neighbours, the noise.
+    """Return the noise of a smooth column, as its standard deviation about neighbouring rows.
 
-    Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; the remainder has the
-    variance σ² (1 + Σ w²). The least of the three counts: a signal that bends leaves more.
+    Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; the remainder has the variance
+    σ² (1 + Σ w²). The least of the three counts, because curvature of the signal adds to the others.
 
     Args:
-        times: of the rows [s].
-        values: of the column; at least 9, else the answer is 0.
+        times: times of the rows [s].
+        values: values of the column. The result is 0 for fewer than 9.
     """
     t, x = np.asarray(times, float), np.asarray(values, float)
     if len(t) < 9:

@@ -1,4 +1,4 @@
-"""Headings of a table of conditions that name a measure: `peak stroke`, `force rise`, `time to 90 % force`."""
+"""Measures in headings of a table of conditions: `peak stroke`, `force rise`, `time to 90 % force`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WAYS = {
     **dict.fromkeys(("mean", "average"), "mean"),
     "rms": "rms",
 }
-"""Word beside an output -> measure of it."""
+"""Word next to an output -> measure of the output."""
 STROKES = {"lift", *QUANTITIES["position"].words}
 """Words for the first coordinate of a mechanism."""
 _HEADING = re.compile(r"^\s*(.*?)\s*(?:\[\s*([^\]]*?)\s*\])?\s*$")
@@ -27,7 +27,7 @@ _TIME_TO = re.compile(r"^time to (peak|max(?:imum)?|([\d.]+) ?%)(?: of)?(?: (.+)
 
 
 def split_heading(text: str) -> tuple[str, str]:
-    """Return the name in small letters with blanks, and the unit in brackets."""
+    """Return the name in lower case, and the unit in brackets."""
     found = _HEADING.match(text)
     name, unit = (found[1], found[2] or "") if found else (text.strip(), "")
     round_brackets = _ROUND.match(name)
@@ -57,7 +57,7 @@ def find_measure_words(name: str, outputs: Iterable[str]) -> str:
 
 
 def _keep_measure(text: str) -> str:
-    """Return the text of a measure; empty if it is none."""
+    """Return the text of a measure; empty for other texts."""
     try:
         parse_measure(text)
     except InputError:
@@ -66,18 +66,18 @@ def _keep_measure(text: str) -> str:
 
 
 def _write_first_time(share: str) -> str:
-    """Return the time to a share, or to the peak, of an output that is chosen later."""
+    """Return the time to a fraction, or to the peak, of an output that is chosen later."""
     return f"reach-time(, {share})" if share else "peak-time"
 
 
 def _write_time(output: str, share: str) -> str:
-    """Return the time to a share of an output, or to its peak."""
+    """Return the time to a fraction of an output, or to its peak."""
     options = ", ".join(filter(None, (output, share)))
     return f"{'reach' if share else 'peak'}-time({options})" if options else "peak-time"
 
 
 def _write_way(words: Sequence[str], known: Sequence[str]) -> str:
-    """Return the measure of words such as `peak` beside an output; empty if there is none."""
+    """Return the measure of words such as `peak` next to an output; empty without a match."""
     ways = [word for word in words if word in WAYS]
     rest = " ".join(word for word in words if word not in WAYS)
     if len(ways) != 1 or not rest:
@@ -89,7 +89,7 @@ def _write_way(words: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _find_output(words: str, known: Sequence[str]) -> str:
-    """Return the output that some words name; empty for the first coordinate."""
+    """Return the output for some words; empty for the first coordinate."""
     plain = words.replace(" ", "_")
     if plain in known or words in STROKES:
         return "" if words in STROKES else plain

@@ -1,4 +1,4 @@
-"""Descents of a fit: a trust-region search from every start, and a test of its end for being stationary."""
+"""Descents of a fit: trust-region searches from every start, and a test of stationarity."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ BOUNDED = "stopped at bounds"
 POLISHES = 5
 """Number of restarts from an end that is not stationary."""
 STATIONARY = 0.1
-"""Step that the derivatives still ask for, in standard errors, below which a point is stationary."""
+"""Gauss-Newton step, in standard errors, below which a point is stationary."""
 LINE = (1.0, 0.3, 0.1, 0.03)
-"""Parts of such a step that are tried."""
+"""Tried fractions of such a step."""
 AT_BOUND = 1e-4
-"""Distance from a bound that counts as none."""
+"""Distance within which a point counts as at a bound."""
 ROUNDING = 1e-7
-"""Share of range or noise below which residuals are those of rounding."""
+"""Fraction of range or noise below which residuals are rounding errors."""
 MOST_EVALUATIONS = 200
 """Evaluations of one local search."""
 
 
 def run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
-    """Return a local search from every start; how the best of them ended."""
+    """Run a local search from every start, and return the stop reason of the best."""
     reason, least = "failed at the start", math.inf
     for k, (stage, begin) in enumerate(begins):
         if stage in watch.done:
@@ -47,7 +47,7 @@ def run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: 
 
 
 def verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
-    """Return whether the derivatives ask for no further step that helps; the search goes on as long as they do."""
+    """Continue the search while a Gauss-Newton step improves the cost, and return whether the end is stationary."""
     watch.stage = "verifying the optimum"
     for _ in range(POLISHES):
         point = np.array(watch.best)
@@ -65,7 +65,7 @@ def verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
         before = watch.cost
         for share in LINE:
             watch.evaluate(order.find_shares(np.clip(place + share * step, 0.0, 1.0)).tolist())
-        if watch.cost >= before * (1.0 - SETTLED):  # a kink: the step that is asked for does not help
+        if watch.cost >= before * (1.0 - SETTLED):  # a kink: the Gauss-Newton step does not help
             return CONVERGED
         descend_from(watch, np.array(watch.best), loss, most)
     return NOT_STATIONARY
@@ -76,12 +76,12 @@ def _scale_loss(loss: Loss, found: Evaluation) -> float:
 
 
 def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
-    """Return the step of Gauss and Newton that bounds allow, and its length in standard errors of the residuals.
+    """Return the Gauss-Newton step within bounds, and its length in standard errors of the residuals.
 
     Args:
         residuals: (n,), weighted.
         jacobian: (n, free).
-        point: shares from 0 to 1.
+        point: fractions from 0 to 1.
     """
     gradient = jacobian.T @ residuals
     held = ((point <= AT_BOUND) & (gradient > 0.0)) | ((point >= 1.0 - AT_BOUND) & (gradient < 0.0))
@@ -95,7 +95,7 @@ def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
 
 
 def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_EVALUATIONS) -> str:
-    """Return one trust-region search; its points and costs are kept by the watch."""
+    """Return one trust-region search; the monitor stores its points and costs."""
     first = watch.evaluate(begin, slopes=True)
     if first is None:
         return "failed at the start"
@@ -107,9 +107,9 @@ def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_
         now = watch.evaluate(watch.best or begin)
         scale = loss.tuning * max(estimate_scale((now or first).residuals), 1e-12)
         begin = np.array(watch.best)
-        watch.cost = math.inf  # what counts is another cost from here on
+        watch.cost = math.inf  # another cost counts from here on
     found = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
-    if loss.name != "linear":  # the least squares on the way are not what is looked for
+    if loss.name != "linear":  # unweighted least squares are not the target
         watch.best = tuple(map(float, found.shares))
     return CONVERGED if found.converged else f"stopped after {most} evaluations"
 

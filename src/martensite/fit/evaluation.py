@@ -1,4 +1,4 @@
-"""Runs of a fit compared with what was measured: residuals, derivatives, and a correction for noisy drives."""
+"""Runs of a fit compared with measurements: residuals, derivatives, and a correction for noisy drives."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ import numpy as np
 
 @dataclass(frozen=True)
 class FittedRecord:
-    """One experiment at some parameters."""
+    """Experiment with given parameters."""
 
     model: Any
     """(rows, outputs) in SI, offsets included."""
     residuals: Any
-    """(rows, outputs), scaled and weighted; NaN where nothing was measured."""
+    """(rows, outputs), scaled and weighted; NaN for missing samples."""
     jacobian: Any
-    """(rows, outputs, free): d(residual)/du; None if it was not asked for."""
+    """(rows, outputs, free): d(residual)/du; None if not requested."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The whole problem at some parameters."""
+    """Whole problem with given parameters."""
 
     fitted: tuple[FittedRecord, ...]
-    """One per experiment."""
+    """One record per experiment."""
     residuals: Any
-    """(n,): those that count, one output of one experiment after the other."""
+    """(n,): used residuals, in the order of experiments and outputs."""
     jacobian: Any
     """(n, free), or None."""
 
@@ -40,17 +40,17 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class InputCorrection:
-    """Correction for noise in the columns that an experiment follows; see `input_noise`."""
+    """Correction for noise in the followed columns of an experiment; see `input_noise`."""
 
     inputs: Mapping[str, Any]
-    """Drive -> estimated rows of its column, in place of those logged."""
+    """Drive -> estimated rows of its column, which replace the logged rows."""
     shift: Any
-    """(used residuals,): what the difference of both does, to first order."""
+    """(used residuals,): first-order effect of this replacement."""
     parts: tuple[tuple[Any, Any, Any], ...]
-    """Places of residuals, directions (places, k) in which they scatter more, and how much less each counts."""
+    """Indices of residuals, directions (indices, k) of increased scatter, and their weight reductions."""
 
     def whiten(self, rows: Any) -> Any:
-        """Return the residuals (n,), or derivatives (n, free), such that all scatter alike."""
+        """Return the residuals (n,), or derivatives (n, free), with equal scatter."""
         found = rows.copy()
         for places, directions, less in self.parts:
             found[places] -= directions @ (less * (directions.T @ rows[places]).T).T

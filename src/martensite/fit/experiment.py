@@ -134,8 +134,7 @@ class Experiment:
         return replace(self, waveform={**by_name(self.system, self.waveform), **changed})
 
     def driven_grid(self, variants: Sequence[Mapping[str, Any]], step: float | None = None) -> LaneGrid:
-        """Return grids of variants of followed columns, one per batch element, with equal steps for prescribed states.
-        """
+        """Return grids of variants of followed columns, one per batch element; equal steps for prescribed states."""
         drives = list(self.system.drives())
         late, names = [drive.at_end for drive in drives], [drive.name for drive in drives]
         if not all(late[names.index(name)] for name in variants[0]):
@@ -172,8 +171,8 @@ class Experiment:
         """Return the runs of the experiment, with samples at the compared rows.
 
         Args:
-            step: longest step [s]; None for the step of the experiment.
-            outputs: sampled outputs; None for the compared outputs.
+            step: longest step [s], or None for the step of the experiment.
+            outputs: sampled outputs, or None for the compared outputs.
         """
         grid = self.grid(step)
         first = len(grid.times) - len(self.times)

@@ -1,7 +1,4 @@
-"""Provenance of a fit, as a table for a file: records, bounds, errors.
-
-The table is independent of time and place of the fit: the same fit gives the same table.
-"""
+"""Provenance of a fit as a table: records, bounds, errors, independent of time and place."""
 
 from __future__ import annotations
 
@@ -24,10 +21,10 @@ NOT_DETERMINED = "not determined by the data"
 
 
 def describe_program() -> str:
-    """This package with its version."""
+    """Return the name of this package with its version."""
     try:
         return f"{PACKAGE} {version(PACKAGE)}"
-    except PackageNotFoundError:  # run from a source tree that was not installed
+    except PackageNotFoundError:  # run from a source tree without installation
         return PACKAGE
 
 
@@ -35,8 +32,8 @@ def compute_digest(record: Record) -> dict[str, str]:
     """Return the SHA-256 of the file of a record, or of its columns for a record without a file.
 
     Returns:
-        `{"file": name, "sha256": …}`; else `{"sha256_of_columns": …}`, over the name of each
-        column and its numbers as little-endian doubles, in the order of the record.
+        `{"file": name, "sha256": …}`, or `{"sha256_of_columns": …}` over the name of each column and its values as
+        little-endian doubles, in the order of the record.
     """
     if record.source is not None and record.source.is_file():
         found = hashlib.sha256(record.source.read_bytes()).hexdigest()
@@ -51,14 +48,14 @@ def compute_digest(record: Record) -> dict[str, str]:
 
 
 def list_published(fit: Fit) -> list[str]:
-    """Return the bibliography keys of the published data sets that the records of a fit come from."""
+    """Return the bibliography keys of the published data sets of a fit."""
     known = dataset_names()
     sets = (one.experiment.record.name.partition("/")[0] for one in list_compared(fit))
     return list(dict.fromkeys(describe_dataset(name).cite for name in sets if name in known))
 
 
 def build_provenance(fit: Fit) -> dict[str, Any]:
-    """Return the whole table: how it was searched, what was free, and which records it was fitted to."""
+    """Return the whole table: search, free parameters, and fitted records."""
     return {
         "by": describe_program(),
         "method": fit.method,
@@ -73,7 +70,7 @@ def build_provenance(fit: Fit) -> dict[str, Any]:
 
 
 def format_interval(interval: Interval, unit: str) -> str:
-    """`62.5 to 63.9 degC`, or that there is none."""
+    """Return an interval such as `62.5 to 63.9 degC`, or its absence."""
     return NOT_DETERMINED if interval == EVERYTHING else shown_range(interval, unit)
 
 

@@ -79,7 +79,7 @@ class FitTask:
         """Return the complete problem.
 
         Args:
-            check: True to check the start; otherwise the search may begin without any transformation.
+            check: True to check the start. Otherwise the search may begin without any transformation.
 
         Raises:
             InputError: logs, scenario and free parameters are inconsistent.

@@ -76,7 +76,7 @@ def _describe_prediction(rows: list[ComparedOutput]) -> str:
 
 
 def _list_predicted(fit: Fit) -> list[ComparedOutput]:
-    """Return all held-out outputs, including those of records left out in turn."""
+    """Return all held-out outputs, including records left out in turn."""
     turns = [one for kept in fit.transfer for one in list_held_out(kept)]
     return [*turns, *(one for one in list_compared(fit) if one.held.any())]
 

@@ -70,7 +70,7 @@ def read_ranges(
         texts: one text per parameter.
         systems: systems with these parameters.
         own: True for separate values per record, which permits offsets, delays, groups and spreads.
-        outputs: outputs that may have an offset; by default the outputs of the first system.
+        outputs: outputs that may have an offset, by default the outputs of the first system.
 
     Raises:
         InputError: a text cannot be read, or its name matches no parameter.
@@ -126,7 +126,7 @@ def build_free_numbers(
 
     Args:
         ranges: names with optional bounds and starts.
-        systems: systems with these parameters; the first system gives the start.
+        systems: systems with these parameters. The first system gives the start.
         record: experiment to which these parameters belong.
 
     Raises:

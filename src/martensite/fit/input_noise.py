@@ -327,7 +327,7 @@ def _require_run(problem: Problem, u: Any) -> Evaluation:
 def _step_towards(
     problem: Problem, runs: Sequence[_FollowedRuns], u: Any, end: Any, wanted: Sequence[Any], noise: float
 ) -> Any:
-    """Numbers and rows on the way to others, as far as the sum of all squares falls; the numbers are returned."""
+    """Step parameters and rows as far as the sum of all squares falls, and return the parameters."""
     begun = [one.rows for one in runs]
     least = _sum_squares(problem, runs, u, begun, noise)
     for share in SHARES:
@@ -343,7 +343,7 @@ def _step_towards(
 
 
 def _sum_squares(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, rows: Sequence[Any], noise: float) -> float:
-    """Return the squares of what is compared and of what drives, each over its noise."""
+    """Return the squares of outputs and of drives, each divided by its noise."""
     fixes = (InputCorrection(one.inputs(x), np.zeros(len(one.at)), ()) for one, x in zip(runs, rows, strict=True))
     found = problem.with_corrections(list(fixes)).evaluate(u)
     if found is None:

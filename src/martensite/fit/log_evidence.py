@@ -1,11 +1,11 @@
-"""Evidence behind the parameters of a model of logs: which depend on assumptions, and temperatures at each load.
+"""Evidence for the parameters of a model of logs: dependence on assumptions, and temperatures at each load.
 
-A parameter depends on an assumed value if it moves by more than half of its 95 % interval while that value changes by
-a tenth, or by 10 K. With residuals r and their Jacobian J it moves by
+A parameter depends on an assumed value if a change of this value by a tenth, or by 10 K, moves it by more than half of
+its 95 % interval. With residuals r and their Jacobian J the change is
 
     Δp = -J⁺ (r(changed) - r(assumed))
 
-in proportion to a change that is `SMALL` of that, so that it is linear.
+It is computed for the fraction `SMALL` of the change and scaled, so that it is linear.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from martensite.fit.problem import Problem
 CHANGE, WARMER = 0.1, 10.0
 """Relative change of an assumed value, and change of an assumed temperature [K]."""
 SMALL = 0.01
-"""Part of these changes that is computed."""
+"""Computed fraction of these changes."""
 STEP = 1e-6
-"""Step of finite differences, as a share of a search range."""
+"""Step of finite differences, as a fraction of a search range."""
 CANCEL = 0.02
-"""Part of two opposite changes of a temperature below which their sum is none."""
+"""Relative sum of two opposite changes of a temperature that counts as zero."""
 SHIFTED = {"A_s": "C_A", "A_f": "C_A", "M_s": "C_M", "M_f": "C_M"}
 """Transformation temperature -> the slope of its line."""
 Rebuild = Callable[[str, str], Problem]
@@ -46,21 +46,21 @@ class ShiftedTemperature:
     value: float
     """[K]"""
     half_width: float
-    """Half of its 95 % interval [K]; infinite if it is not determined."""
+    """Half of its 95 % interval [K]; infinite if undetermined."""
     assumed: tuple[str, ...] = ()
     """Paths of assumed values on which it depends."""
 
 
 @dataclass(frozen=True)
 class AssumedMove:
-    """Change of an assumed value, and the resulting change of the free parameters as shares of their ranges."""
+    """Change of an assumed value, and the resulting change of the free parameters as fractions of their ranges."""
 
     path: str
     move: Any
 
 
 def trace_assumptions(fit: Fit, assumed: Mapping[str, float], rebuild: Rebuild) -> list[AssumedMove]:
-    """Return how far the parameters of a fit move with each assumed value."""
+    """Return the change of the parameters of a fit with each assumed value."""
     found: list[AssumedMove] = []
     for path, value in assumed.items():
         warm = path.endswith("temperature")
@@ -79,13 +79,13 @@ def trace_assumptions(fit: Fit, assumed: Mapping[str, float], rebuild: Rebuild) 
 
 
 def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
-    """Return a fit whose intervals also hold the error that smoothing leaves in what drives its loops.
+    """Return a fit with intervals that include the smoothing error of loop drives.
 
-    Each leg of a loop is taken to be off by its own amount, whose standard deviation is known.
+    Each leg of a loop has a separate offset of known standard deviation.
 
     Args:
-        fit: the fit.
-        jitter: record -> standard deviation of that amount [SI].
+        fit: fit without this error.
+        jitter: record -> standard deviation of the offset [SI].
     """
     problem, found = fit.problem, fit.uncertainty
     sizes = np.array([free.slope(u) for free, u in _pair_free(fit)])
@@ -111,7 +111,7 @@ def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
 
 
 def _shift_legs(fit: Fit, k: int, error: float) -> Iterator[Any]:
-    """Yield the changes of the residuals of a record, (rows,), where a leg of its drive is off."""
+    """Yield the changes of the residuals of a record, (rows,), for an offset of each leg of its drive."""
     one = fit.problem.experiments[k]
     drive = find_drive(one)
     values = np.array(one.followed(drive).values)
@@ -180,14 +180,14 @@ def _read_law(fit: Fit, point: Sequence[float]) -> dict[str, float]:
 
 
 def _differentiate_law(fit: Fit) -> dict[str, Any]:
-    """Return the derivatives of the parameters of the law by the places of the free parameters."""
+    """Return the derivatives of the law parameters with respect to the places of the free parameters."""
     base = _read_law(fit, fit.values)
     rows = [_move_law(fit, i, base) for i in range(len(fit.values))]
     return {name: np.array([row[name] for row in rows]) for name in base}
 
 
 def _move_law(fit: Fit, i: int, base: Mapping[str, float]) -> dict[str, float]:
-    """Return the derivatives by one place, on the side on which the law keeps its order; 0 if there is none."""
+    """Return the derivatives by one place, on the side that keeps the order of the law; otherwise 0."""
     for step in (STEP, -STEP):
         try:
             moved = _read_law(fit, [u + step * (k == i) for k, u in enumerate(fit.values)])

@@ -229,8 +229,8 @@ def model_logs(
         interval: time between rows [s] of files without times.
         free: texts of free parameters, such as `C_A=5..12 MPa/K`, in place of the proposed parameters.
         fixed: names of fixed parameters, each with `=VALUE` if the value is known.
-        hold_out: held-out data, as in `fit_logs`; by default each record in turn, or parts of one or two.
-        starts: number of further local searches; by default as proposed.
+        hold_out: held-out data, as in `fit_logs`, by default each record in turn, or parts of one or two.
+        starts: number of further local searches, by default as proposed.
         time_box: processor time limit [s].
         tell: callback with a progress sentence.
         keep: callback after every evaluation, with the problem and the best point.

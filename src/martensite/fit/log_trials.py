@@ -1,4 +1,4 @@
-"""Trials of proposed models: each is fitted to all records, tested on held-out data, and simplified.
+"""Trials of proposed models: fit to all records, test on held-out data, simplification.
 
 The simplest law comes first. A law with more parameters replaces it only if its held-out error is clearly smaller.
 """
@@ -35,17 +35,17 @@ CLEARLY = 0.85
 FLOOR = 1.1
 """Held-out error over the scatter of the rows below which no richer law is tried."""
 EXCELLENT = 99.0
-"""Held-out fit [%] of loops from which on no richer law is tried."""
+"""Held-out fit [%] of loops from which no richer law is tried."""
 CONFUSED = 0.995
-"""Size of a correlation from which on one of two parameters is fixed."""
+"""Absolute correlation from which one of two parameters is fixed."""
 EVALUATIONS = 60
 """Evaluations of one local search."""
 GOOD = 93.0
-"""Held-out fit [%] of a simple law beyond which rounder transformations are not tried."""
+"""Held-out fit [%] of a simple law above which rounder transformations are not tried."""
 TRANSFORMED = 0.05
-"""Least range of the martensite fraction in a fit that says something of a transformation."""
+"""Least range of the martensite fraction that counts as a transformation."""
 ENOUGH = 0.6
-"""Used part of the time box from which on no further proposal is tried."""
+"""Used fraction of the time box from which no further proposal is tried."""
 ALWAYS_FREE = ("A_s", "A_f", "M_s", "M_f", "eps_L", "H_min", "H_sat", "sigma_s", "sigma_f")
 """Parameters that no simplification fixes."""
 INTERRUPTION, BOX = "interruption", "time box"
@@ -57,7 +57,7 @@ Keep = Callable[[Problem, SearchNote], None]
 
 @dataclass(frozen=True)
 class TriedModel:
-    """A proposal, its fit to all records, and what it predicts."""
+    """Proposal with its fit to all records and its predictions."""
 
     proposal: Proposal
     fit: Fit
@@ -65,12 +65,12 @@ class TriedModel:
 
     @cached_property
     def pooled(self) -> list[PooledError]:
-        """Return the held-out errors by output; the first is what the experiment is about. Empty if not tested."""
+        """Return the held-out errors by output, the main output first; empty if not tested."""
         return pool_errors(self.errors)
 
     @property
     def error(self) -> float:
-        """Return the held-out error of the first output [SI]; infinite if it was not tested."""
+        """Return the held-out error of the first output [SI]; infinite if not tested."""
         return self.pooled[0].rms if self.pooled else math.inf
 
 
@@ -82,17 +82,17 @@ class ModelTrials:
     box: TimeBox
     tell: Stage
     starts: int | None = None
-    """Further local searches, from the best of many points; as the proposal has it if None."""
+    """Number of further local searches, from the best of many points; None for the number of the proposal."""
     hold_out: str = AUTO
     keep: Keep | None = None
-    """Told of every evaluation: the problem, and the best so far."""
+    """Callback after every evaluation, with the problem and the best point."""
     tried: list[TriedModel] = field(default_factory=list[TriedModel])
     notes: list[str] = field(default_factory=list[str])
     stopped: str = ""
     """Reason for an early end; empty without one."""
 
     def run(self, proposals: Sequence[Proposal]) -> None:
-        """Try proposals, the simplest first, until one errs by no more than the scatter, or time is up.
+        """Try proposals, the simplest first, until the error is within the scatter, or the time is used up.
 
         Raises:
             SolveError: no proposal can be run.
@@ -111,7 +111,7 @@ class ModelTrials:
             raise SolveError(f"None of the proposed models can be run. {' '.join(self.notes)}")
 
     def _try_next(self, proposal: Proposal) -> None:
-        """Try a proposal, then the same with fewer parameters if some are not determined."""
+        """Try a proposal, and then a simplified one if parameters are undetermined."""
         try:
             found = self._try_proposal(proposal)
             self.tried.append(found)
@@ -146,7 +146,7 @@ class ModelTrials:
         return TriedModel(proposal, fit, tuple(errors))
 
     def _solve_from_starts(self, problem: Problem, proposal: Proposal) -> Fit:
-        """Return the best of several local searches at whose end something transforms, if there is one."""
+        """Return the best of several local searches, preferably with a transformation."""
         fits: list[Fit] = []
         spread = proposal.spread if self.starts is None else self.starts
         most = EVALUATIONS if spread else 2 * EVALUATIONS  # loops are cheap
@@ -172,7 +172,7 @@ class ModelTrials:
         return min(moving or fits, key=lambda fit: fit.cost)
 
     def _is_enough(self) -> bool:
-        """Return whether the best model errs by little, or by no more than the rows scatter."""
+        """Return whether the best model has a small error, or an error within the scatter."""
         if not self.tried or not self.tried[-1].pooled:
             return False
         best = choose_model(self.tried)
@@ -181,7 +181,7 @@ class ModelTrials:
         return good or best.error <= FLOOR * measure_scatter(best)
 
     def _propose_rounder(self) -> Proposal | None:
-        """Return the best proposal of a driven element with rounder transformations, if it errs too much."""
+        """Return the best proposal of a driven element with rounder transformations, if its error is too large."""
         best = choose_model(self.tried)
         if not (self.kind.shows_shape and best.proposal.spread and best.pooled):
             return None
@@ -194,17 +194,17 @@ def read_proposal(proposal: Proposal) -> Scenario:
 
 
 def arrange_proposal(proposal: Proposal, scenario: Scenario) -> Problem:
-    """Return the problem of a proposal with nothing held out."""
+    """Return the problem of a proposal without held-out data."""
     task = build_task(scenario, list(proposal.rows), list(proposal.free))
     task = task.with_changes(each=list(proposal.each), hold_out="none", columns=list(proposal.columns))
     return task.arrange(check=False).problem
 
 
 def rebuild_problem(proposals: Sequence[Proposal], model: TriedModel) -> Problem:
-    """Return the problem of a model with the document and rows that it has among other proposals.
+    """Return the problem of a model with its document and rows from other proposals.
 
     Raises:
-        SolveError: the proposals do not hold its law.
+        SolveError: the proposals do not contain its law.
     """
     name = model.proposal.name
     alike = [one for one in proposals if name == one.name or name.startswith(f"{one.name}, ")]
@@ -244,10 +244,11 @@ def measure_scatter(model: TriedModel) -> float:
 
 
 def simplify_proposal(tried: TriedModel) -> Proposal | None:
-    """Return the proposal without the parameters that its records do not determine, which keep their start values.
+    """Return the proposal with undetermined parameters fixed at their start values.
 
-    These are on a bound, without an interval, or confused with another parameter. None if all are determined, or if
-    the element is driven: there they set the scale of others.
+    These are at a bound, without an interval, or confounded with another parameter. None if all are determined, or if
+    the
+    element is driven, where they set the scale of others.
     """
     proposal = tried.proposal
     needless = set(_list_needless(tried.fit))

@@ -161,7 +161,7 @@ def choose_held_out(
         hold_out: text as above.
         names: names of the records.
         times: times of their rows [s].
-        places: positions of their rows on the path of a cycle, from 0 to 1; by default in proportion to time.
+        places: positions of their rows on the path of a cycle, from 0 to 1, by default in proportion to time.
 
     Raises:
         InputError: an invalid fraction, an unknown record, or no data left to fit.

@@ -1,11 +1,11 @@
-"""Predictions of loops without a model, from other loops or from the major loop of the same record.
+"""Baseline predictions of loops, from other loops or from the major loop of the same record.
 
     nearest record       the loop under the nearest load, at the same temperature of the same branch
     neighbouring loads   temperature and column of the two nearest loads, averaged at equal fraction of each branch
     scaled major loop    after a reversal, the branch of the major loop scaled to the point of reversal
 
-The fraction of a branch is how much of its column has changed, with a small share of how far its drive has gone. Under
-the lowest or highest load the two nearest loads are extrapolated.
+The fraction of a branch is the relative change of its column, with a small contribution of its drive. Below the lowest
+and above the highest load, the two nearest loads are extrapolated.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from martensite.characterise.loop_paths import FULL, trace_loop
 from martensite.characterise.straight_lines import fit_isotonic
 
 FLAT = 0.02
-"""Share of the drive in the fraction of a branch: it tells flat rows apart."""
+"""Contribution of the drive to the fraction of a branch, which separates flat rows."""
 FRACTIONS = np.linspace(0.0, 1.0, 201)
 FARTHEST = 2.0
-"""Largest distance of a load from its neighbours, in their distance, to which they are extrapolated."""
+"""Largest extrapolation to a load, in distances between its neighbours."""
 
 
 @dataclass(frozen=True)
 class LoopColumns:
-    """Drive and measured column of a loop; NaN in the column where it is held out."""
+    """Drive and measured column of a loop; NaN in held-out rows."""
 
     drive: Any
     column: Any
@@ -44,12 +44,12 @@ class LoopLeg:
     column: Any
 
     def at(self, drive: Any) -> Any:
-        """Return the column at values of the drive; at its ends beyond them."""
+        """Return the column at values of the drive, constant beyond its ends."""
         return np.interp(drive, self.drive, self.column)
 
     @property
     def fractions(self) -> Any:
-        """Return how far each row is, from 0 to 1."""
+        """Return the fraction of the leg at each row, from 0 to 1."""
         sign = 1.0 if self.column[-1] >= self.column[0] else -1.0
         done = fit_isotonic(sign * self.column)
         done = (done - done[0]) / ((done[-1] - done[0]) or 1.0)
@@ -62,7 +62,7 @@ Branches = dict[bool, LoopLeg]
 
 
 def find_branches(loop: LoopColumns) -> Branches:
-    """Return the last full leg of each direction, of the rows that are not held out."""
+    """Return the last full leg of each direction, without held-out rows."""
     found: Branches = {}
     span = float(np.ptp(loop.drive))
     for first, last in trace_loop(loop.drive).legs:

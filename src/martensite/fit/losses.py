@@ -1,16 +1,16 @@
-"""Losses by which a fit weighs its residuals: few large ones should not decide it.
+"""Losses for the residuals of a fit, which limit the effect of outliers.
 
-The cost that SciPy makes small is C = Σ ½ c² ρ((r/c)²) with c = tuning × scale, and least squares
-with weights w = ρ'((r/c)²) have the same optimum (iteratively reweighted). With z = (r/c)²
+SciPy minimises C = Σ ½ c² ρ((r/c)²) with c = tuning × scale. Least squares with weights w = ρ'((r/c)²) have the same
+optimum (iteratively reweighted). With z = (r/c)²
 
     linear     ρ = z                                 w = 1
     soft-l1    ρ = 2 (√(1 + z) - 1)                  w = 1/√(1 + z)
     huber      ρ = z, beyond z = 1: 2 √z - 1         w = 1, beyond z = 1: 1/√z
     cauchy     ρ = log(1 + z)                        w = 1/(1 + z)
 
-as in `scipy.optimize.least_squares`. The tunings make a mean of normal residuals of standard
-deviation `scale` 95 % as efficient as by least squares (Holland and Welsch (1977),
-Communications in Statistics 6, for huber and cauchy; computed for this project for soft-l1).
+as in `scipy.optimize.least_squares`. The tunings give a mean of normal residuals 95 % of the efficiency of least
+squares (Holland and Welsch (1977), Communications in Statistics 6, for huber and cauchy; computed for this project for
+soft-l1).
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from martensite.base.errors import DataError, ParameterError, require_known
 
 Vector: TypeAlias = NDArray[np.float64]
 NORMAL = 1.4826022185056018
-"""Standard deviation of a normal distribution over its median absolute deviation."""
+"""Standard deviation of a normal distribution divided by its median absolute deviation."""
 
 
 @dataclass(frozen=True)
 class Loss:
-    """One loss function."""
+    """Loss function."""
 
     name: str
     tuning: float
-    """Size, in standard deviations, from which on residuals count for less."""
+    """Size, in standard deviations, from which residuals have less weight."""
     weight: Callable[[Vector], Vector]
     """ρ'(z)."""
 
@@ -69,10 +69,10 @@ LOSSES = {
 
 
 def find_loss(name: str) -> Loss:
-    """Return the loss of a name.
+    """Return the loss with a given name.
 
     Raises:
-        UnknownNameError: there is none.
+        UnknownNameError: there is no such loss.
     """
     require_known("loss", name, LOSSES)
     return LOSSES[name]

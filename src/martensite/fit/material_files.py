@@ -48,13 +48,13 @@ def write_material(
 
     Args:
         fit: finished fit.
-        path: path of the file, ending in .toml; its folder must exist.
+        path: path of the file, ending in .toml. Its folder must exist.
         scenario: scenario at the start of the fit, if the fit does not have it. It gives the sources of fixed
             parameters; without it they are labelled as assumed.
-        title: title of the material; by default from law and records.
-        cite: bibliography key of the records; by default the key of a published data set, or of this package.
-        port: actuator with the parameters; required only if several differ.
-        digits: significant digits of fitted parameters; by default all.
+        title: title of the material, by default from law and records.
+        cite: bibliography key of the records, by default the key of a published data set, or of this package.
+        port: actuator with the parameters, required only if several differ.
+        digits: significant digits of fitted parameters, by default all.
 
     Raises:
         InputError: the path does not end in .toml, the file cannot be written, or the actuators of the fitted system

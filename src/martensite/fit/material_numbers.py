@@ -183,8 +183,8 @@ def name_canonically(
     """Return canonical name -> parameter of the elements of some systems, which must agree.
 
     Args:
-        systems: systems of several records; the first is read.
-        port: selected actuator; by default all must agree.
+        systems: systems of several records. The first is read.
+        port: selected actuator, by default all must agree.
         apart: paths of parameters that may differ between systems.
 
     Raises:

@@ -1,4 +1,4 @@
-"""How free parameters act on the values of an experiment, and how far those with a spread are from their centres."""
+"""Effect of free parameters on the values of an experiment, and distances of random effects from their centres."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from martensite.fit.free_parameters import is_nuisance
 from martensite.search.free_numbers import FreeNumber
 
 MovedRows = list[tuple[int, list[tuple[int, int | None]]]]
-"""Place of a free parameter -> rows of values that it moves, each with the row it is counted from, if there is one."""
+"""Index of a free parameter -> rows of the values it moves, each with its base row, if any."""
 
 
 def find_moved_rows(free: Sequence[FreeNumber], labels: Sequence[str], paths: Sequence[str]) -> MovedRows:
@@ -37,7 +37,7 @@ def find_moved_rows(free: Sequence[FreeNumber], labels: Sequence[str], paths: Se
 
 
 def _find_base(free: FreeNumber, path: str, paths: Sequence[str]) -> int | None:
-    """Return the row from which a value is counted; None if it is counted from 0."""
+    """Return the base row of a difference; None without a base."""
     beside = path.removesuffix(free.path) + free.base
     ends = [j for j, one in enumerate(paths) if one == beside or one.endswith("." + free.base)]
     return min(ends, key=lambda j: paths[j] != beside) if free.base else None
@@ -50,9 +50,9 @@ def weigh_spreads(
 
     Args:
         free: all free parameters.
-        spreads: places of a parameter with a spread and of its centre; None for a centre that is not free.
-        u: place of each parameter in its range, 0 to 1.
-        scale: noise of measurements, by which both are multiplied.
+        spreads: indices of a parameter with a spread and of its centre, or None for a fixed centre.
+        u: fraction of each parameter in its range, 0 to 1.
+        scale: noise of measurements, as a common factor.
     """
     apart, slopes = np.zeros(len(spreads)), np.zeros((len(spreads), len(free)))
     for row, (i, centre) in enumerate(spreads):
@@ -69,7 +69,7 @@ def weigh_spreads(
 
 
 def refuse_late_base(free: Sequence[FreeNumber]) -> None:
-    """Raise `ParameterError` if a parameter is relative to one that comes after it."""
+    """Raise `ParameterError` if a parameter is relative to a later one."""
     for k, one in enumerate(free):
         late = next((x.name for x in free[k:] if one.base and x.path == one.base), None)
         if late is not None:

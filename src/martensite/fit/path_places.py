@@ -1,8 +1,8 @@
-"""Place of every row of a record along its path, by which stretches are held out.
+"""Position of each row of a record along its path, for the choice of held-out parts.
 
-A stretch of time can hold a whole transformation. A twentieth of the path in the plane of drive and measured column
-cannot, because a whole transformation is at least half as long as the path of its cycle. Places begin again in every
-cycle, so that the same part of all cycles is held out.
+A stretch of time can contain a whole transformation. A twentieth of the path of drive and measured column cannot,
+because a transformation is at least half the path of its cycle. Positions restart in every cycle, so that the same part
+of all cycles is held out.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from martensite.fit.experiment import Experiment
 
 
 def measure_places(one: Experiment) -> Any:
-    """Return the place of each compared row on the path of its cycle, (rows,), from 0 to 1.
+    """Return the position of each compared row on the path of its cycle, (rows,), from 0 to 1.
 
-    The path is over the drive if that prescribes a state, such as a temperature or a strain; else over time.
+    The path is over a drive that prescribes a state, such as temperature or strain; otherwise over time.
     """
     shown = one.measured[:, 0]
     known = np.isfinite(shown)

@@ -1,7 +1,7 @@
-"""Profile likelihood of a parameter of a fit: the others are fitted again with it held.
+"""Profile likelihood of a parameter of a fit, with refits of all others.
 
-As in the intervals from the Jacobian the weights of a robust loss stay what they are at the
-optimum, and autocorrelated residuals count as many samples as are independent (`uncertainty`).
+As for intervals from the Jacobian, the weights of a robust loss stay at their optimum values, and autocorrelated
+residuals count as n_eff samples (`uncertainty`).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ REFIT = 50
 
 
 def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST_REFITS) -> Profile:
-    """Walk the profile of a free parameter of a fit.
+    """Compute the profile of a free parameter of a fit.
 
     Args:
-        fit: a finished fit.
-        name: of one of its free parameters.
-        level: of the interval.
-        most: refits on each side.
+        fit: finished fit.
+        name: name of a free parameter.
+        level: level of the interval.
+        most: largest number of refits on each side.
 
     Raises:
         UnknownNameError: the free parameter does not exist.
@@ -62,7 +62,7 @@ def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int =
 
 
 def _choose_first_step(fit: Fit, place: int) -> float | None:
-    """Return half a standard error, as a share of the search range; None where there is none."""
+    """Return half a standard error, as a fraction of the search range; None if unknown."""
     error = fit.uncertainty.errors[place] * fit.uncertainty.widening
     slope = abs(fit.problem.free[place].slope(fit.values[place]))
     share = 0.5 * error / slope
@@ -70,7 +70,7 @@ def _choose_first_step(fit: Fit, place: int) -> float | None:
 
 
 class _Refit:
-    """The least cost with some parameters held."""
+    """Least cost with some fixed parameters."""
 
     def __init__(self, fit: Fit) -> None:
         self.problem, self.weights = fit.problem, fit.weights

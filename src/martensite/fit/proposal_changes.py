@@ -15,9 +15,9 @@ def change_proposals(proposals: Sequence[Proposal], free: Sequence[str], fixed: 
     """Return proposals with other free parameters.
 
     Args:
-        proposals: as made for the logs.
-        free: texts of free parameters, which replace those of the same name or come on top.
-        fixed: names that are not free, each with `=VALUE` if the value is known.
+        proposals: proposals for the logs.
+        free: texts of free parameters, which replace parameters of the same name or are added.
+        fixed: names of fixed parameters, each with `=VALUE` if the value is known.
 
     Raises:
         UnknownNameError: a fixed name is free in no proposal.

@@ -1,7 +1,7 @@
-"""Progress of a search, its state after an interruption, and its resumption.
+"""Progress of a search, its saved state, and its resumption.
 
-The state of a search is a small JSON file: a key of the problem, the best numbers so far, and
-the starts that are done. A search of another problem does not touch it.
+The state is a small JSON file with a key of the problem, the best parameters, and the finished starts. A search of
+another problem does not change it.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from martensite.fit.evaluation import Evaluation
 from martensite.fit.problem import Problem
 
 TOGETHER = 32
-"""Points after which the best so far is noted."""
+"""Number of points between records of the best point."""
 EVERY = 2.0
-"""Seconds between writings of the state."""
+"""Time between writes of the state [s]."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class SearchNote:
 
     stage: str
     cost: float
-    """Best so far."""
+    """Best cost."""
     values: tuple[float, ...]
-    """Best so far, from 0 to 1."""
+    """Best point, from 0 to 1."""
     simulations: int
     share: float
     """Estimated fraction of the search that is done, from 0 to 1."""
@@ -48,12 +48,12 @@ Tell = Callable[[SearchNote], None]
 
 @dataclass
 class SearchMonitor:
-    """Evaluates a problem, counts, and remembers the best point."""
+    """Evaluator of a problem that counts runs and stores the best point."""
 
     problem: Problem
     tell: Tell | None = None
     path: Path | None = None
-    """File of the state, if it is to be kept."""
+    """File of the saved state, if any."""
     stage: str = ""
     share: float = 0.0
     simulations: int = 0
@@ -105,7 +105,7 @@ class SearchMonitor:
         self.save()
 
     def save(self) -> None:
-        """Write the state, if it is kept."""
+        """Write the state, if there is a file."""
         if self.path is None or self.best is None:
             return
         self._written = time.monotonic()
@@ -113,7 +113,7 @@ class SearchMonitor:
         write_file(self.path, json.dumps(document))
 
     def resume(self) -> None:
-        """Take up the state of an earlier search of the same problem, if there is one.
+        """Resume an earlier search of the same problem, if there is one.
 
         Raises:
             DataError: the file is not the state of this problem.

@@ -1,9 +1,8 @@
-"""A look at a problem before it is solved: samples, parameters without effect, units.
+"""Checks of a problem before its solution: samples, idle parameters, units.
 
-A free parameter has no effect if the derivatives of all that is compared are zero at the start,
-and at some points spread over the bounds. A column has a unit that is wrong by orders of
-magnitude if its range is more than 100 times, or less than a hundredth of, what the scenario
-gives at the start, and not much nearer at any of those points.
+A free parameter has no effect if the derivatives of all compared outputs are zero at the start and at points spread
+over the bounds. The unit of a column is doubtful if its range is more than 100 times, or less than a hundredth of, the
+range of the model at the start, and not much nearer at any of these points.
 """
 
 from __future__ import annotations
@@ -23,9 +22,9 @@ from martensite.search.quantity_text import format_change, format_number, format
 from martensite.search.starts import draw_points
 
 POINTS = 8
-"""Points over the bounds that are tried before anything is refused."""
+"""Number of test points over the bounds."""
 FAR_RATIO, NEAR_RATIO = 100.0, 20.0
-"""Ratio of ranges that is doubted; and the one that acquits a column at another point."""
+"""Doubtful ratio of ranges, and ratio at another point that clears a column."""
 LEAST_CHANGE = 1e-3
 """Change of a martensite fraction below which nothing transforms."""
 NO_EFFECT = 1e-9
@@ -33,14 +32,14 @@ NO_EFFECT = 1e-9
 
 
 def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
-    """Refuse what cannot be fitted; what is doubtful comes back as sentences.
+    """Raise an error for an impossible fit, and return remarks on doubtful inputs.
 
     Args:
-        problem: with the records that a fit sees only.
-        follows: columns of the records that drive, to be named in sentences.
+        problem: problem with the fitted records.
+        follows: drive columns of the records, for messages.
 
     Raises:
-        DataError: too few samples, a unit that is wrong by orders of magnitude.
+        DataError: too few samples, or a unit that is wrong by orders of magnitude.
         ParameterError: a free parameter without effect.
     """
     _require_rows(problem)
@@ -61,7 +60,7 @@ def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
 
 
 def _describe_moved_starts(problem: Problem) -> Iterator[str]:
-    """Yield the starts that were out of the order that a law declares."""
+    """Yield the starts that violated the order of a law."""
     for free, u in zip(problem.free, problem.start, strict=True):
         if abs(free.share(free.start) - u) > NO_EFFECT:
             begun, at = (format_quantity(x, free.unit) for x in (free.start, free.value(float(u))))
@@ -69,7 +68,7 @@ def _describe_moved_starts(problem: Problem) -> Iterator[str]:
 
 
 def detect_transformation(problem: Problem, u: Any) -> bool:
-    """Return whether the martensite fraction of any element changes in any record at some numbers."""
+    """Return whether the martensite fraction of any element changes in any record for some parameters."""
     for k, one in enumerate(problem.experiments):
         system = problem.system(k, u)
         outputs = [system.label(port, "martensite_fraction") for port in system.actuators()]
@@ -80,7 +79,7 @@ def detect_transformation(problem: Problem, u: Any) -> bool:
 
 
 def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
-    """Return the record and output of all that no free parameter moves, at the start."""
+    """Return the record and output of all outputs that no free parameter moves at the start."""
     found = problem.evaluate(problem.start, slopes=True)
     if found is None:
         return []
@@ -103,7 +102,7 @@ def _require_rows(problem: Problem) -> None:
 
 
 def find_idle(problem: Problem, found: Evaluation) -> list[int]:
-    """Return the free parameters whose derivatives are zero in all that is compared."""
+    """Return the free parameters with zero derivatives in all compared outputs."""
     largest = np.max(np.abs(found.jacobian), axis=0)
     return [i for i in range(len(problem.free)) if not largest[i] > NO_EFFECT]
 
@@ -146,7 +145,7 @@ def _suggest_remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str
 
 
 def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
-    """Return the outputs that a parameter moves at the start, compared or not."""
+    """Return all outputs that a parameter moves at the start."""
     found: list[str] = []
     if is_nuisance(free.path):
         return found
@@ -175,7 +174,7 @@ def _describe_ranges(problem: Problem, follows: Sequence[str]) -> str:
 
 
 def _find_doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]:
-    """Return the experiment and output whose measured range is far from what the model gives."""
+    """Return the experiment and output whose measured range is far from the modelled range."""
     return [
         (e, k)
         for e, one in enumerate(problem.experiments)

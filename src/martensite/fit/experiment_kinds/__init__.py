@@ -1,1 +1,1 @@
-"""Kinds of experiment that logs can hold: one file each, found by its folder."""
+"""Kinds of experiment in logs: one file each, found by its folder."""

@@ -49,7 +49,7 @@ class Cooling(AbstractExperimentKind):
         return RecognisedExperiment(self, why, "", ("temperature",))
 
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-        """Yield an element that cools from where each record begins, as if it had been heated until then."""
+        """Yield an element that cools from the start of each record, as if heated until then."""
         rows = [_cut_hot(record) for record in records]
         rises = [fit_rise(one.times, one["temperature"]) for one in rows]
         tau, room = (
@@ -86,7 +86,7 @@ class Cooling(AbstractExperimentKind):
         return [make_record({"temperature": 300.0 + 60.0 * np.exp(-np.linspace(0.0, 4.0, 80))})]
 
     def find_time_constant(self, fit: Fit) -> tuple[float, float, float] | None:
-        """Return τ = ρ c d/(4 h) [s] with its interval; it does not depend on c and d themselves."""
+        """Return τ = ρ c d/(4 h) [s] with its interval, independent of c and d."""
         values = {leaf.path.rpartition(".")[2]: float(leaf.value) for leaf in fit.system().leaves()}
         film = next(name for name in fit.numbers if name.endswith("cooling.h"))
         low, high = fit.uncertainty.widened(film)
@@ -95,7 +95,7 @@ class Cooling(AbstractExperimentKind):
 
 
 def _cut_hot(record: Record) -> Record:
-    """Return a record from the time at which its temperature begins to fall, with times counted from there."""
+    """Return a record from the start of cooling, with times from there."""
     kept = keep_measured(record, ("temperature",))
     kelvin = np.asarray(kept["temperature"])
     first = int(np.flatnonzero(kelvin >= kelvin.max() - 0.02 * np.ptp(kelvin))[-1])

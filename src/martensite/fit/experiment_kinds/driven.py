@@ -1,4 +1,4 @@
-"""Driven elements: start values of film coefficient, heat capacity and latent heat from a lag behind the drive."""
+"""Driven elements: start values of film coefficient, heat capacity and latent heat from a drive lag."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ from martensite.search.quantity_text import format_number, list_names
 from martensite.signals.records import Record
 
 A_F = 77.0
-"""Austenite finish at no stress where no temperature is measured [degC]: it sets the scale of all temperatures."""
+"""Austenite finish at zero stress without measured temperature [degC], which sets the scale of all temperatures."""
 SPREAD_STARTS = 2
-"""Local searches of a driven element that begin at the best of many points."""
+"""Number of local searches of a driven element from the best of many points."""
 WIDTH, ABSORBED = 0.25e-3, "film coefficient, heat capacity and moduli absorb it"
-"""Assumed diameter of an element [m], and the effect of the assumption."""
+"""Assumed diameter of an element [m], and the effect of this assumption."""
 ELEMENT = """
 title = "A driven element"
 environment = {{ temperature = "{ambient}", cooling = {{ kind = "constant", h = "{h:.5g} W/m^2/K" }} }}
@@ -61,27 +61,27 @@ modulus = "mixture"
 E_A = "70 GPa"
 E_M = "28 GPa"
 """
-"""An element that is heated by what a log holds."""
+"""Element heated by a logged drive."""
 FILM = "environment.cooling.h={:.4g}..{:.4g} W/m^2/K log"
 ORDER = ("A_s-A_f=-60..-1 K", "M_s-A_f=-70..-1 K", "M_f-M_s=-60..-1 K")
-"""Temperatures of a driven element, from the one that sets their scale."""
+"""Temperatures of a driven element, the scale-setting temperature first."""
 
 
 @dataclass(frozen=True)
 class DrivenElement:
-    """A driven element before it is fitted."""
+    """Driven element before its fit."""
 
     records: list[Record]
     lag: DriveLag
     section: float
     """[m²]"""
     document: Document
-    """Element, surroundings and drive."""
+    """Element, ambient and drive."""
     free: tuple[str, ...]
 
     @property
     def dead_weight(self) -> Document:
-        """Return a mechanism that makes the stress that is assumed."""
+        """Return a mechanism with the assumed stress."""
         return {"mechanism": {"kind": "dead-weight", "mass": f"{SIGMA * self.section / 9.80665:.5g} kg"}}
 
     def make_proposal(
@@ -96,10 +96,10 @@ class AbstractDrivenKind(AbstractExperimentKind):
     """Kind of experiment in which a varying drive heats an element."""
 
     answers: ClassVar[tuple[str, ...]] = ()
-    """Columns, one of which varies with the drive."""
+    """Response columns, one of which varies with the drive."""
 
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
-        """Return the experiment if a drive and one of the answers vary."""
+        """Return the experiment if a drive and a response vary."""
         there = survey.list_varying(self.answers)
         if not survey.drives or not there:
             return None
@@ -108,11 +108,11 @@ class AbstractDrivenKind(AbstractExperimentKind):
         return RecognisedExperiment(self, why, survey.drives[0], measured)
 
     def list_further(self, survey: LogSurvey) -> list[str]:
-        """Return varying columns that are compared as well."""
+        """Return further varying columns for the comparison."""
         return []
 
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-        """Yield the proposals of the kind, each with searches that begin at the best of many points."""
+        """Yield the proposals of the kind, each with searches from the best of many points."""
         for one in self.propose_driven(found, records, known):
             yield replace(one, spread=SPREAD_STARTS)
 
@@ -123,7 +123,7 @@ class AbstractDrivenKind(AbstractExperimentKind):
         """Yield scenarios that may explain the records, the simplest first."""
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
-        """Yield other cadences, steps, slow ramps, and a measured temperature."""
+        """Yield other periods, steps, slow ramps, and a measured temperature."""
         ones, unknown = evidence.experiments, evidence.undetermined
         if len(ones) < 2:
             yield "Record a second log with another period: only a held-out log tests the prediction."
@@ -158,7 +158,7 @@ def start_driven(
     length: float,
     diameter: tuple[float, str] = (WIDTH, ABSORBED),
 ) -> DrivenElement:
-    """Return the film coefficient and heat capacity from where the answer saturates, and from how late it comes."""
+    """Return the film coefficient and heat capacity from the saturation and the delay of the response."""
     lag, width = fit_drive_lag(records, found.drive, found.measured[0]), known.take("element.diameter", "m", *diameter)
     room = units.parse_quantity(ROOM, "K")
     if all("temperature" in one.columns for one in records):
@@ -207,7 +207,7 @@ def describe_element(
 
 
 def _begins_hot(column: str, records: Sequence[Record], gain: float) -> bool:
-    """Return whether most records begin with the answer at its driven end, so that the drive was on before."""
+    """Return whether most records begin at the driven end of the response, with the drive already on."""
     shares = list[float]()
     for record in records:
         low, high = np.nanpercentile(record[column], (2.0, 98.0))
@@ -216,7 +216,7 @@ def _begins_hot(column: str, records: Sequence[Record], gain: float) -> bool:
 
 
 def add_waist(proposal: Proposal, numbers: Mapping[str, float]) -> Proposal:
-    """Return a driven element with the rounder transformations of trained wires, started at fitted values [SI]."""
+    """Return a driven element with rounder transformations of trained wires, from fitted values [SI]."""
     law = {n: value for n, value in proposal.document["element"]["law"].items() if n not in ("modulus", "eps_L")}
     law |= {n: value for n, value in LAGOUDAS.items() if n != "sigma_crit"}
     law |= {"hardening": "waisted", "sigma_cal": write_value(SIGMA, "Pa"), "waist_f": 0.7, "waist_r": 0.7}

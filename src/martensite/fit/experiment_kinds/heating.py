@@ -1,4 +1,4 @@
-"""Heating experiment: a drive heats an element whose temperature is measured."""
+"""Heating experiment: a drive heats an element with measured temperature."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from martensite.signals.records import Record
 
 @EXPERIMENT_KINDS.register("heating")
 class ElectricHeating(AbstractDrivenKind):
-    """A driven element under a constant load, whose temperature is measured."""
+    """Driven element under a constant load, with measured temperature."""
 
     order = 30.0
     meaning = "a drive heats an element whose temperature is measured"

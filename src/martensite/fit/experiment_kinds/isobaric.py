@@ -1,4 +1,4 @@
-"""Isobaric experiment: heated and cooled under constant loads, strain measured."""
+"""Isobaric experiment: heating and cooling under constant loads, strain measured."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from martensite.search.quantity_text import join_phrases
 from martensite.signals.records import Record
 
 ZEROED = 0.03
-"""Smallest strain over range below which every record seems to count from its own zero."""
+"""Smallest strain over range below which every record seems to have a separate zero."""
 CURVES = (
     "curvature_f=-1e-3..1e-3 K/MPa^2",
     "curvature_r=-1e-3..1e-3 K/MPa^2",
@@ -58,7 +58,7 @@ class Isobaric(AbstractExperimentKind):
     own_zero = True
 
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
-        """Return the experiment if a shape varies, the temperature too, and no load does."""
+        """Return the experiment if shape and temperature vary, and no load does."""
         if not survey.shapes or not survey.is_heated or survey.is_loaded:
             return None
         shape = survey.shapes[0]
@@ -123,7 +123,7 @@ def _read_loop(record: Record, column: str, section: float, known: Assumptions) 
 
 
 def _find_load(record: Record, section: float) -> float:
-    """Return the mean stress of a loop [Pa]: of its column, by its force, or of its name."""
+    """Return the mean stress of a loop [Pa] from its column, its force, or its name."""
     for name, area in (("stress", 1.0), ("force", section)):
         if name in record.columns:
             return float(np.nanmean(record[name])) / area
@@ -137,7 +137,7 @@ def _find_load(record: Record, section: float) -> float:
 
 
 def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
-    """Return the numbers of a law by tangents; by the middles of the strokes where there are none."""
+    """Return law parameters from tangents, or otherwise from the middles of the strokes."""
     found: list[Any] = []
     for one in rows:
         try:
@@ -159,9 +159,9 @@ def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
 def _vary_loop_laws(
     rows: Sequence[Record], base: Document, guess: Mapping[str, float], levels: int, zeroed: bool
 ) -> Iterator[Proposal]:
-    """Liang–Rogers, then Lagoudas: with a waist, with four exponents, and with curved surfaces.
+    """Yield Liang–Rogers, then Lagoudas: with a waist, with four exponents, and with curved surfaces.
 
-    Where moduli do not show, at one load or with a zero for each record, Liang–Rogers has one modulus.
+    If moduli have no visible effect, at one load or with separate zeros, Liang–Rogers has one modulus.
     """
     stroke = max(float(np.ptp(one["strain"])) for one in rows)
     sigma = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)

@@ -1,4 +1,4 @@
-"""Isothermal experiment: drawn and released at a constant temperature, stress measured."""
+"""Isothermal experiment: loading and unloading at constant temperature, stress measured."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ from martensite.signals.records import Record
 
 CELSIUS = re.compile(r"(-?\d+(?:[.,]\d+)?)[ _]?(?:deg ?|°)?C\b")
 TEMPERATURE_WORDS = ("temp", "chamber", "ofen", "kammer")
-"""Beginnings or parts of words for the temperature of a test in the lines above a table."""
+"""Words, or parts of words, for the temperature of a test in the lines above a table."""
 ELASTIC = 0.05, 0.4
-"""Stresses over that of the plateau between which the first loading is elastic."""
+"""Stress range of elastic first loading, relative to the plateau stress."""
 
 
 @EXPERIMENT_KINDS.register("isothermal")
@@ -83,7 +83,7 @@ class Isothermal(AbstractExperimentKind):
 
 
 def _stays_drawn(rows: Sequence[Record]) -> bool:
-    """Return whether most of the strain is left where the stress is gone."""
+    """Return whether most of the strain remains at zero stress."""
     reach = float(np.ptp(np.concatenate([one["strain"] for one in rows])))
     left = max(float(abs(one["strain"][-1])) for one in rows)
     return left > 0.4 * reach and all(min(one["stress"][len(one) // 2 :]) < 0.1 * max(one["stress"]) for one in rows)
@@ -103,7 +103,7 @@ def _read_test(record: Record, load: str, shape: str, known: Assumptions) -> Rec
 
 
 def _find_temperature(record: Record, known: Assumptions) -> float:
-    """Return the temperature of a test [K]: its mean, what its file says, its name says, or the assumed one."""
+    """Return the temperature of a test [K] from its mean, its file, its name, or the assumption."""
     if "temperature" in record.columns:
         return float(np.nanmean(record["temperature"]))
     said = known.find_said(record, TEMPERATURE_WORDS, CELSIUS)
@@ -118,7 +118,7 @@ def _find_temperature(record: Record, known: Assumptions) -> float:
 
 
 def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> Iterator[Proposal]:
-    """Brinson where the strain stays, Liang–Rogers and Lagoudas where it comes back."""
+    """Yield Brinson if the strain remains, Liang–Rogers and Lagoudas if it recovers."""
     strain, stress = (np.concatenate([one[name] for one in rows]) for name in ("strain", "stress"))
     kelvin = float(np.mean([one["temperature"][0] for one in rows]))
     high = float(np.percentile(stress[strain > 0.4 * strain.max()], 50.0))
@@ -155,7 +155,7 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
 
 
 def _find_first_slope(rows: Sequence[Record], high: float) -> float:
-    """Return the stiffness of the lower part of the way to a plateau stress, while it is first loaded [Pa]."""
+    """Return the stiffness at the first loading below a plateau stress [Pa]."""
     found: list[float] = []
     for one in rows:
         strain, stress = np.asarray(one["strain"]), np.asarray(one["stress"])

@@ -1,4 +1,4 @@
-"""Loops in a testing machine, whose temperature is prescribed: what isobaric and isothermal experiments share."""
+"""Loops in a testing machine with prescribed temperature, for isobaric and isothermal experiments."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from martensite.search.quantity_text import format_change
 from martensite.signals.records import Record
 
 MOST_ROWS = 2000
-"""Rows of a loop that are compared; more are averaged along its path."""
+"""Largest number of compared rows of a loop; more are averaged along its path."""
 CYCLES = 3
-"""Cycles of a repeated loop that are fitted: the last ones."""
+"""Number of fitted last cycles of a repeated loop."""
 MACHINE = """
 title = "{title}"
 element = {{ kind = "wire", material = "flexinol-90", diameter = "{wide}", length = "{long}", initial_fraction = {xi} }}
@@ -41,15 +41,15 @@ def with_law(base: Document, law: Document) -> Document:
 
 
 def read_loop(record: Record, drive: str, shown: str, known: Assumptions) -> Record:
-    """Return the rows of a loop that a fit compares: jitter of its drive smoothed, turning points kept, all rows used.
+    """Return the compared rows of a loop, with smoothed drive and all turning points.
 
-    Of a loop that is repeated many times the last cycles are taken. What was done is noted.
+    Of a loop with many cycles the last are used. Notes describe the changes.
 
     Args:
-        record: in SI.
-        drive: column that drives the loop.
+        record: record in SI.
+        drive: drive column of the loop.
         shown: measured column.
-        known: told what was done.
+        known: receiver of the notes.
     """
     whole = keep_measured(record, (drive, shown))
     path = trace_loop(whole[drive])
@@ -68,7 +68,7 @@ def read_loop(record: Record, drive: str, shown: str, known: Assumptions) -> Rec
 
 
 def find_column(record: Record, wanted: str, alike: Sequence[str]) -> str:
-    """Return the wanted column, or the first other one of its group that a record has."""
+    """Return the wanted column, or the first other column of its group in a record."""
     return wanted if wanted in record.columns else next(name for name in alike if name in record.columns)
 
 
@@ -81,7 +81,7 @@ def keep_measured(record: Record, needed: Sequence[str]) -> Record:
 def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> Record:
     """Return a record from a row on, in at most about `MOST_ROWS` rows.
 
-    More rows are averaged in pieces of about equal length along the path; turning points are pieces of their own.
+    More rows are averaged in pieces of about equal path length; turning points are separate pieces.
     """
     rows = len(record)
     if rows - first <= MOST_ROWS:
@@ -95,7 +95,7 @@ def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> R
 
 
 def _choose_first(path: LoopPath) -> tuple[int, int]:
-    """Return the row at which the fitted cycles begin, and the number of all cycles."""
+    """Return the first row of the fitted cycles, and the number of all cycles."""
     cycles = path.cycles
     if len(cycles) <= CYCLES or not path.is_repeated:
         return 0, len(cycles)

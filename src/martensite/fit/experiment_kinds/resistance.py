@@ -15,7 +15,7 @@ from martensite.signals.records import Record
 
 @EXPERIMENT_KINDS.register("resistance")
 class Resistance(AbstractDrivenKind):
-    """A driven element under a constant load, whose resistance is measured."""
+    """Driven element under a constant load, with measured resistance."""
 
     order = 40.0
     meaning = "a drive heats an element whose resistance is measured"

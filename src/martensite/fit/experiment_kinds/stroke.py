@@ -1,4 +1,4 @@
-"""Stroke experiment: a drive moves what the element carries."""
+"""Stroke experiment: a drive moves the load of an element."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class StrokeTest(AbstractDrivenKind):
 def _read_spring(
     kind: RecognisedExperiment, records: Sequence[Record], section: float, known: Assumptions
 ) -> tuple[Document, tuple[str, str]]:
-    """Return a spring whose rate and preload follow from force and position, both measured, and their bounds."""
+    """Return a spring with rate and preload from measured force and position, and their bounds."""
     column, load = kind.measured
     x, f = (np.concatenate([np.asarray(r[name], float) for r in records]) for name in (column, load))
     f, good = f * (section if load == "stress" else 1.0), np.isfinite(x) & np.isfinite(f)

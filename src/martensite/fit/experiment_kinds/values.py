@@ -1,4 +1,4 @@
-"""Values, rows and columns that proposals of all kinds of experiment share."""
+"""Values, rows and columns for the proposals of all kinds of experiment."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from martensite.signals.records import Record
 
 SIGMA = 100e6
-"""Stress that is assumed in an element of unknown section [Pa]."""
+"""Assumed stress in an element of unknown section [Pa]."""
 EPS = 0.04
-"""Transformation strain that is assumed in an element of unknown length."""
+"""Assumed transformation strain in an element of unknown length."""
 ROOM = "22 degC"
 SLOPE = 7.5e6
-"""C_A and C_M where loops at one load do not determine them [Pa/K]."""
+"""C_A and C_M if loops at one load do not determine them [Pa/K]."""
 WAIST = ("waist_f=0.1..0.98", "waist_r=0.1..0.98")
 LAGOUDAS = {"kind": "lagoudas", "sigma_crit": "0 MPa"} | dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.45)
 EXAMPLE_UNITS = {
@@ -35,7 +35,7 @@ Document = dict[str, Any]
 
 
 def write_value(value: float, unit: str) -> str:
-    """Return a value [SI] as a scenario takes it, in a readable unit."""
+    """Return a value [SI] in scenario form, in a readable unit."""
     if unit == "K":
         return f"{value - 273.15:.8g} degC"
     if unit == "1":
@@ -46,12 +46,12 @@ def write_value(value: float, unit: str) -> str:
 
 
 def write_values(unit: str, **values: float) -> Document:
-    """Return values [SI] of one unit by name, as a scenario takes them."""
+    """Return values [SI] of one unit by name, in scenario form."""
     return {name: write_value(value, unit) for name, value in values.items()}
 
 
 def with_column(record: Record, name: str, unit: str, values: Any) -> Record:
-    """Return a record with a further column, of one value for each row or the same in all rows [SI unit]."""
+    """Return a record with a further column, by row or constant [SI unit]."""
     numbers = np.broadcast_to(np.asarray(values, float), len(record)).tolist()
     return replace(record, columns=record.columns | {name: numbers}, units=record.units | {name: unit})
 
