@@ -1,4 +1,4 @@
-"""Characterisation: numbers from laboratory tests of wires, films of air, beams and motors."""
+"""Characterisation from laboratory tests of wires, films of air, beams and motors."""
 
 from martensite.base.lazy import attach_names
 

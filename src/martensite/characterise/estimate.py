@@ -1,14 +1,11 @@
-"""Checks that all tests share: columns of equal length, enough rows, finite numbers.
+"""Values with standard errors, error propagation, and column checks of all tests.
 
-A number with its standard error, and numbers computed from such numbers.
-
-An estimate from few points has a standard error that is itself uncertain: its interval is
-value ± t(level, ν) error with ν degrees of freedom, the points to spare. For y = f(x₁, x₂, …)
-of independent estimates
+An estimate from few points has an uncertain standard error. Its interval is value ± t(level, ν) error with ν degrees of
+freedom. For y = f(x₁, x₂, …) of independent estimates
 
     error(y)² = Σ ¼ [f(x_k + error_k) - f(x_k - error_k)]²
 
-to first order, with the degrees of freedom of the scarcest of them: on the safe side.
+to first order, with the least of their degrees of freedom, which is conservative.
 """
 
 from __future__ import annotations
@@ -23,7 +20,7 @@ from martensite.base.errors import DataError
 
 
 def check_columns(test: str, rows: str, fewest: int, **columns: Sequence[float]) -> None:
-    """Raise `DataError` unless columns are equally long, finite, and of at least `fewest` `rows` for a `test`."""
+    """Raise `DataError` unless columns have equal length, finite values, and at least `fewest` `rows` for a `test`."""
     lengths = [len(numbers) for numbers in columns.values()]
     names = " and ".join(columns).replace("_", " ")
     if len(set(lengths)) > 1:
@@ -37,16 +34,16 @@ def check_columns(test: str, rows: str, fewest: int, **columns: Sequence[float])
 
 @dataclass(frozen=True)
 class MeasuredValue:
-    """A value, its standard error in the same unit, and the degrees of freedom behind it."""
+    """Value, its standard error in the same unit, and its degrees of freedom."""
 
     value: float
     error: float = 0.0
-    """Standard error; 0 for a number that is given, NaN where there was no point to spare."""
+    """Standard error; 0 for a given value, NaN without degrees of freedom."""
     freedom: float = math.inf
-    """Points to spare; infinite for a number that is given."""
+    """Degrees of freedom; infinite for a given value."""
 
     def interval(self, level: float = LEVEL) -> Interval:
-        """Return the confidence interval; a point for a given number, unbounded without a point to spare."""
+        """Return the confidence interval; a point for a given value, unbounded without degrees of freedom."""
         if self.error == 0.0:
             return self.value, self.value
         if self.freedom < 1 or math.isnan(self.error):
@@ -67,14 +64,14 @@ class MeasuredValue:
         return f"{self.value:.6g} ± {half:.2g}" if math.isfinite(half) else f"{self.value:.6g} ± unknown"
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """Return all numbers by name, for JSON."""
+        """Return all values by name, for JSON."""
         return {"value": self.value, "standard_error": self.error, "interval": list(self.interval(level))}
 
 
 def propagate_errors(function: Callable[..., float], *inputs: MeasuredValue) -> MeasuredValue:
     """Return a function of independent estimates, with its standard error to first order.
 
-    An estimate that makes no difference to the function does not count.
+    Estimates without effect on the function do not count.
     """
     values = [one.value for one in inputs]
     square, freedom = 0.0, math.inf

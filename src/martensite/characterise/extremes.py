@@ -68,9 +68,9 @@ def find_extremes(
     Args:
         times: times of the rows [s], equally spaced.
         values: vibrating quantity.
-        cycles: largest number of cycles; None for all.
+        cycles: largest number of cycles, or None for all.
         least: smallest extreme, as a fraction of the first.
-        frequency: approximate frequency [Hz]; None for the frequency of the spectrum.
+        frequency: approximate frequency [Hz], or None for the frequency of the spectrum.
         decay: decay rate of the amplitude within a half cycle [1/s].
 
     Raises:

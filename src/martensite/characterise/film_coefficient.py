@@ -163,8 +163,7 @@ class FilmFit:
 
     @property
     def deviation(self) -> float:
-        """Return the standard deviation of the residuals of temperatures [K], or of h [W/(m² K)] for an unknown ambient.
-        """
+        """Return the standard deviation of the temperatures [K], or of h [W/(m² K)] for an unknown ambient."""
         return self.linear.deviation
 
     @property
@@ -246,7 +245,7 @@ def fit_film_points(points: FilmPoints, terms: Sequence[int] = (0, 1, 2)) -> Fil
 
     Args:
         points: steady states.
-        terms: fitted powers of the temperature; other coefficients are zero.
+        terms: fitted powers of the temperature. Other coefficients are zero.
 
     Raises:
         ParameterError: the terms are not distinct whole numbers from 0 on.
@@ -267,7 +266,7 @@ def fit_film(temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequ
     Args:
         temperatures_degC: temperatures of the points [°C].
         h: film coefficients [W/(m² K)].
-        terms: fitted powers of the temperature; other coefficients are zero.
+        terms: fitted powers of the temperature. Other coefficients are zero.
 
     Raises:
         ParameterError: the terms are not distinct whole numbers from 0 on.

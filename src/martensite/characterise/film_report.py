@@ -47,7 +47,7 @@ class FilmVerdict:
     supported: bool
     """True if the points alone support it."""
     sentence: str
-    """Verdict with its numbers."""
+    """Verdict with its values."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields by name, for JSON."""

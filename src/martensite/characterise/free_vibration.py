@@ -97,9 +97,9 @@ def log_decrement(
     Args:
         times: times of the rows [s], equally spaced, from the release on.
         values: vibrating quantity, in any unit, with any offset.
-        cycles: number of cycles used; by default all.
-        least: smallest extreme used, as a fraction of the first; extremes below the noise are also omitted.
-        frequency: approximate frequency [Hz]; by default from the spectrum.
+        cycles: number of cycles used, by default all.
+        least: smallest extreme used, as a fraction of the first. Extremes below the noise are also omitted.
+        frequency: approximate frequency [Hz], by default from the spectrum.
 
     Raises:
         ParameterError: `cycles`, `least` or `frequency` is invalid.

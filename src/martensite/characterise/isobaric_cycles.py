@@ -77,8 +77,8 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
 
     Args:
         record: columns `temperature` [K], `strain` [-] and optionally `stress` [Pa].
-        stress: constant stress [Pa]; by default the mean of the column over the cycle.
-        cycle: index of the cycle; by default the last.
+        stress: constant stress [Pa], by default the mean of the column over the cycle.
+        cycle: index of the cycle, by default the last.
 
     Raises:
         DataError: a column is missing, too short or contradicts its name, or there is no full cycle.

@@ -1,8 +1,8 @@
-"""Path of a loop: its turning points, its cycles, and the scatter of the column that drives it.
+"""Path of a loop: turning points, cycles, and scatter of its drive column.
 
-A law without rates depends on the path of the drive alone, above all on where it turns. Jitter in that column makes a
-law follow loops that never were. Each leg between two turning points is therefore smoothed along its rows by local
-parabolas, whose width generalised cross-validation chooses (Craven and Wahba (1979), Numerische Mathematik 31).
+A rate-independent law depends on the path of the drive alone, above all on its turning points. Jitter in this column
+causes spurious loops. Each leg between turning points is therefore smoothed by local parabolas. Generalised
+cross-validation chooses their width (Craven and Wahba (1979), Numerische Mathematik 31).
 """
 
 from __future__ import annotations
@@ -16,37 +16,37 @@ from typing import Any
 import numpy as np
 
 PARTIAL = 0.1
-"""Least part of the range that a leg spans."""
+"""Least fraction of the range spanned by a leg."""
 CLEAR = 8.0
-"""Least number of standard deviations of the scatter that a leg spans."""
+"""Least span of a leg, in standard deviations of the scatter."""
 FULL = 0.8
-"""Part of the range that each leg of a full cycle spans."""
+"""Fraction of the range spanned by each leg of a full cycle."""
 EXACT = 2e-4
 """Scatter over range below which a column is not smoothed."""
 HALVES = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
-"""Half-widths of the windows that are tried [rows]."""
+"""Tried half-widths of the windows [rows]."""
 PARABOLA = 2.25
 """Variance in the middle of a local parabola, times the rows of its window, over the variance of a row."""
 NORMAL = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation."""
+"""Standard deviation of a normal distribution divided by its median absolute deviation."""
 
 
 @dataclass(frozen=True)
 class LoopPath:
-    """Column that drives a loop, smoothed, with its legs."""
+    """Smoothed drive column of a loop, with its legs."""
 
     drive: Any
-    """(rows,), smoothed along each leg if it scatters."""
+    """(rows,), smoothed along each leg with scatter."""
     turns: tuple[int, ...]
     """Rows at which the drive turns, with the first and the last row."""
     scatter: float
-    """Standard deviation of the jitter that was removed [unit of the drive]; 0 if none was."""
+    """Standard deviation of the removed jitter [unit of the drive]; 0 without smoothing."""
     window: int
     """Rows of the narrowest window; 0 without smoothing."""
 
     @property
     def error(self) -> float:
-        """Return the standard error of the smoothed drive [unit of the drive], amid the narrowest window."""
+        """Return the standard error of the smoothed drive in the narrowest window [unit of the drive]."""
         return self.scatter * math.sqrt(PARABOLA / self.window) if self.window else 0.0
 
     @property
@@ -68,7 +68,7 @@ class LoopPath:
 
 
 def trace_loop(drive: Any) -> LoopPath:
-    """Return the path of a column that drives a loop, (rows,), without missing samples."""
+    """Return the path of a drive column of a loop, (rows,), without missing samples."""
     x = np.asarray(drive, float)
     span, scatter = float(np.ptp(x)), estimate_scatter(x)
     inner = find_turns(x.tolist(), max(PARTIAL * span, CLEAR * scatter))
@@ -103,7 +103,7 @@ def estimate_scatter(values: Any) -> float:
 
 
 def smooth_legs(values: Any, turns: Sequence[int]) -> tuple[Any, int]:
-    """Return a column smoothed leg by leg, and the rows of the narrowest window; both legs count where they meet."""
+    """Return a column smoothed leg by leg, and the rows of the narrowest window."""
     total, count, windows = np.zeros(len(values)), np.zeros(len(values)), list[int]()
     for first, last in pairwise(turns):
         smooth, wide = smooth_rows(values[first : last + 1])
@@ -134,7 +134,7 @@ def _try_windows(values: Any) -> Iterator[tuple[float, Any, int]]:
 
 
 def measure_arc(path: LoopPath, values: Any) -> Any:
-    """Return the length of the path to each row, (rows,), in the plane of drive and a measured column.
+    """Return the path length to each row, (rows,), in the plane of drive and a measured column.
 
     Both are divided by their range; the scatter of the measured column adds no length.
     """

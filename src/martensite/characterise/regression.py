@@ -139,7 +139,7 @@ def fit_noisy_abscissae(
         x: abscissae with noise.
         y: exact ordinates.
         terms: fitted powers of x.
-        origin: zero of the curve; None for the polynomial alone.
+        origin: zero of the curve, or None for the polynomial alone.
 
     Returns:
         Coefficients with their covariance; `squares` has the unit of x².

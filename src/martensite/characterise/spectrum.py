@@ -60,8 +60,8 @@ def natural_frequency(
         times: times of the rows [s], equally spaced.
         values: vibrating quantity, in any unit.
         steady: True for a vibration that lasts over the record, instead of decaying from its start.
-        low: lowest frequency [Hz]; by default two cycles in the record.
-        high: highest frequency [Hz]; by default half the sampling rate.
+        low: lowest frequency [Hz], by default two cycles in the record.
+        high: highest frequency [Hz], by default half the sampling rate.
 
     Raises:
         ParameterError: `low` and `high` do not leave a band.

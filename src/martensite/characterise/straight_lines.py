@@ -2,7 +2,7 @@
 
 Rows are sorted by temperature, one per temperature. Lines are least squares without outliers. Three consecutive lines
 have the least sum of squares of all divisions in three. A running median removes single spikes, and isotonic regression
-(pool adjacent violators) removes disorder. Neither has a width to choose or changes monotone values.
+(pool adjacent violators) removes disorder. Both methods have no width to choose and keep monotone values.
 """
 
 from __future__ import annotations

@@ -239,8 +239,8 @@ def fit_tangents(
 
     Args:
         cycles: records for `find_tangent_points`, or its results.
-        stresses: constant stress of each record [Pa]; by default from its column. Results keep their stress.
-        cycle: index of the cycle in each record; by default the last.
+        stresses: constant stress of each record [Pa], by default from its column. Results keep their stress.
+        cycle: index of the cycle in each record, by default the last.
 
     Raises:
         DataError: a record has no isobaric cycle, or all stresses are equal.

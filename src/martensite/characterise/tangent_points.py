@@ -42,8 +42,7 @@ class TangentPoints:
     heating: BranchTangents
     cooling: BranchTangents
     residual_strain: float
-    """Strain at the end minus strain at the start of the cycle, by the outer lines at the farthest common temperature [-].
-    """
+    """Final minus initial strain of the cycle, by the outer lines at the farthest common temperature [-]."""
     stroke: float
     """Largest minus smallest strain of the cycle, with noise and expansion [-]."""
     cycle: IsobaricCycle
@@ -133,8 +132,8 @@ def find_tangent_points(record: Record, *, stress: float | None = None, cycle: i
 
     Args:
         record: columns `temperature` [K], `strain` [-] (elongation positive) and optionally `stress` [Pa].
-        stress: constant stress [Pa]; by default the mean of the column over the cycle.
-        cycle: index of the cycle; by default the last.
+        stress: constant stress [Pa], by default the mean of the column over the cycle.
+        cycle: index of the cycle, by default the last.
 
     Raises:
         DataError: the columns contradict their names, or a full cycle or a full transformation is missing.
@@ -219,7 +218,7 @@ def find_all_cycles(record: Record, *, stress: float | None = None) -> list[Tang
 
     Args:
         record: as in `find_tangent_points`.
-        stress: constant stress [Pa]; by default the mean of the column over each cycle.
+        stress: constant stress [Pa], by default the mean of the column over each cycle.
 
     Raises:
         DataError: the record has no full cycle.
