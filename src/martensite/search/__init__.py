@@ -1,1 +1,1 @@
-"""Search and inference: what fits, designs and identified models share."""
+"""Search and inference for fits, designs and identified models."""

@@ -98,7 +98,7 @@ class BatchRunner:
         return np.stack([failed if rows is None else rows for rows in found])
 
     def run_lanes(self, table: Numbers, grid: LaneGrid) -> Numbers:
-        """Compute outputs (batch, samples, outputs) of a table (batch, parameters) in C; signals differ by element."""
+        """Compute outputs (batch, samples, outputs) of a table (batch, parameters) in C."""
         return self._judge_lanes(list(table.T), grid)
 
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:

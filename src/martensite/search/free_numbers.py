@@ -108,9 +108,9 @@ class SearchRange:
         """Read a request from its text.
 
         Args:
-            text: as in `martensite.search.free_text`; a text that is not parsed yet must be a range.
+            text: as in `martensite.search.free_text`. A text that is not parsed yet must be a range.
             unit: SI unit of the parameter.
-            convert: conversion of a quantity to a value [SI]; by default a quantity of the unit.
+            convert: conversion of a quantity to a value [SI], by default a quantity of the unit.
 
         Raises:
             ParameterError: the text is malformed, or a spread is not above 0.

@@ -7,7 +7,7 @@
     diameter=0.1..0.5 mm:9               in a sweep: nine values
     A_s=68, 70, 72 degC                  in a sweep: these values
     length=250 mm ± 2 %                  normal about a centre, or about the present value; `+-` is `±`
-    h:by=specimen=± 20 %                 in a fit: each specimen has its own value
+    h:by=specimen=± 20 %                 in a fit: each specimen has a separate value
     A_f-A_s=2..60 degC                   in a fit: the difference of two parameters
 
 A unit behind the last value holds for all values without a unit. An error is one sentence: the text, what is allowed,
@@ -55,7 +55,7 @@ def parse_free(text: str, *forms: str, complete: bool = False) -> FreeText:
 
     Args:
         text: as above.
-        forms: allowed forms, keys of `FORMS`; a range by default.
+        forms: allowed forms, keys of `FORMS`, a range by default.
         complete: True if values are required, a range with both ends.
 
     Raises:

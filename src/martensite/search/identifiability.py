@@ -112,8 +112,8 @@ def assess_identifiability(
         names: names of the parameters.
         values: values of the parameters at the Jacobian, in SI.
         scales: change of each value per search range, in SI (see `Axes`).
-        units: SI unit of each parameter; by default none.
-        noise: standard deviation of a weighted residual; 1 if weighted by the true noise.
+        units: SI unit of each parameter, by default none.
+        noise: standard deviation of a weighted residual, 1 if weighted by the true noise.
         precision: relative precision of each column of the Jacobian.
 
     Raises:

@@ -58,7 +58,7 @@ def descend_squares(
     """Return the nearest minimum from a start.
 
     Args:
-        evaluate: residuals at a point, with their Jacobian if the second argument is true; None for a failed run.
+        evaluate: residuals at a point, with their Jacobian if the second argument is true, or None for a failed run.
         begin: fractions from 0 to 1.
         first: result of `evaluate` at the start.
         most: largest number of evaluations.

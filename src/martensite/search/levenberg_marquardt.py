@@ -2,8 +2,8 @@
 
     (H + λ D²) step = -g,    D = max(√diag H, 10⁻³ median √diag H)
 
-The floor on D is essential for networks: idle units have tiny gradients and would otherwise take
-huge steps. Plateaus are common, so it ends only after several steps in a row that gain little.
+Networks require the floor on D, because idle units with tiny gradients would take huge steps. Plateaus are common, so
+the search ends only after several consecutive steps with little gain.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 Numbers: TypeAlias = NDArray[np.float64]
 SCALE_FLOOR = 1e-3
-"""Least scale of a number, over the median of all."""
+"""Least scale of a parameter, relative to the median of all."""
 MOST_DAMPINGS = 18
-"""Dampings that are tried before a step is given up."""
+"""Largest number of dampings tried per step."""
 
 
 class Normal(NamedTuple):
-    """A sum of squares V with its gradient g = ½ dV/dθ and H = JᵀJ."""
+    """Sum of squares V with its gradient g = ½ dV/dθ and H = JᵀJ."""
 
     value: float
     gradient: Numbers
@@ -31,10 +31,10 @@ class Normal(NamedTuple):
 
 
 class LeastSquaresCost(Protocol):
-    """Cost to be minimised."""
+    """Cost function."""
 
     def value(self, theta: Numbers) -> float:
-        """Return the sum of squares; not finite where there is none."""
+        """Return the sum of squares; not finite for a failure."""
         ...
 
     def normal(self, theta: Numbers) -> Normal:
@@ -50,7 +50,7 @@ class Found:
     value: float
     iterations: int
     converged: bool
-    """False if it was stopped by its limit of iterations."""
+    """False if the limit of iterations stopped the search."""
 
 
 def minimise_cost(
@@ -62,10 +62,11 @@ def minimise_cost(
     free: NDArray[np.bool_] | None = None,
     watch: Callable[[int, float, Numbers], None] | None = None,
 ) -> Found:
-    """Return the nearest minimum from a start, in so many iterations at most.
+    """Return the nearest minimum from a start, within a number of iterations.
 
-    So many steps in a row (`patience`) with less relative gain than the tolerance end it. `free` is True for every
-    number that may change, by default all; `watch` is called after every step with its number, the value and θ.
+    The search ends after `patience` consecutive steps with a relative gain below the tolerance. `free` is True for
+    moving
+    parameters, by default all. `watch` is called after every step with its number, the value and θ.
     """
     theta = np.array(theta, dtype=float)
     moving = np.flatnonzero(np.ones(len(theta), bool) if free is None else free)
@@ -88,7 +89,7 @@ def minimise_cost(
 def _try_step(
     cost: LeastSquaresCost, theta: Numbers, normal: Normal, damping: float, moving: NDArray[np.intp]
 ) -> tuple[Numbers, float] | None:
-    """Return the next point and damping, or None if no step makes it better."""
+    """Return the next point and damping; None if no step is an improvement."""
     gradient, hessian = normal.gradient[moving], normal.hessian[np.ix_(moving, moving)]
     scale = np.sqrt(np.maximum(np.diag(hessian), 0.0))
     positive = scale[scale > 0.0]

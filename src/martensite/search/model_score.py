@@ -33,20 +33,20 @@ class Score:
     rms: float
     """Root-mean-square error [unit]."""
     fit_percent: float
-    """100 % for a perfect model; NaN where the output does not vary."""
+    """100 % for a perfect model; NaN for a constant output."""
     maximum: float
-    """Largest error, whatever its sign [unit]."""
+    """Largest absolute error [unit]."""
     maximum_at: float
-    """When it occurs [s]."""
+    """Time of the largest error [s]."""
     bias: float
-    """Mean of modelled less measured [unit]."""
+    """Mean of modelled minus measured values [unit]."""
     samples: int
     place: str = ""
-    """Place at which it occurs, if this is not a time."""
+    """Location of the largest error, if not a time."""
 
     @property
     def sentence(self) -> str:
-        """Return the numbers in everyday units."""
+        """Return the errors in everyday units."""
         fit = "no fit: it does not vary" if math.isnan(self.fit_percent) else ""
         return (
             f"`{self.record}`, `{self.output}` ({self.part}): "
@@ -71,12 +71,12 @@ class Score:
 def score_model(
     times: Any, measured: Any, modelled: Any, *, record: str, output: str, unit: str = "1", part: str = "training"
 ) -> Score:
-    """Compare a modelled output with the measured one, both in its SI unit, at the same times [s].
+    """Compare a modelled with a measured output, both in SI, at the same times [s].
 
     `part` is `training` or `held-out`.
 
     Raises:
-        DataError: the three are not equally many, at least one, or not finite.
+        DataError: the arrays are empty, not finite, or differ in length.
     """
     t, y, model = (np.asarray(row, np.float64) for row in (times, measured, modelled))
     if not 0 < t.size == y.size == model.size:

@@ -1,16 +1,14 @@
-"""Profile likelihood: how far one parameter can move if all others follow.
+"""Profile likelihood: interval of one parameter with all others refitted.
 
-With C(x) the least sum of squared weighted residuals for a parameter held at x, its interval
-holds all x with
+With C(x) the least sum of squared weighted residuals for a parameter fixed at x, the interval contains all x with
 
     C(x) - C_min ≤ t(level, n - p)² C_min/(n - p)      noise estimated from the fit (F-test)
     C(x) - C_min ≤ z(level)² noise²                    noise known (χ² of one degree of freedom)
 
-(Raue and others (2009), Bioinformatics 25). For a linear model this is the interval from the
-Jacobian, value ± t error; for another it need be neither symmetric nor bounded. The curve is
-walked outward from the optimum, each point started from the one before, with steps that change
-√(C - C_min) by about a quarter of its limit; where it crosses the limit it is interpolated in
-√(C - C_min), which is straight for a linear model.
+(Raue and others (2009), Bioinformatics 25). For a linear model this is the interval from the Jacobian, value ± t error.
+Otherwise it may be asymmetric or unbounded. The profile proceeds outward from the optimum, with steps that change
+√(C - C_min) by about a quarter of its limit. The crossing of the limit is interpolated in √(C - C_min), which is linear
+for a linear model.
 """
 
 from __future__ import annotations
@@ -47,7 +45,7 @@ class ProfilePoint:
     at: float
     """Value of the parameter [SI]."""
     excess: float
-    """Cost above that of the optimum, C - C_min."""
+    """Cost minus the cost of the optimum, C - C_min."""
     values: tuple[float, ...]
     """All parameters, on the scale of the profile steps."""
 
@@ -74,7 +72,7 @@ class Profile:
     limit: float
     """C - C_min at the ends of the interval."""
     points: tuple[ProfilePoint, ...]
-    """All refits and the optimum, by rising value."""
+    """All refits and the optimum, in ascending order."""
     below: ProfileEnd
     above: ProfileEnd
     better: ProfilePoint | None
@@ -89,7 +87,7 @@ class Profile:
 
     @property
     def sentence(self) -> str:
-        """Return the interval, or why it is open, in everyday units."""
+        """Return the interval, or the reason for an open side, in everyday units."""
         share, shown = f"{100.0 * self.level:g} %", format_quantity(self.value, self.unit)
         low, high = (format_quantity(end.at, self.unit) for end in (self.below, self.above))
         below, above = self.below.reason == "limit", self.above.reason == "limit"
@@ -137,27 +135,27 @@ def walk_profile(
     name: str = "parameter",
     unit: str = "1",
 ) -> Profile:
-    """Walk the profile of one parameter from the optimum to both sides.
+    """Compute the profile of one parameter from the optimum to both sides.
 
     Args:
-        solve: refits the other parameters; may raise `SolveError` where it cannot.
-        values: the optimum.
-        cost: sum of squared residuals there.
-        place: which parameter, by its place in `values`.
-        low: its lower bound.
-        high: its upper bound.
-        freedom: samples to spare, n - p, if the noise is estimated from the fit.
-        noise: standard deviation of a weighted residual, if it is known.
-        level: of the interval.
-        step: first step; a standard error is about right. A fiftieth of the bounds if left out.
-        most: refits on each side, at most, before the limit is passed.
-        to_value: from the scale on which it is walked to the parameter in SI, rising.
-        name: of the parameter, for its sentence.
-        unit: its SI unit.
+        solve: refit of the other parameters, may raise `SolveError`.
+        values: parameters at the optimum.
+        cost: sum of squared residuals at the optimum.
+        place: index of the parameter in `values`.
+        low: lower bound of the parameter.
+        high: upper bound of the parameter.
+        freedom: degrees of freedom, n - p, for noise estimated from the fit.
+        noise: standard deviation of a weighted residual, if known.
+        level: level of the interval.
+        step: first step, about a standard error, by default a fiftieth of the bounds.
+        most: largest number of refits on each side before the limit is passed.
+        to_value: increasing map from the scale of the profile to SI.
+        name: name of the parameter, for its sentence.
+        unit: SI unit of the parameter.
 
     Raises:
-        ParameterError: neither `freedom` nor `noise` is given, or both, or the optimum is not
-            within the bounds, or an estimated noise is 0.
+        ParameterError: neither or both of `freedom` and `noise` are given, the optimum is out of bounds, or an
+            estimated noise is 0.
     """
     _check_walk(values, place, low, high, step, most)
     limit = _compute_limit(cost, freedom, noise, level)
@@ -195,7 +193,7 @@ class _Walk:
     points: list[ProfilePoint] = field(default_factory=list[ProfilePoint])
 
     def outward(self, bound: float, step: float) -> ProfileEnd:
-        """Walk to one side until the limit is passed, or the bound is reached."""
+        """Step to one side until the limit is passed, or the bound is reached."""
         inner, failed, refits = ProfilePoint(self.values[self.place], 0.0, self.values), 0, 0
         while inner.at != bound:
             if refits >= self.most:
@@ -238,11 +236,11 @@ class _Walk:
         return ProfileEnd(at, "limit")
 
     def _root(self, point: ProfilePoint) -> float:
-        """√(C - C_min) as a share of its limit."""
+        """Return √(C - C_min) as a fraction of its limit."""
         return math.sqrt(max(point.excess, 0.0) / self.limit)
 
     def _point(self, at: float, start: ProfilePoint) -> ProfilePoint | None:
-        """Return the profile at one value; None if it could not be solved."""
+        """Return the profile at one value; None for a failed refit."""
         first = (*start.values[: self.place], at, *start.values[self.place + 1 :])
         try:
             values, cost = self.solve({self.place: at}, first)

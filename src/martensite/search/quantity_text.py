@@ -1,4 +1,4 @@
-"""Names, amounts and changes in words, in the units a person would rather read."""
+"""Texts of names, amounts and changes in everyday units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from martensite.base.units import choose_readable_unit, from_si
 
 
 def format_number(value: float, digits: int = 4) -> str:
-    """Return a number of so many digits; without an exponent as long as it is easily read."""
+    """Return a number with the given digits, without an exponent if it is readable."""
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
@@ -21,7 +21,7 @@ def format_quantity(value: float, unit: str) -> str:
 
 
 def format_change(amount: float, unit: str, digits: int = 4) -> str:
-    """Return a difference given in the SI `unit`: `5 K`, where the value itself is read in degC."""
+    """Return a difference given in the SI `unit`: `5 K`, if the value itself is in degC."""
     spelling, factor = choose_difference_unit(unit)
     return _append_unit(amount / factor, spelling, digits)
 
@@ -46,7 +46,7 @@ def join_phrases(phrases: Sequence[str]) -> str:
 
 
 def round_below(value: float) -> float:
-    """Return the largest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not above a positive number."""
+    """Return the largest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not above a positive value."""
     decade = 10.0 ** math.floor(math.log10(value))
     return max((m * decade for m in (1.0, 2.0, 5.0) if m * decade <= value), default=decade)
 

@@ -1,7 +1,6 @@
-"""Rule by which a model predicts: one meaning for all fits and for black-box models.
+"""Criterion by which a model predicts an output, for fits and for black-box models.
 
-A model predicts an output if its error on held-out data is clearly below the error of every rival, which is a
-prediction without a model, and if it explains most of the variation:
+The held-out error must be clearly below the error of every baseline, and most of the variation must be explained:
 
     error < BETTER · least error of a rival,    1 - error/spread ≥ EXPLAINED
 """
@@ -15,19 +14,19 @@ from dataclasses import dataclass
 BETTER = 0.8
 """Error over the least error of a rival below which a model is better."""
 EXPLAINED = 0.75
-"""Least part of the variation that a model explains, 1 - error/standard deviation."""
+"""Least explained fraction of the variation, 1 - error/standard deviation."""
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """Held-out error of a model beside those of its rivals, all in one unit."""
+    """Held-out error of a model with the errors of its baselines, in one unit."""
 
     rms: float
-    """Root-mean-square error with nothing fitted to the held-out data."""
+    """Root-mean-square error without parameters fitted to held-out data."""
     spread: float
     """Standard deviation of the measured values."""
     rivals: Mapping[str, float]
-    """Prediction without a model -> its root-mean-square error."""
+    """Baseline -> its root-mean-square error."""
 
     @property
     def fit_percent(self) -> float:
@@ -36,12 +35,12 @@ class Prediction:
 
     @property
     def best_rival(self) -> str:
-        """Return the rival with the least error; empty without rivals."""
+        """Return the baseline with the least error; empty without baselines."""
         return min(self.rivals, key=self.rivals.__getitem__, default="")
 
     @property
     def beats_rivals(self) -> bool:
-        """Return whether the error is clearly below the error of every rival."""
+        """Return whether the error is clearly below the error of every baseline."""
         return all(self.rms < BETTER * error for error in self.rivals.values())
 
     @property

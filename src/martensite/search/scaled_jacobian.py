@@ -1,4 +1,4 @@
-"""The free parameters of a fit as plain numbers: names, values, search ranges, units."""
+"""Free parameters of a fit as arrays: names, values, search ranges, units."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class ScaledParameters:
     scales: tuple[float, ...]
     """Change of each value per change of the scaled parameter, which has a range of 1, in SI.
 
-    High less low for a linear scale, value × log(high/low) for a logarithmic one.
+    It is high - low on a linear scale, and value × log(high/low) on a logarithmic scale.
     """
     units: tuple[str, ...]
     """SI unit of each."""
@@ -37,7 +37,7 @@ class ScaledParameters:
         return len(self.names)
 
     def relative(self, place: int, direction: Vector) -> float:
-        """Change of a parameter along a direction as a share of its value; NaN if that is 0."""
+        """Return the change along a direction as a fraction of the value; NaN for a value of 0."""
         value = self.values[place]
         return float(direction[place]) * self.scales[place] / value if value else math.nan
 
@@ -45,7 +45,7 @@ class ScaledParameters:
         """Return the Jacobian per search range as an array, (residuals, parameters).
 
         Raises:
-            DataError: it is not finite, or not of this many parameters.
+            DataError: the Jacobian is not finite, or has a wrong number of columns.
         """
         matrix = np.asarray(jacobian, np.float64)
         if matrix.ndim != 2 or matrix.shape[1] != len(self) or not len(matrix):
@@ -61,10 +61,10 @@ class ScaledParameters:
 def scale_parameters(
     names: Sequence[str], values: Sequence[float], scales: Sequence[float], units: Sequence[str] | None = None
 ) -> ScaledParameters:
-    """Return free parameters by their names, values, scales and units (plain numbers if left out).
+    """Return free parameters by names, values, scales and units (default: no units).
 
     Raises:
-        ParameterError: they are none, or not equally many, or a scale is 0 or not finite.
+        ParameterError: the inputs are empty or differ in length, or a scale is 0 or not finite.
     """
     given = units or ["1"] * len(names)
     if not 0 < len(names) == len(values) == len(scales) == len(given):
@@ -85,9 +85,9 @@ def is_gauge(relative: Sequence[float]) -> bool:
 
 
 def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
-    """Return the columns scaled to norm 1, or zeros where only rounding is left of them, and their norms.
+    """Return the columns scaled to norm 1, or zeros for rounding errors, and their norms.
 
-    Whether columns depend on each other must not depend on the search ranges.
+    Dependence of columns must not depend on the search ranges.
     """
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > _ROUNDING * np.max(norms)

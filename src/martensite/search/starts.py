@@ -39,7 +39,7 @@ def start_sobol(size: int, seed: int = 0) -> Any:
 
 
 def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
-    """Return the points spread evenly over the box, (count, size); `ParameterError` if no point is asked for."""
+    """Return the points spread evenly over the box, (count, size); `ParameterError` for no points."""
     if count < 1:
         raise ParameterError(f"Argument `count` must be at least 1, but is {count}.")
     points = start_sobol(size, seed).random_base2(math.ceil(math.log2(count)))

@@ -178,7 +178,7 @@ def estimate_uncertainty(
         names: names of the parameters.
         values: values of the parameters, in SI.
         scales: change of each value per search range, in SI (see `Axes`).
-        lengths: samples of each record in `residuals`; by default one record.
+        lengths: samples of each record in `residuals`, by default one record.
         precision: relative precision of the Jacobian.
         uneven: True for residuals with uneven scatter from nonlinearity. Errors are then at least the HC3 errors less
             10 %.

@@ -35,7 +35,7 @@ Vector: TypeAlias = NDArray[np.float64]
 LEAST_SAMPLES = 10
 """Least number of samples for the test."""
 LAGS = 20
-"""Number of lags tested, if the record is five times as long."""
+"""Number of lags tested, for a record of at least five times this length."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Whiteness:
 
     @property
     def sentence(self) -> str:
-        """Return the verdict with its numbers."""
+        """Return the verdict with its values."""
         outside = sum(abs(rho) > self.band for rho in self.autocorrelation)
         test = "p < 0.0001" if self.p_value < 1e-4 else f"p = {self.p_value:.2g}"
         counted = f"{outside} of {len(self.autocorrelation)} autocorrelations outside"
@@ -128,7 +128,7 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
 
     Args:
         residuals: (samples,), equally spaced in time within each record.
-        lengths: samples of each record; products across their ends do not count.
+        lengths: samples of each record. Products across their ends do not count.
 
     Returns:
         (longest record,); zeros, without the 1, if all residuals are 0.
