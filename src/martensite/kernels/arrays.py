@@ -1,7 +1,7 @@
 """Arrays: the kernel operations over NumPy, one array element per variant.
 
-The trigonometry needed by cosine kinetics is a polynomial on the clipped interval: it
-vectorises, and a batch runs about twice as fast as with the library's general sine.
+The trigonometry of cosine kinetics is a polynomial on the clipped interval, which makes a batch about twice as fast as
+the sine of the library.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class ArrayNamespace:
         self.each, self.repeat, self.implicit_root = floats.each, floats.repeat, floats.implicit_root
 
     def iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:
-        """Return the state after turns of a body; elements whose first number is not above 0 keep theirs."""
+        """Return the state after iterations of a body; elements with a first variable not above 0 stay constant."""
         now: Sequence[Any] = state
         for _ in range(most):
             going = now[0] > 0.0
@@ -48,16 +48,16 @@ class ArrayNamespace:
         return self.np.where(a > b, a, b)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
-        """`x` limited to [low, high]."""
+        """Return `x` limited to [low, high]."""
         return self.minimum(self.maximum(x, low), high)
 
     def sqrt(self, x: Any) -> Any:
-        """Return the square root; 0 (with slope 0) for negative arguments."""
+        """Return the square root; 0 (with derivative 0) for negative arguments."""
         positive = x > 0.0
         return self.np.where(positive, self.np.sqrt(self.np.where(positive, x, 1.0)), 0.0)
 
     def exp(self, x: Any) -> Any:
-        """Exponential; the argument is limited to 700."""
+        """Return the exponential; the argument is limited to 700."""
         return self.np.exp(self.minimum(x, 700.0))
 
     def log(self, x: Any) -> Any:
@@ -65,7 +65,7 @@ class ArrayNamespace:
         return self.np.log(self.maximum(x, 1e-300))
 
     def power(self, base: Any, exponent: Any) -> Any:
-        """`base` to the `exponent`; 0 (with slopes 0) for a base of 0 or below."""
+        """Return `base` to the `exponent`; 0 (with derivatives 0) for a base of 0 or below."""
         if isinstance(exponent, int):
             return expand_power(base, exponent)
         positive = base > 0.0
@@ -75,15 +75,15 @@ class ArrayNamespace:
         return self.np.where(positive, self.np.where(fits, value, floats.LARGEST), 0.0)
 
     def nearest(self, x: Any) -> Any:
-        """Return the nearest whole number, the even one of two; to differentiation `x` itself."""
+        """Return the nearest whole number, the even number of two; differentiation takes it as `x`."""
         return x + self.detach(self.np.rint(x) - x)
 
     def quarter_sine(self, x: Any) -> Any:
-        """sin(πx/2) for 0 ≤ x ≤ 1 by Horner's rule."""
+        """Return sin(πx/2) for 0 ≤ x ≤ 1 by Horner's rule."""
         return evaluate_horner(QUARTER_SINE, x * x) * x
 
     def erfcx(self, x: Any) -> Any:
-        """exp(x²) erfc(x) for x ≥ 0 by Horner's rule."""
+        """Return exp(x²) erfc(x) for x ≥ 0 by Horner's rule."""
         t = (x - ERFCX_CENTRE) / (x + ERFCX_CENTRE)
         return evaluate_horner(ERFCX, t) / (1.0 + 2.0 * x)
 

@@ -1,6 +1,6 @@
-"""A root between two ends of opposite sign: Brent's method, in plain Python.
+"""Root between two ends of opposite sign by Brent's method, in plain Python.
 
-The same steps as `brentq` of SciPy, whose import takes longer than most searches.
+The steps are the same as in `brentq` of SciPy, whose import takes longer than most searches.
 
 Source: R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4.
 """
@@ -56,7 +56,7 @@ def find_root(
 def _extrapolate(before: tuple[float, float], here: tuple[float, float], other: tuple[float, float]) -> float:
     """Return the step to the root of the secant through two points, or of the inverse parabola through three.
 
-    It is infinite where the last step brought no smaller value, or where values are equal.
+    It is infinite after a step without a smaller value, or for equal values.
     """
     (a, fa), (b, fb), (c, fc) = before, here, other
     if not abs(fb) < abs(fa) or (a != c and fc in (fa, fb)):

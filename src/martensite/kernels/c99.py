@@ -1,7 +1,7 @@
 """C99 source of the traced kernels, compiled by `martensite.kernels.compiler`.
 
 The source comes from the same graph as the Python code, without allocation and with libm only. Batch arrays have the
-layout [variable][lane], so that the compiler can use SIMD instructions over batch elements.
+layout [variable][batch element], so that the compiler can use SIMD instructions over batch elements.
 
 In differentiated functions, values are scalars and derivatives short vectors, which a compiler keeps in registers. All
 directions then share one evaluation of the values. This needs the vector types of gcc or clang.

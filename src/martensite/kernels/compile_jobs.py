@@ -82,7 +82,7 @@ def do_jobs(compile_library: Callable[[Path, str, tuple[str, ...]], None]) -> No
     A job is written before the lock is tried, and jobs are checked after its release, so that every job is found.
 
     Args:
-        compile_library: function that compiles the library of a path, a source and flags; `CompileError` on failure.
+        compile_library: function that compiles the library of a path, a source and flags, `CompileError` on failure.
     """
     with suppress(OSError):
         folder = make_cache("c")

@@ -92,9 +92,8 @@ def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False)
     Args:
         source: C source.
         more: additional compiler flags.
-        soon: True to accept a library of the quick compiler (`martensite.kernels.quick_compiler`) if the optimised
-            library
-            is missing, and compile that in the background.
+        soon: True to accept a result of the quick compiler (`martensite.kernels.quick_compiler`) if the optimised
+            library is missing, and compile the optimised one in the background.
 
     Raises:
         CompileError: no compiler was found, it failed, or no folder is writable for its output.

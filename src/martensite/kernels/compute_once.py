@@ -1,7 +1,7 @@
-"""Work that is done once for each argument, whichever thread asks first.
+"""Thread-safe caches of work that is done once for each argument.
 
-Tracing adds to graphs that programs share, and compiling takes seconds: one lock for all of it
-keeps threads that run different experiments from doing either at the same time.
+Tracing changes graphs that programs have in common, and compilation takes seconds. One lock prevents both from running
+in several threads.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _LOCK = RLock()
 
 
 def cache_answers(maxsize: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Return a decorator: keep the last `maxsize` answers; others wait while one is being made."""
+    """Return a decorator that caches the last `maxsize` results; other threads wait during a computation."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
         kept = lru_cache(maxsize)(function)

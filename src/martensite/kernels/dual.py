@@ -1,8 +1,7 @@
-"""Dual numbers over any runtime: exact slopes for the solvers, with no derivative in a law.
+"""Dual numbers over any runtime: exact derivatives for the solvers, without derivatives in a law.
 
-`value_and_slope(xp, f, x)` runs `f` once on (value, tangent) pairs. Traced into a graph it
-costs nothing at run time beyond the derivative's own arithmetic. Zero tangents are `None`,
-so constants stay constants.
+`value_and_slope(xp, f, x)` runs `f` once on (value, tangent) pairs. Traced into a graph, it costs only the arithmetic
+of the derivative. Zero tangents are `None`, so constants stay constants.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ Pair = tuple[Any, Tangent]
 
 
 def compare_values(comparison: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-    """Return a comparison of dual numbers, which is one of their values."""
+    """Return a comparison of dual numbers by their values."""
 
     def compare(a: Dual, b: Any) -> Any:
         _, (v, _), (w, _) = raise_levels(a, b)
@@ -31,7 +30,7 @@ def compare_values(comparison: Callable[[Any, Any], Any]) -> Callable[..., Any]:
 
 
 class Dual(TracedNumber):
-    """A value and its derivative with respect to the variable of one level.
+    """Value with its derivative with respect to the variable of one level.
 
     Derivatives may be nested: to a dual number, numbers of a lower level are constants.
     """
@@ -79,14 +78,14 @@ class Dual(TracedNumber):
 
 
 def split_dual(x: Any, level: int) -> Pair:
-    """Return the value and tangent of a number as seen at a level."""
+    """Return the value and tangent of a number at a level."""
     if isinstance(x, Dual) and x.level == level:
         return x.value, x.tangent
     return x, None
 
 
 def raise_levels(a: Dual, b: Any) -> tuple[int, Pair, Pair]:
-    """Return the higher level of two numbers, and both as seen at it."""
+    """Return the higher level of two numbers, and both at this level."""
     level = max(a.level, b.level) if isinstance(b, Dual) else a.level
     return level, split_dual(a, level), split_dual(b, level)
 
@@ -111,14 +110,14 @@ def scale_tangent(a: Tangent, factor: Any) -> Tangent:
 
 
 def divide_duals(top: Pair, bottom: Pair, level: int) -> Dual:
-    """Return the division of two (value, tangent) pairs."""
+    """Return the quotient of two (value, tangent) pairs."""
     ratio = top[0] / bottom[0]
     change = subtract_tangents(top[1], scale_tangent(bottom[1], ratio))
     return Dual(ratio, None if change is None else change / bottom[0], level)
 
 
 def chain_rule(operation: str, slope: Callable[[Any, Any, Any], Any]) -> Callable[..., Any]:
-    """Return a function of one number, from its slope: of the base, the argument and the value of the function."""
+    """Return a function of one number, from its derivative as a function of base, argument and value."""
 
     def apply(xp: DualNamespace, x: Any) -> Any:
         v, t = xp.parts(x)
@@ -129,10 +128,10 @@ def chain_rule(operation: str, slope: Callable[[Any, Any, Any], Any]) -> Callabl
 
 
 class DualNamespace:
-    """The kernel operations on dual numbers, built on any other namespace."""
+    """Kernel operations on dual numbers, built on any other namespace."""
 
     zero: Any = 0.0
-    """The tangent of a constant, where one must be written down."""
+    """Explicit tangent of a constant."""
 
     def __init__(self, base: Namespace) -> None:
         self.base: Any = base
@@ -168,7 +167,7 @@ class DualNamespace:
         return self.where(self.parts(a)[0] > self.parts(b)[0], a, b)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
-        """`x` limited to [low, high]; slope 0 outside."""
+        """Return `x` limited to [low, high], with derivative 0 outside."""
         return self.minimum(self.maximum(x, low), high)
 
     def abs(self, x: Any) -> Any:
@@ -177,7 +176,7 @@ class DualNamespace:
         return self.pair(self.base.abs(v), None if t is None else self.base.where(v < 0.0, -t, t))
 
     def sqrt(self, x: Any) -> Any:
-        """Return the square root; slope 0 where the argument is not positive."""
+        """Return the square root; derivative 0 for arguments that are not positive."""
         v, t = self.parts(x)
         root = self.base.sqrt(v)
         if t is None:
@@ -193,7 +192,7 @@ class DualNamespace:
     erfcx = chain_rule("erfcx", lambda base, v, value: 2.0 * v * value - 2.0 / ROOT_PI)
 
     def power(self, base: Any, exponent: Any) -> Any:
-        """`base` to the `exponent`; slopes 0 where the base is not positive."""
+        """Return `base` to the `exponent`; derivatives 0 for a base that is not positive."""
         if isinstance(exponent, int):
             return expand_power(base, exponent)
         (v, t), (e, s) = self.parts(base), self.parts(exponent)
@@ -204,7 +203,7 @@ class DualNamespace:
         return self.pair(value, add_tangents(by_base, by_exponent))
 
     def cos(self, x: Any) -> Any:
-        """Cosine."""
+        """Return the cosine."""
         v, t = self.parts(x)
         value = self.base.cos(v)
         return self.pair(value, None if t is None else -(t * self.base.sin(v)))
@@ -232,7 +231,7 @@ class DualNamespace:
         return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
-        """Return the state after `count` turns of `body`, written out."""
+        """Return the state after `count` iterations of `body`, unrolled."""
         return floats.repeat(count, body, *state)
 
     def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
@@ -276,7 +275,7 @@ def _separate_pairs(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]
 
 
 def value_and_slope(xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar) -> tuple[Scalar, Scalar]:
-    """Return f(x) and df/dx, where `function(xp, x)` is a kernel in the namespace it is given."""
+    """Return f(x) and df/dx for a kernel `function(xp, x)`."""
     (value,), (slope,) = values_and_slopes(xp, lambda xp, x: (function(xp, x),), x)
     return value, slope
 
@@ -284,7 +283,7 @@ def value_and_slope(xp: Namespace, function: Callable[[Namespace, Scalar], Scala
 def values_and_slopes(
     xp: Namespace, function: Callable[[Namespace, Scalar], Sequence[Scalar]], x: Scalar
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """Return values and slopes of a function with several results."""
+    """Return values and derivatives of a function with several results."""
     dual: Any = DualNamespace(xp)
     pairs = [dual.parts(result) for result in function(dual, dual.pair(x, 1.0))]
     return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]
@@ -293,7 +292,7 @@ def values_and_slopes(
 def compute_jacobian(
     xp: Namespace, function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]], at: Sequence[Scalar]
 ) -> tuple[list[Scalar], list[list[Scalar]]]:
-    """Return the values f_i and slopes df_i/dx_k of a kernel of one or several variables."""
+    """Return the values f_i and derivatives df_i/dx_k of a kernel of one or several variables."""
     values: list[Scalar] = []
     columns: list[list[Scalar]] = []
     for k in range(len(at)):

@@ -1,4 +1,4 @@
-"""Plain floats: kernels run as ordinary Python, without numpy.
+"""Plain floats: kernels as ordinary Python, without NumPy.
 
 This is the reference meaning of every operation; it never raises on extreme arguments.
 """
@@ -12,13 +12,13 @@ from typing import Any
 HALF_PI = math.pi / 2
 ROOT_PI = math.sqrt(math.pi)
 LARGEST = math.exp(700.0)
-"""The largest value of an exponential, and of a power."""
+"""Largest value of an exponential, and of a power."""
 WHOLE = 2.0**52
-"""From here on all floats are whole numbers."""
+"""Least value from which all floats are whole numbers."""
 
 
 def where(flag: bool, yes: float, no: float) -> float:
-    """`yes` where the flag holds, else `no`."""
+    """Return `yes` if the flag holds, otherwise `no`."""
     return yes if flag else no
 
 
@@ -48,7 +48,7 @@ def maximum(a: float, b: float) -> float:
 
 
 def clip(x: float, low: float, high: float) -> float:
-    """`x` limited to [low, high]."""
+    """Return `x` limited to [low, high]."""
     return minimum(maximum(x, low), high)
 
 
@@ -63,7 +63,7 @@ def sqrt(x: float) -> float:
 
 
 def exp(x: float) -> float:
-    """Exponential; the argument is limited to 700."""
+    """Return the exponential; the argument is limited to 700."""
     return math.exp(x if x < 700.0 else 700.0)
 
 
@@ -73,9 +73,9 @@ def log(x: float) -> float:
 
 
 def expand_power(x: Any, exponent: int) -> Any:
-    """`x` to a whole exponent by repeated squaring; 1 for 0, the inverse for one below 0.
+    """Return `x` to a whole exponent by repeated squaring.
 
-    A power as products is the same to the last bit wherever it is computed.
+    A power as products is identical to the last bit on all runtimes.
     """
     if exponent < 0:
         return 1.0 / expand_power(x, -exponent)
@@ -90,14 +90,14 @@ def expand_power(x: Any, exponent: int) -> Any:
 
 
 def find_whole_exponent(exponent: Any) -> int | None:
-    """Return the whole number that an exponent is, if it is one: `2` and `2.0` are."""
+    """Return the whole number of an exponent such as `2` or `2.0`; otherwise None."""
     if isinstance(exponent, float):
         return int(exponent) if exponent.is_integer() else None
     return exponent.__index__() if hasattr(exponent, "__index__") else None
 
 
 def power(base: float, exponent: float) -> float:
-    """`base` to the `exponent`; 0 for a base of 0 or below. An `int` is multiplied out."""
+    """Return `base` to the `exponent`; 0 for a base of 0 or below. An `int` is multiplied out."""
     if isinstance(exponent, int):
         return expand_power(base, exponent)
     if not base > 0.0:
@@ -115,17 +115,17 @@ tanh = math.tanh
 
 
 def nearest(x: float) -> float:
-    """Return the nearest whole number, the even one of two; large numbers are whole."""
+    """Return the nearest whole number, the even number of two; large numbers are whole."""
     return float(round(x)) if -WHOLE < x < WHOLE else x
 
 
 def quarter_sine(x: float) -> float:
-    """sin(πx/2) for 0 ≤ x ≤ 1."""
+    """Return sin(πx/2) for 0 ≤ x ≤ 1."""
     return math.sin(HALF_PI * x)
 
 
 def erfcx(x: float) -> float:
-    """exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
+    """Return exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
     if x < 5.0:
         return math.exp(x * x) * math.erfc(x)
     tail = x
@@ -140,7 +140,7 @@ def each(body: Callable[..., Sequence[float]], *columns: Sequence[float]) -> tup
 
 
 def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
-    """Return the state after `count` turns of `body`."""
+    """Return the state after `count` iterations of `body`."""
     found: Sequence[float] = state
     for _ in range(count):
         found = body(*found)
@@ -148,7 +148,7 @@ def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> S
 
 
 def iterate(most: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
-    """Return the state after turns of `body` for as long as its first number is above 0."""
+    """Return the state after iterations of `body` while its first variable is above 0."""
     found: Sequence[float] = state
     for _ in range(most):
         if not found[0] > 0.0:
@@ -158,12 +158,12 @@ def iterate(most: int, body: Callable[..., Sequence[float]], *state: float) -> S
 
 
 def detach(x: float) -> float:
-    """`x` itself."""
+    """Return `x`."""
     return x
 
 
 def implicit_root(root: float, newton: float) -> float:
-    """`root` itself."""
+    """Return `root`."""
     return root
 
 

@@ -35,8 +35,8 @@ class KernelPrinter:
         dialect: notation of operations.
         place: notation of an array element: name, then index.
         test: conversion of a number to a condition.
-        kept: indices of the parameters in p; all by default.
-        moving: indices of the parameters with derivatives in dp; None if the program was not differentiated.
+        kept: indices of the parameters in p, all by default.
+        moving: indices of the parameters with derivatives in dp, None if the program was not differentiated.
     """
 
     def __init__(

@@ -11,7 +11,7 @@ Chosen = TypeVar("Chosen", bound=tuple[Any, ...])
 
 
 class NestedShape:
-    """Rebuilds nested NamedTuples from a flat sequence."""
+    """Converter of a flat sequence to nested NamedTuples."""
 
     def __init__(self, example: Any) -> None:
         self.example = example
@@ -45,7 +45,7 @@ def name_numbers(nested: Any, path: str = "") -> list[str]:
 
 
 def choose_tuple(xp: Namespace, flag: Flag, one: Chosen, other: Chosen) -> Chosen:
-    """Return the first of two nested tuples of equal shape where the flag holds, else the other."""
+    """Return the first of two nested tuples of equal shape if the flag holds, otherwise the second."""
     pairs = zip(flatten_numbers(one), flatten_numbers(other), strict=True)
     return NestedShape(one).rebuild([xp.where(flag, a, b) for a, b in pairs])
 

@@ -1,9 +1,10 @@
-"""Special functions as polynomials: they vectorise where a library's do not.
+"""Special functions as polynomials, which vectorise unlike library functions.
 
 - sin(πx/2) on [0, 1] in odd powers of x up to x²¹; the truncation is below 2e-18.
-- (1 + 2x) exp(x²) erfc(x) for x ≥ 0 in powers of t = (x - 3)/(x + 3), which maps the half
-  line to [-1, 1]; its Chebyshev series of degree 22, computed for this project. The relative
-  error is below 2e-15. The form is that of Shepherd and Laframboise (1981), Math. Comp. 36.
+- (1 + 2x) exp(x²) erfc(x) for x ≥ 0 in powers of t = (x - 3)/(x + 3), which maps the half line to [-1, 1]. Its
+  Chebyshev
+  series of degree 22 was computed for this project, with a relative error below 2e-15. Form: Shepherd and Laframboise
+  (1981), Math. Comp. 36.
 """
 
 from __future__ import annotations
@@ -44,9 +45,9 @@ ERFCX = [
 def evaluate_estrin(
     coefficients: list[float], times: str = "{} * {}", plus: str = "({} + {})", constant: str = "{!r}"
 ) -> tuple[list[tuple[str, str]], str]:
-    """Return a polynomial in z as pairs of pairs, which do not wait for each other.
+    """Return a polynomial in z in Estrin's form, as independent pairs of pairs.
 
-    Returns the powers that it needs, such as ("z2", "z * z"), and its text.
+    The result has the required powers, such as ("z2", "z * z"), and the text.
     """
     terms = [constant.format(c) for c in coefficients]
     powers: list[tuple[str, str]] = []

@@ -1,7 +1,7 @@
-"""Programs: traced kernels, printed and bound for a runtime.
+"""Programs of traced kernels, printed and bound for a runtime.
 
-A program has functions over named inputs. Everything that depends on parameters alone is
-computed once, when the parameters are bound; the functions then close over it.
+A program has functions over named inputs. Values that depend on parameters alone are computed once, when the
+parameters are bound.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ FLOAT_GLOBALS = {
 
 @dataclass
 class Function:
-    """One traced function: names of its inputs, and its outputs as nodes."""
+    """Traced function with the names of its inputs, and its outputs as nodes."""
 
     name: str
     inputs: tuple[str, ...]
@@ -71,11 +71,11 @@ class Program:
         return result if isinstance(result, Expr) else self.graph.constant(result)
 
     def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
-        """Return whether outputs depend on any of some inputs, by their full names."""
+        """Return whether outputs depend on any of the inputs, by full names."""
         return any(self.list_needed(outputs, inputs))
 
     def list_needed(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> list[bool]:
-        """Return for each of some inputs, by full names, whether outputs depend on it."""
+        """Return whether outputs depend on each of the inputs, by full names."""
         reached = set(self.graph.walk([node.index for node in outputs], self.graph.children))
         return [self.graph.input(name, VARYING).index in reached for name in inputs]
 
@@ -86,7 +86,7 @@ class Program:
 
     @property
     def constants(self) -> int:
-        """Return the length of the array of what depends on parameters alone; C has none of length 0."""
+        """Return the length of the array of parameter-dependent constants, at least 1 for C."""
         return max(1, len(self.hoisted_nodes) - self._count_slopes())
 
     @property
@@ -99,14 +99,14 @@ class Program:
 
     @cached_property
     def bind_floats(self) -> Callable[..., Mapping[str, Callable[..., tuple[float, ...]]]]:
-        """`bind_floats(*parameters)` returns the functions as plain Python over floats."""
+        """Return a function of the parameters that returns the program functions as plain Python over floats."""
         names: dict[str, Any] = dict(FLOAT_GLOBALS)
         exec(compile(self.float_source, "<traced kernel>", "exec"), names)
         return names["bind"]
 
     @property
     def float_source(self) -> str:
-        """Python source of `bind`, a function that returns the functions."""
+        """Return the Python source of `bind`, a function that returns the functions."""
         printer = Printer(self.graph, FLOAT_DIALECT)
         lines, values = printer.block(self.hoisted_nodes, "h")
         names = [f"c{i}" for i in range(len(values))]

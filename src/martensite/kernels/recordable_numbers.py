@@ -1,4 +1,4 @@
-"""Functions on floats, on arrays, or on numbers that `record` the operations on them, from which the bench draws."""
+"""Functions on floats, on arrays, or on numbers that `record` operations for the drawings of the bench."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from martensite.kernels.arrays import ArrayNamespace
 
 
 class RecordableFunctions:
-    """The operations of kernels, and the functions of `math`."""
+    """Operations of kernels, and functions of `math`."""
 
     def __getattr__(self, name: str) -> Any:
         plain = getattr(floats, name, None) or getattr(math, name)
@@ -35,4 +35,4 @@ def _get_arrays() -> ArrayNamespace:
 
 
 xp: Any = RecordableFunctions()
-"""A namespace of kernels for any of these numbers."""
+"""Namespace of kernels for any of these numbers."""

@@ -43,7 +43,7 @@ _REFLECTED = {
 }
 """NumPy operator with a NumPy number on the left -> reflected operator."""
 _FUNCTIONS = ("abs", "cos", "exp", "log", "maximum", "minimum", "nearest", "power", "sin", "sqrt")
-"""Operations that are functions of numbers."""
+"""Functions among the operations."""
 _SAME = {
     "max": "maximum",
     "min": "minimum",
@@ -66,7 +66,7 @@ _STANDARD = str(Path(linecache.__file__).parent)
 def make_kernel_error(reason: str, instead: str = "", called: str = "") -> KernelError:
     """Return an error about an unsupported operation of the running kernel.
 
-    The message has a replacement, unless kernels have the function too. A missing function name is read from the
+    The message has a replacement, unless kernels also have the function. A missing function name is read from the
     source.
     """
     place, text = _find_place()
