@@ -73,7 +73,7 @@ def log(x: float) -> float:
 
 
 def expand_power(x: Any, exponent: int) -> Any:
-    """Return `x` to a whole exponent by repeated squaring.
+    """Return `x` to a whole exponent by repeated squaring; 1 for 0, the inverse for a negative exponent.
 
     A power as products is identical to the last bit on all runtimes.
     """

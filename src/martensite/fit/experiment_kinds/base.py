@@ -80,7 +80,7 @@ class Assumptions:
         return units.parse_quantity(str(self.settings[path]), unit) if path in self.settings else value
 
     def take_slope(self, name: str, alone: str) -> float:
-        """Return the given Clausius–Clapeyron slope [Pa/K]; otherwise the assumed slope, if `alone`."""
+        """Return the given Clausius–Clapeyron slope [Pa/K]; otherwise the assumed slope, as there is one `alone`."""
         effect = f"with one {alone} only, temperatures at zero stress follow from it"
         return self.take(f"element.law.{name}", "Pa/K", SLOPE, effect)
 
