@@ -102,7 +102,7 @@ class BatchRunner:
         return self._judge_lanes(list(table.T), grid)
 
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
-        """Return a run with derivatives (samples, outputs, directions) along seeds (parameters, directions), or None."""
+        """Return a run with derivatives (samples, outputs, directions) for seeds (parameters, directions), or None."""
         if not self.native:
             return self._difference(values, seeds)
         from martensite.simulate.native_slopes import march_slopes
