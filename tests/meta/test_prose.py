@@ -75,7 +75,7 @@ LIMITS = {
     "help": 4.0,
     "messages": 7.5,
     "web": 4.0,
-    "docstrings": 25.0,
+    "docstrings": 9.0,
 }
 """Largest number of hits per 1000 words, by place."""
 SCREENS = (
