@@ -61,27 +61,22 @@ def simulate(
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
-        waveform: drive signal in the unit of the source; for a system with several drives a
-            table of them by name.
-        duration: end of the run [s], counted from 0 also if it starts later.
-        tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
-            as a fraction of the range of each, or of the least range that counts (1 K, 0.01, 1 MPa,
-            and what the mechanism declares).
-        step: longest step [s]; if given, one run is made with equal steps between samples and
-            edges, and nothing is estimated.
-        samples: number of equidistant samples returned, both ends included; of a run that starts later
-            those of the whole that are left.
-        runtime: `floats`, `c` (compiled on the spot), or `auto`: floats for what is over
-            before a compiler would have started, else C, if there is a compiler.
-        budget: CPU time [s] after which the run is given up; none by default.
-        tell: called now and then with what is being done and the completed fraction.
-        start: time and state in which it starts (`martensite.simulate.restarts`).
-        restart_at: times [s] at which a state is kept with the result, as at the end; a step ends there,
-            and the march forgets its history.
+        waveform: drive signal in the unit of the source, or a table of signals by drive name.
+        duration: end of the run [s], counted from 0 also for a later start.
+        tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates, as a fraction of
+            each range.
+            The smallest ranges are 1 K, 0.01, 1 MPa, and values of the mechanism.
+        step: longest step [s] of a single run with equal steps between samples and edges, without error estimation.
+        samples: number of equidistant samples from 0 to `duration`, both ends included.
+        runtime: `floats`, `c` (compiled on demand), or `auto`: floats for short runs, else C with a compiler.
+        budget: maximum CPU time [s]; unlimited by default.
+        tell: progress callback with the activity and the completed fraction.
+        start: initial time and state (`martensite.simulate.restarts`).
+        restart_at: times [s] of stored restart states, besides the end. A step ends there, and the solver restarts.
 
     Raises:
         InputError: an argument is out of range.
-        SolveError: the run failed, or its budget is spent; the message gives when and a remedy.
+        SolveError: the run failed or exceeded its budget; the message gives the time and a remedy.
     """
     check_run(duration, tolerance, step, samples)
     if runtime == "cuda":

@@ -172,7 +172,7 @@ def compute_sensitivity(
 ) -> OutputSensitivity:
     """Compute exact derivatives of an output over time with respect to parameters.
 
-    Forward-mode differentiation through the march, latent heat and mechanism included.
+    Forward-mode differentiation includes latent heat and mechanism.
 
     Args:
         system: the system at its nominal parameters.
@@ -180,9 +180,9 @@ def compute_sensitivity(
         duration: length of the run [s].
         wrt: parameter paths (or unique endings).
         step: longest of equal steps [s].
-        output: name of the column whose derivatives are wanted.
+        output: name of the differentiated column.
         samples: number of equidistant samples, both ends included.
-        runtime: `c`, `cuda` (a GPU of NVIDIA, one run per thread), or `auto`, which is C.
+        runtime: `c`, `cuda` (an NVIDIA GPU, one run per thread), or `auto` for C.
         over: parameter path (or unique ending) -> one value per run of a batch, in SI.
 
     Raises:

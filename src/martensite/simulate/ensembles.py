@@ -144,7 +144,7 @@ class Measuring:
 
     @property
     def totalled(self) -> bool:
-        """Return True if the extremes and integrals that a march in C keeps are enough for the measures."""
+        """Return whether extremes and integrals from C suffice for the measures."""
         return all(type(one) in TOTALLED for one in self.measures)
 
     def measure_march(self, runs: Runs, made: MarchRows) -> Numbers:

@@ -67,7 +67,7 @@ class Mean(Integral):
 
 @MEASURES.register("rms")
 class RootMeanSquare(AbstractMeasure):
-    """Root of the mean square over the run; of several elements that of all squares."""
+    """Root of the mean square over the run; for several elements, of the sum of all squares."""
 
     averages = True
 
