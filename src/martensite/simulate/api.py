@@ -64,10 +64,9 @@ def simulate(
         waveform: drive signal in the unit of the source, or a table of signals by drive name.
         duration: end of the run [s], counted from 0 also for a later start.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates, as a fraction of
-            each range.
-            The smallest ranges are 1 K, 0.01, 1 MPa, and values of the mechanism.
+            each range. The smallest ranges are 1 K, 0.01, 1 MPa, and values of the mechanism.
         step: longest step [s] of a single run with equal steps between samples and edges, without error estimation.
-        samples: number of equidistant samples from 0 to `duration`, both ends included.
+        samples: number of equidistant samples from 0 to `duration`; a later start omits earlier samples.
         runtime: `floats`, `c` (compiled on demand), or `auto`: floats for short runs, else C with a compiler.
         budget: maximum CPU time [s]; unlimited by default.
         tell: progress callback with the activity and the completed fraction.

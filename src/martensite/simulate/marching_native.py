@@ -112,7 +112,7 @@ class _Window:
         self._columns = np.concatenate([self._columns[:, place:], more], axis=1)
 
     def extend_to_end(self, most: int) -> int:
-        """Store up to `most` further segments and return their number."""
+        """Store all segments unless there are many more than `most`; return the stored number."""
         self.extend(0.0)
         while not self._ended and self._columns.shape[1] < most:
             self.extend(0.0)

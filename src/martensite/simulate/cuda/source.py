@@ -185,7 +185,7 @@ class MarchSource:
 
     @cached_property
     def _varying(self) -> set[int]:
-        """Return the nodes that depend directly on a varied parameter."""
+        """Return the nodes that contain a varied parameter."""
         graph = self.compiled.program.graph
         found = {graph.input(f"p{place}", PARAMETER).index for place in self.varied}
         for index in range(len(graph.operations)):
