@@ -22,7 +22,7 @@ def test_studies_are_listed_and_lead_to_their_pages(page: Page) -> None:
     page.get_by_role("link", name="Sommerfeld effect").click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("Sommerfeld effect")
     guide = page.get_by_role("region", name="Guide")
-    expect(guide).to_contain_text("that is a fit, not a prediction")
+    expect(guide).to_contain_text("This is a fit, not a prediction")
     guide.get_by_text("Sources").click()
     expect(guide).to_contain_text("Universidade Tecnológica Federal do Paraná")
 

@@ -93,7 +93,7 @@ def test_another_number_is_followed_from_a_point(curve: ms.simulate.ResponseCurv
 def test_a_curve_does_not_leap_over_transformations() -> None:
     """A martensitic wire is heated by 66 K: as a curve it would stay martensite all the way."""
     cold = ms.simulate.trace_response(machines.load_scenario(), "motor", 0.6, 0.7, drive={"drive": 0.0}, steps=64)
-    with pytest.raises(SolveError, match="depends on the way"):
+    with pytest.raises(SolveError, match="depends on the path"):
         ms.simulate.continue_response(cold, 0, "drive", 0.0, 1.1)
 
 

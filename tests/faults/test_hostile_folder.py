@@ -51,7 +51,7 @@ def test_reading_a_log(hostile: Path, path: str, monkeypatch: pytest.MonkeyPatch
 def ask_worker() -> None:
     async def work() -> None:
         worker = Worker(Path())
-        with pytest.raises(Refusal, match="no call"):
+        with pytest.raises(Refusal, match="No call"):
             await worker.ask("nothing", {})
         await worker.kill()
 

@@ -147,7 +147,7 @@ def test_bad_motors() -> None:
     assert "not both" in refused(*given, "--inductance", "3 mH", "--current-rise", "rise.csv")
     assert "`--inductance` must be above 0" in refused(*given, "--inductance", "0 H")
     assert "`--resistance`" in refused(*MOTOR, "--resistance", "6 V")
-    assert "no voltage behind R i" in refused(*MOTOR, "--resistance", "600 ohm")
+    assert "motor constant K is" in refused(*MOTOR, "--resistance", "600 ohm")
     assert "no column `speed`" in refused(*given, "--run-up", "rise.csv")
     assert "no column `time`" in refused(*given, "--run-up", "steady.csv")
     assert "no column `voltage`" in refused("motor", "beam.csv", "--resistance", "6 ohm")

@@ -272,7 +272,7 @@ def test_tests_that_are_refused() -> None:
 
 
 def test_tests_that_contradict_each_other() -> None:
-    with pytest.raises(DataError, match="no voltage behind R i"):
+    with pytest.raises(DataError, match="motor constant K is"):
         estimate_motor_constants(running(), Winding(MeasuredValue(400.0)))
     with pytest.raises(DataError, match="more slowly than the current"):
         estimate_motor_constants(running(), held_rotor(), current_rise=run_up(), run_up=held_current())
