@@ -16,7 +16,8 @@ def change_proposals(proposals: Sequence[Proposal], free: Sequence[str], fixed: 
 
     Args:
         proposals: proposals for the logs.
-        free: texts of free parameters, which replace parameters of the same name or are added.
+        free: texts of free parameters, which replace parameters of the same name, and differences from it, or are
+            added.
         fixed: names of fixed parameters, each with `=VALUE` if the value is known.
 
     Raises:
@@ -43,8 +44,8 @@ def _is_free(proposal: Proposal, text: str) -> bool:
 
 def _replace_free(known: Sequence[str], given: Sequence[str]) -> list[str]:
     own = {_find_name(text): text for text in given}
-    kept = [own.pop(_find_name(text), text) for text in known]
-    return [*kept, *own.values()]
+    kept = [text for text in known if _find_name(text).partition("-")[0] not in own or _find_name(text) in own]
+    return [*(own.pop(_find_name(text), text) for text in kept), *own.values()]
 
 
 def _fix_parameter(proposal: Proposal, text: str) -> Proposal:

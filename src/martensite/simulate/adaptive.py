@@ -504,7 +504,7 @@ class AdaptiveMarch(AbstractMarch):
         smooth: list[bool] | None = None
         while self.sample < len(times) and times[self.sample] <= end + hair:
             time = times[self.sample]
-            earlier = time <= self.time
+            earlier = bool(time <= self.time)
             state = trial.full if time >= end - hair else None
             if state is None:
                 smooth = smooth or self._find_smooth(trial, nodes)
