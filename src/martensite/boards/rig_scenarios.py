@@ -27,7 +27,7 @@ SILENT = 1e-3
 
 
 def write_rig_scenario(text: str) -> str:
-    """Return a scenario without its loop, whose drive follows the column `duty` of a log."""
+    """Return an open-loop copy of a scenario; its drive follows the column `duty` of a log."""
     document: dict[str, Any] = tomllib.loads(text)
     source = document.get("driver", {"kind": "pwm-voltage"})
     followed = {"waveform": {"kind": "log", "column": "duty", "between": "hold"}}

@@ -179,7 +179,7 @@ def _describe_one_cadence(fit: Fit) -> Iterator[str]:
         period = format_number(min(periods.values()), 2)
         yield (
             f"All logs have one period (about {period} s), so the error for a faster or slower drive is unknown. "
-            "Record a log with a third or three times that period."
+            "Record a log with a period of one third of it, or of three times."
         )
 
 
@@ -198,8 +198,8 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
             speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "different in speed"
             yield (
                 f"`{one.record}` (period of about {format_number(period, 2)} s) is {speed} compared with the fitted "
-                f"logs. The relative error of `{one.output}` is {format_number(worse, 2)} times larger: the fitted "
-                "logs do not determine cooling, heat capacity or delay. Add a log of that period to the fit."
+                f"logs. The relative error of `{one.output}` is {format_number(worse, 2)} times its error on these: "
+                "they do not determine cooling, heat capacity or delay. Add a log of that period to the fit."
             )
 
 

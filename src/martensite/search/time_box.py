@@ -26,7 +26,7 @@ class TimeBox:
         return min((measure_processor_time() - self._begun) / self._seconds, 1.0)
 
     def limit(self, part: float) -> Callable[[object], None]:
-        """Return a function that raises `OutOfTimeError` once a part of the box is used."""
+        """Return a function that raises `OutOfTimeError` once a fraction of the time box is used."""
 
         def check(note: object) -> None:
             del note

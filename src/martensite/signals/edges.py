@@ -42,7 +42,7 @@ def find_interval(time: float, guess: float, start: Callable[[int], float]) -> i
 
 
 def blend_levels(first: float, last: float, share: float) -> float:
-    """Return the level at a fraction between `first` and `last`, limited to these two."""
+    """Interpolate from `first` to `last` at a fraction, limited to this range."""
     if share <= 0.0:
         return first
     if share >= 1.0:

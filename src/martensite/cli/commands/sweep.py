@@ -83,7 +83,7 @@ def sweep(
             metavar="OPTIONS",
             help=(
                 'SLURM job array to submit, e.g. "partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB"; '
-                "for a queued array, its progress."
+                "a queued array reports its progress."
             ),
         ),
     ] = None,

@@ -202,7 +202,7 @@ def _arrange_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) 
 
 
 def _fold_runs(one: Any, names: tuple[str, ...], shape: tuple[int, ...]) -> Any:
-    """Return a variable with its first dimension, the runs, split into the dimensions of the grid."""
+    """Split the first dimension of a variable (the runs) into the dimensions of the grid."""
     data = one.variable.data
     return (*names, *one.dims[1:]), data.reshape(*shape, *one.shape[1:]), one.attrs
 

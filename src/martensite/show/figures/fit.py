@@ -79,7 +79,7 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
     rows = pick_evenly([one for one, column in entries if column is not None], MOST)
     if not rows:
         raise InputError(
-            "No record holds a temperature that varies, or both stress and strain: there is no loop to draw."
+            "There is no loop to draw: it needs a record with a varying temperature, or with stress and strain."
         )
     with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted, as loops")

@@ -106,7 +106,7 @@ def reduce_to_plateaus(
     if not plateaus:
         raise DataError(
             f"Column `{column}` of record `{record.name}` has no plateau of at least "
-            f"{shortest} rows; a staircase is held on its levels."
+            f"{shortest} rows. Hold each level of a staircase test for that long."
         )
     parts = [(max(first, last - _build_rows(settled, last - first)), last) for first, last in plateaus]
     others = [name for name in record.columns if name != column]
