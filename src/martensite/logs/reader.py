@@ -171,7 +171,7 @@ def read_table(
         separator: `auto`, `comma`, `semicolon`, `tab` or `whitespace`.
         drop: leave out rows that are unreadable or repeat the time before, and count them in `Record.dropped`. A
             truncated
-        number is not detected. Some published data sets are read this way by default.
+            number is not detected. Some published data sets are read this way by default.
         gaps: read missing samples (empty or NaN cells) as NaN; a time must not be missing.
 
     Returns:

@@ -38,7 +38,7 @@ def configure_laws(names: Sequence[str], material: str | None, settings: Mapping
         names: names of registered laws.
         material: name or file of a material. By default the first shipped material with all numbers of all laws, else
             the
-        first one for each law.
+            first one for each law.
         settings: values by parameter, or by law and parameter (`brinson.sigma_s`).
 
     Raises:

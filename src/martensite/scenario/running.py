@@ -48,12 +48,12 @@ def run(
 
     Args:
         what: path of a scenario file, a scenario, or a `System`, a `Machine` or a bench. A system needs a `drive` and a
-        `duration`, a bench with built-in signals only a `duration`.
+            `duration`, a bench with built-in signals only a `duration`.
         drive: waveform in the unit of the source, or several by name; replaces the one of the scenario.
         duration: end of the run, in seconds from 0 or as text with a unit; replaces the one of the scenario.
         over: variants of a batch: equally many values per parameter path (or unique ending), in SI or as text.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates, as a share of their
-        ranges; by default 1e-4 or as in the scenario.
+            ranges; by default 1e-4 or as in the scenario.
         step: longest step [s]; steps are then equal and no error is estimated.
         samples: number of equidistant samples, both ends included, by default 1001 or as in the scenario.
         outputs: returned columns of a batch, by default those whose accuracy is judged.

@@ -167,7 +167,7 @@ def platform_angles(plates: Plates, wanted: Sequence[float], allowed: float | No
         plates: geometry.
         wanted: three lengths [m].
         allowed: largest residual [m]; by default 1 % of the distance of the plates, `math.inf` for the best fit to any
-        lengths.
+            lengths.
 
     Returns:
         Both angles [rad] and the residual [m].

@@ -109,7 +109,7 @@ def measure_frequency_response(
         output: evaluated output, by default the first coordinate of the mechanism.
         high: signal of the steady state before the bias, for the cooling branch; by default each bias is reached from
             the
-        cold.
+            cold.
         native: run in C, by default if there is a compiler.
 
     Raises:

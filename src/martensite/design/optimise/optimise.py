@@ -88,7 +88,7 @@ def optimise_design(
         maximise: measure to maximise.
         subject: constraints, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
         life: margin to the declared limits of the elements (stress, strain, temperature), as a fraction of them; None
-        ignores the limits.
+            ignores the limits.
         cases: further cases, such as `environment.temperature=35 degC`.
         samples: number of samples for the measures.
         step: longest step [s], by default chosen and refined.

@@ -261,7 +261,7 @@ def run_sweep(
         precision: float64, or float32 on CUDA.
         chunk: number of runs that are computed and written together; a GPU needs many thousands.
         backend: processes, serial or dask, by default serial for a few chunks or on CUDA, else processes. A script with
-        another backend than serial needs `if __name__ == "__main__":`.
+            another backend than serial needs `if __name__ == "__main__":`.
         workers: number of processes; 0 for one per core.
         scheduler: address of a Dask scheduler.
         part: part I of N of the chunks, `I/N`, for job arrays.

@@ -34,7 +34,6 @@ STYLE: dict[Any, Any] = {
     "axes.titlesize": 9.0,
     "axes.titlelocation": "left",
     "axes.titlepad": 4.0,
-    "axes.titley": 1.0,  # otherwise each axes is measured twice
     "axes.edgecolor": QUIET,
     "axes.linewidth": 0.7,
     "axes.spines.top": False,
