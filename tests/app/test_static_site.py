@@ -22,14 +22,13 @@ from martensite.app.static_site.number_rows import list_rows, read_row
 from martensite.app.static_site.rounding import describe_rounding, measure_rounding
 from martensite.app.static_site.site_writer import FIRST, RUNS, make_site_folder, name_module
 from martensite.base.errors import CompileError, DataError
+from martensite.kernels.compiler import find_compiler
 from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.result import Result
 
 CLOSE = 1e-8
 """Difference by rounding, as a fraction of a range. The lengths of steps to kinks amplify it."""
-INTERPOLATED = 1e-6
-"""Difference of a sample that one runtime interpolates and the other does not, as a fraction of a range."""
 STATIC = Command("app")
 CHANGES = {"element.diameter": 1.2e-4, "drive.waveform.high": 0.55, "run.duration": 11.0}
 
@@ -165,11 +164,12 @@ def require_run(found: dict[str, Any], scenario: Any) -> None:
     meant = scenario.run(runtime="floats")
     least = dict(compile_march(scenario.whole).convergence_scales)
     assert (found["steps"], found["rejected"], found["status"]) == (meant.steps, meant.rejected, meant.status.name)
-    assert found["accuracy"] == pytest.approx(meant.accuracy, rel=0.15)  # one sample decides, interpolated or not
+    if find_compiler() is not None:  # the coarse first pass on floats takes slightly other steps than in C
+        assert found["accuracy"] == pytest.approx(scenario.run(runtime="c").accuracy)
     assert list(found["columns"]) == list(meant.columns)
     for name, column in meant.columns.items():
         size = max(float(np.ptp(column)), least.get(name, 0.0))
-        assert np.abs(np.subtract(found["columns"][name], column)).max() <= INTERPOLATED * size, name
+        assert np.abs(np.subtract(found["columns"][name], column)).max() <= CLOSE * size, name
     assert meant.heat is not None
     assert math.isclose(found["putIn"], meant.heat.put_in, rel_tol=1e-9)
     require_numbers(found, meant)

@@ -1,4 +1,4 @@
-"""The benchmark sections of what users call still run; so small that times say nothing."""
+"""Run the benchmark sections of user calls once. The problems are too small for timing."""
 
 import pytest
 from benchmarks import sections_calls

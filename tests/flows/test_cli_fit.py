@@ -163,8 +163,7 @@ def test_missing_samples_are_passed_over_and_told() -> None:
 def test_wire_that_is_heated_is_fitted_to_what_moves(hot: str) -> None:
     found = FIT.report(hot, *HEAT, "--step", "0.02 s")
     one = found["parameters"]["h"]
-    half = 0.5 * (one["high"] - one["low"])
-    assert one["low"] - half < 80.0 < one["high"] + half
+    assert abs(one["value"] - 80.0) < 0.75 * (one["high"] - one["low"])  # 3 standard errors; this noise takes 2 of them
     assert {score["output"] for score in found["scores"]} == {"position", "resistance"}
 
 
@@ -312,8 +311,8 @@ def test_swapped_columns(hot: str) -> None:
     )
     assert "swapped" in FIT.refused(swapped, *SMALL[1:])
     swapped = edited(hot, lambda rows: [["time [s]", "position [mm]", "current [A]", "resistance [ohm]"], *rows[1:]])
-    sentence = FIT.refused(swapped, *HEAT, "--column", "position")
-    assert "`current` goes from -0.05116 A to 2.948 A: are columns swapped" in sentence
+    sentence = FIT.refused(swapped, *HEAT, "--column", "position", "--hold-out", "25 %")
+    assert "`current` and `position` exchanged" in sentence
 
 
 def headed(old: str, new: str) -> Callable[[Rows], Rows]:

@@ -6,8 +6,8 @@ and the ambient a is free, then
     q = (h₀ + … + h_n θⁿ)(θ - a) = c₀ + c₁ θ + … + c_{n+1} θ^{n+1}
 
 is a polynomial of degree n + 1 with leading coefficient h_n and a zero at θ = a. The joint fit of h and a is thus
-linear
-least squares. The confidence region of a contains every a at which the fitted q could be zero (Fieller's argument),
+linear least squares. The confidence region of a contains every a at which the fitted q could be zero (Fieller's
+argument),
 
     c(a)² ≤ t² vᵀ C v,    v = (1, a, a², …),    C the covariance of c,
 

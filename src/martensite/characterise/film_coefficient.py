@@ -240,8 +240,7 @@ def fit_film_points(points: FilmPoints, terms: Sequence[int] = (0, 1, 2)) -> Fil
     """Fit a polynomial to film coefficients with equal noise in all temperatures.
 
     R² is the fraction of the squares about a constant h that the form explains. Without an ambient temperature the fit
-    is
-    `fit_film`.
+    is `fit_film`.
 
     Args:
         points: steady states.

@@ -132,8 +132,7 @@ def fit_noisy_abscissae(
 
     The fit minimises Σ (x_i - ξ_i)², where the fitted curve has the ordinate y_i at ξ_i. Each iteration linearises the
     curve about the last ξ: a linear fit with the weights (dx/dy)². Without convergence, such as for a curve that falls
-    at
-    a point, the first iteration is the result.
+    at a point, the first iteration is the result.
 
     Args:
         x: abscissae with noise.

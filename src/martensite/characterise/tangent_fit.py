@@ -193,8 +193,8 @@ class TangentFit:
         """Return the identified law parameters by canonical name, in SI.
 
         Slopes of the outer lines are omitted: they are not thermal expansions if transformation trails off. `eps_L` is
-        the mean
-        transformation strain. `H_min`, `H_sat` and `H_k` describe H(σ); if it is constant, the first two are the mean.
+        the mean transformation strain. `H_min`, `H_sat` and `H_k` describe H(σ); if it is constant, the first two are
+        the mean.
 
         Args:
             ends: `tangents` for the intersections, or `cosine` for strips π/2 times as wide about the same middle. The

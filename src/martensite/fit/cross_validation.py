@@ -171,8 +171,7 @@ def _predict_zero(fit: Fit, fitted: Sequence[ComparedOutput], one: ComparedOutpu
     """Return the predicted offset of a held-out record.
 
     It is the mean offset of the fitted records. If their smallest values agree better than their offsets, the offset
-    gives
-    the record the same smallest value.
+    gives the record the same smallest value.
     """
     zeros = [x for name, x in fit.numbers.items() if name.startswith(f"offset.{one.output}@")]
     lows = [float(np.min(x.model)) for x in fitted]

@@ -200,5 +200,4 @@ def _move_law(fit: Fit, i: int, base: Mapping[str, float]) -> dict[str, float]:
 def _find_unit(path: str, fit: Fit) -> str:
     """Return the SI unit of a path of the scenario."""
     last = path.rpartition(".")[2]
-    found = next((x.declared.unit for x in fit.system().leaves() if x.path.rpartition(".")[2] == last), "1")
-    return found
+    return next((x.declared.unit for x in fit.system().leaves() if x.path.rpartition(".")[2] == last), "1")

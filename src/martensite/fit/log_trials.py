@@ -247,8 +247,7 @@ def simplify_proposal(tried: TriedModel) -> Proposal | None:
     """Return the proposal with undetermined parameters fixed at their start values.
 
     These are at a bound, without an interval, or confounded with another parameter. None if all are determined, or if
-    the
-    element is driven, where they set the scale of others.
+    the element is driven, where they set the scale of others.
     """
     proposal = tried.proposal
     needless = set(_list_needless(tried.fit))

@@ -44,9 +44,8 @@ def solve_bracketed(
 
     A bracket beyond a possible end of the solutions permits an exact root there. With derivatives of at least 1,
     |function(root)| bounds the error of the root. A step of `enough` is the last; for a `smooth` function the estimate
-    of
-    the next step also counts. The estimate is invalid if the derivative changes by orders of magnitude. Where `wanted`
-    is false, the result is `start`.
+    of the next step also counts. The estimate is invalid if the derivative changes by orders of magnitude. Where
+    `wanted` is false, the result is `start`.
     """
     rounding = ROUND_OFF * xp.eps()
     last_step = xp.maximum(enough, rounding)

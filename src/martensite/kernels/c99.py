@@ -165,8 +165,7 @@ def c_source(program: Program, functions: Iterable[Function], shares_inverses: b
     """Return C source of `prepare` and traced functions of a program, over batch elements.
 
     Divisions by the same number may share its inverse, which is quicker but rounds differently. The inverse of a
-    subnormal
-    number is infinite, so exponentials are 0 below -700.
+    subnormal number is infinite, so exponentials are 0 below -700.
     """
     dialect = replace(C_DIALECT, shares_inverses=shares_inverses)
     if shares_inverses:

@@ -1,9 +1,8 @@
 """Background compilation of optimised libraries: job files in the cache folder, and one worker process.
 
 A job is a file `NAME.job` next to its library. The process is detached, has the lowest priority, and holds a lock of
-its
-cache folder; it ends without remaining jobs. It writes a library like any other process, so an interrupted job leaves
-no loadable file. A failed job leaves `NAME.failed` and is not repeated.
+its cache folder; it ends without remaining jobs. It writes a library like any other process, so an interrupted job
+leaves no loadable file. A failed job leaves `NAME.failed` and is not repeated.
 """
 
 from __future__ import annotations

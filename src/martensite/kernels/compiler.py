@@ -86,8 +86,7 @@ def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False)
     """Compile C source to a shared library in the cache (by hash) and load it.
 
     A complete library built on this machine is reused. If the cache is not writable, a folder of this process is used.
-    The
-    environment variable `MARTENSITE_CFLAGS` is appended to the compiler flags.
+    The environment variable `MARTENSITE_CFLAGS` is appended to the compiler flags.
 
     Args:
         source: C source.
@@ -99,18 +98,11 @@ def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False)
         CompileError: no compiler was found, it failed, or no folder is writable for its output.
     """
     usual = _build_command(more)
-    with suppress(CompileError, OSError):
-        for command in _list_quick(source, usual, soon):
-            path = _locate_folder() / _name_library(usual, source)
-            if read_mode() == "first" and _is_whole(path):
-                break
-            quick = path.with_name(_name_library(command, source))
-            library = _load_from(quick, command, source)
-            if read_mode() == "first":
-                from martensite.kernels.compile_jobs import order_library
-
-                order_library(path, source, more, quick, __name__)
-            return library
+    if command := _choose_quick(source, usual, soon):
+        with suppress(CompileError, OSError):
+            library = _load_quick(command, usual, source, more)
+            if library is not None:
+                return library
     name, reasons = _name_library(usual, source), list[str]()
     for find_folder in (_locate_folder, _make_own_folder):
         try:
@@ -134,8 +126,8 @@ def is_compiled(source: str, more: tuple[str, ...] = (), *, soon: bool = False) 
         return False
     with suppress(OSError):
         folder, usual = _locate_folder(), _build_command(more)
-        commands = (usual, *_list_quick(source, usual, soon))
-        return any(_is_whole(folder / _name_library(command, source)) for command in commands)
+        commands = (usual, _choose_quick(source, usual, soon))
+        return any(_is_whole(folder / _name_library(command, source)) for command in commands if command)
     return False
 
 
@@ -157,13 +149,26 @@ def call_compiled(function: Any, *arguments: Any) -> None:
     function(*(ctypes.c_long(one) if isinstance(one, int) else ctypes.c_void_p(one.ctypes.data) for one in arguments))
 
 
-def _list_quick(source: str, usual: tuple[str, ...], soon: bool) -> list[tuple[str, ...]]:
-    """Return the commands of the quick compiler for a source, best first; empty if it is not to be used."""
+def _choose_quick(source: str, usual: tuple[str, ...], soon: bool) -> tuple[str, ...]:
+    """Return the command of the quick compiler for a source; empty if it is not to be used."""
     mode = read_mode()
     if not is_within_reach(source) or not (mode == "only" or (soon and mode == "first")):
-        return []
-    found = [command for command in (find_tcc(),) if command]
-    return found if mode == "only" or found else [(*usual, "-O0")]
+        return ()
+    return find_tcc() or (() if mode == "only" else (*usual, "-O0"))
+
+
+def _load_quick(command: tuple[str, ...], usual: tuple[str, ...], source: str, more: tuple[str, ...]) -> Any:
+    """Return a library of the quick compiler, and order the optimised one; None if the optimised one exists."""
+    path, first = _locate_folder() / _name_library(usual, source), read_mode() == "first"
+    if first and _is_whole(path):
+        return None
+    quick = path.with_name(_name_library(command, source))
+    library = _load_from(quick, command, source)
+    if first:
+        from martensite.kernels.compile_jobs import order_library
+
+        order_library(path, source, more, quick, __name__)
+    return library
 
 
 def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:

@@ -216,7 +216,7 @@ def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int],
 def _list_left(
     rows: Sequence[Row], body: Sequence[int], known: tuple[set[int], set[int]], used: set[int], again: bool
 ) -> tuple[tuple[LeftOut, ...], int]:
-    """Return omitted rows, and their number right above the table; `known` are numeric rows and those of its width."""
+    """Return omitted rows, and their number right above the table; `known` holds numeric rows and rows of its width."""
     (numeric, same), inside = known, set(body)
     spoilt = [k for k in range(body[0], body[-1] + 1) if k not in inside]
     behind = [] if again else range(body[-1] + 1, len(rows))

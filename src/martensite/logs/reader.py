@@ -170,8 +170,7 @@ def read_table(
         interval: time between rows [s] of a file without a time column, by default 1 s.
         separator: `auto`, `comma`, `semicolon`, `tab` or `whitespace`.
         drop: leave out rows that are unreadable or repeat the time before, and count them in `Record.dropped`. A
-            truncated
-            number is not detected. Some published data sets are read this way by default.
+            truncated number is not detected. Some published data sets are read this way by default.
         gaps: read missing samples (empty or NaN cells) as NaN; a time must not be missing.
 
     Returns:

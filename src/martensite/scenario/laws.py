@@ -37,8 +37,7 @@ def configure_laws(names: Sequence[str], material: str | None, settings: Mapping
     Args:
         names: names of registered laws.
         material: name or file of a material. By default the first shipped material with all numbers of all laws, else
-            the
-            first one for each law.
+            the first one for each law.
         settings: values by parameter, or by law and parameter (`brinson.sigma_s`).
 
     Raises:

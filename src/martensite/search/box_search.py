@@ -145,8 +145,7 @@ class BoxSearch:
         """Prepare a search; `watch` receives a sentence and the completed fraction.
 
         Each descent has `iterations`, half of its allowed runs with derivatives. The neighbourhood of the best end is
-        searched
-        `clouds` times.
+        searched `clouds` times.
         """
         self.objective, self.iterations, self.cloud_count = objective, iterations, clouds
         self.watch = watch

@@ -65,8 +65,7 @@ def minimise_cost(
     """Return the nearest minimum from a start, within a number of iterations.
 
     The search ends after `patience` consecutive steps with a relative gain below the tolerance. `free` is True for
-    moving
-    parameters, by default all. `watch` is called after every step with its number, the value and θ.
+    moving parameters, by default all. `watch` is called after every step with its number, the value and θ.
     """
     theta = np.array(theta, dtype=float)
     moving = np.flatnonzero(np.ones(len(theta), bool) if free is None else free)

@@ -66,8 +66,7 @@ def find_starts(
     """Return the starts for descents, best first; fewer if the distance allows no more.
 
     A power of 2 is the best number of trial points. The least distance of two starts is a fraction of the diagonal of
-    the
-    box.
+    the box.
 
     Raises:
         ParameterError: no point is requested.

@@ -84,7 +84,7 @@ def march_inside(
     limits: Any,
     states: Any = None,
 ) -> tuple[Any, Any, Any]:
-    """Simulate a batch and return the times [s] of leaving the envelope, (lanes,), too.
+    """Simulate a batch; the results include the times [s] of leaving the envelope, (batch,).
 
     The time is the end of a step, and infinite for variants that stay inside. Reports cover the run until then. The
     limits are low and high, (2, envelope) or (2, envelope, lanes), or None. The `states`, (states, lanes), are

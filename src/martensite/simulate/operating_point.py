@@ -183,7 +183,7 @@ class _RestingLanes:
 
 
 def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, settled: float = SETTLED) -> None:
-    """Hold signals, (drives, lanes), in doubling stretches until judged outputs settle.
+    """Hold signals, (drives, batch), in doubling stretches until judged outputs settle.
 
     Raises:
         SolveError: the outputs do not settle in time.

@@ -74,7 +74,7 @@ def check_interface(mechanism: AbstractMechanism) -> None:
         require_condition(_is_unit(unit), f"`{name}` is in `{unit}`, which is no unit of SI.")
     scales = mechanism.convergence_scales()
     own = set(scales) <= set(outputs) and all(scale > 0.0 for scale in scales.values())
-    require_condition(own, f"It judges {scales}: outputs of its own, with ranges above 0.")
+    require_condition(own, f"`convergence_scales` is {scales}; it needs outputs of the mechanism, with ranges above 0.")
 
 
 def _is_unit(unit: str) -> bool:

@@ -108,8 +108,7 @@ def measure_frequency_response(
         drive: driven signal, by default the first; `reference` closes the loop of a bench.
         output: evaluated output, by default the first coordinate of the mechanism.
         high: signal of the steady state before the bias, for the cooling branch; by default each bias is reached from
-            the
-            cold.
+            the cold.
         native: run in C, by default if there is a compiler.
 
     Raises:

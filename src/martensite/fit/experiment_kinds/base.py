@@ -89,7 +89,7 @@ class Assumptions:
         for key, text in self.said.get(record.name, {}).items():
             found = pattern.search(text)
             if found is not None and any(word in key for word in words):
-                self.sentences.append(f"`{record.name}`: its file says `{key}`: `{text}`.")
+                self.sentences.append(f"`{record.name}`: `{text}` in the entry `{key}` of the file.")
                 return float(found[1].replace(",", "."))
         return None
 

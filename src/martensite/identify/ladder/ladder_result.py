@@ -80,7 +80,7 @@ class Ladder:
 
     @property
     def prediction(self) -> Prediction:
-        """Return the held-out error beside those of all rivals, over the spread of the output."""
+        """Return the held-out errors of the model and of all rivals, over the spread of the output."""
         fits = {MEAN: self.baseline.held.fit, **self.rivals}
         errors = {name: 1.0 - 0.01 * fit for name, fit in fits.items()}
         return Prediction(1.0 - 0.01 * self.held.fit, 1.0, errors)
