@@ -146,7 +146,7 @@ def _alike(one: str, other: str, near: float) -> bool:
 
 def timeless(outputs: list[str]) -> list[str]:
     """Outputs without how long a search took."""
-    return [re.sub(r", [\d.e+-]+ s(?=[.\n])", ", some time", text) for text in outputs]
+    return [re.sub(r"(, | in )[\d.e+-]+ s(?=[.\n])", r"\1some time", text) for text in outputs]
 
 
 @pytest.fixture
