@@ -1,6 +1,6 @@
 """Thread-safe caches of work that is done once for each argument.
 
-Tracing changes graphs that programs have in common, and compilation takes seconds. One lock prevents both from running
+Tracing changes graphs that several programs share, and compilation takes seconds. One lock prevents both from running
 in several threads.
 """
 

@@ -90,7 +90,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
 
     def add_contact(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
-        """Return the element near a force [N] from the spring of its fibres."""
+        """Return the linear spring of the element near a force [N]; `open` is that of its fibres without contact."""
         return open
 
     @property

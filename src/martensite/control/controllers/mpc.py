@@ -8,7 +8,7 @@ In every period:
            d_k = d_k-1 + K (y_k - ŷ_k - d_k-1)
 
        With `tracking` the model gets u + v, where v is the answer of a PID law to y - ŷ, so that it follows the
-       readings also if heating or cooling differ. A led drive is antagonistic and gets u - v.
+       readings also if heating or cooling differ. An antagonistic drive that another one leads gets u - v.
     2. Plans start from the state of the model. Their cost compares them on the known reference ahead, less d
        (`martensite.control.controllers.planning`), with the integral of v added to all signals as an input disturbance
        (Pannocchia and Rawlings (2003)).

@@ -53,8 +53,8 @@ class WireRequest(Parametrised):
         asked = math.isfinite(self.life)
         if asked and (self.life > LIFE_CYCLES or self.element == "coil" or self.limits == "ignore"):
             raise ParameterError(
-                f"Parameter `life` of `WireRequest` is known for straight wires within their limits, up to "
-                f"{LIFE_CYCLES:,.0f} cycles: beyond that there is no source. It is {self.life:,.0f}."
+                f"Parameter `life` of `WireRequest` applies to straight wires within their limits, up to "
+                f"{LIFE_CYCLES:,.0f} cycles, because no source covers more. It is {self.life:,.0f}."
             )
         rise = self.spring_rise if self.bias == "spring" else 0.0
         taken = self.return_stress * (1.0 + rise)

@@ -88,7 +88,7 @@ class SweepPlan:
         if twice:
             raise ParameterError(f"`{twice}` is varied twice.")
         if not (self.measures or self.traces):
-            raise ParameterError("A sweep keeps something of every run; name an output.")
+            raise ParameterError("A sweep needs at least one output to store from every run; name one.")
         if self.chunk < 1:
             raise ParameterError(f"A chunk must have at least one run, not {self.chunk}.")
         self._check_axes()

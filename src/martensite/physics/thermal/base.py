@@ -43,7 +43,7 @@ class AbstractCooling(Parametrised):
         return {name: unit for _, model in self._models() for name, unit in model.signals().items()}
 
     def with_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
-        """Return the model under its signals, at an instant or over a step."""
+        """Return the model with the present values of its signals, at an instant or over a step."""
         return self.drive_models(xp, signals)
 
     def drive_models(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:

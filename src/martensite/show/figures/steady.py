@@ -37,7 +37,7 @@ def plot_response(
     Args:
         found: the curve.
         sweeps: simulated sweeps, up first, then down.
-        boundaries: folds in a second parameter.
+        boundaries: curves of the folds over a second parameter.
         speed: unit of the rotor speed: rpm, rad/s or Hz.
         title: headline.
     """
