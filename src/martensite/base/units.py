@@ -16,7 +16,7 @@ from martensite.base.errors import UnitError
 
 _DECLARED = (
     "1 K K/Pa K/Pa^2 m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
-    "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H"
+    "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H W/kg"
 )
 """Units in which parameters are declared."""
 EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit in _DECLARED.split()} | {
@@ -48,6 +48,8 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit
     "mH": ("H", 1e-3, 0.0),
     "mm^2": ("m^2", 1e-6, 0.0),
     "J/g": ("J/kg", 1e3, 0.0),
+    "W/g": ("W/kg", 1e3, 0.0),
+    "mW/mg": ("W/kg", 1e3, 0.0),
     "kohm": ("ohm", 1e3, 0.0),
     "uohm m": ("ohm*m", 1e-6, 0.0),
     "uohm*cm": ("ohm*m", 1e-8, 0.0),
@@ -87,6 +89,7 @@ READABLE = {
     "K/Pa": "K/MPa",
     "K/Pa^2": "K/MPa^2",
     "kg": "g",
+    "W/kg": "W/g",
     "rad": "deg",
     "rad/s": "deg/s",
     DEGREES: "K",

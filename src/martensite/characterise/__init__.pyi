@@ -1,3 +1,5 @@
+from martensite.characterise.calorimetry import Calorimetry as Calorimetry
+from martensite.characterise.calorimetry import fit_calorimetry as fit_calorimetry
 from martensite.characterise.estimate import MeasuredValue as MeasuredValue
 from martensite.characterise.film_coefficient import FilmFit as FilmFit
 from martensite.characterise.film_coefficient import FilmPoints as FilmPoints

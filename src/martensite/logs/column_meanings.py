@@ -16,6 +16,8 @@ from martensite.logs.raw_table import RawColumn, RawTable
 from martensite.logs.table_times import is_part_of_clock
 from martensite.logs.value_guess import ValueGuess, guess_columns, guess_unit, is_even_time, is_rising
 
+HEAT_FLOW = "heat_flow"
+"""Name of the first column of a calorimeter's signal."""
 GIVEN, INFERRED, AMBIGUOUS = "given", "inferred", "ambiguous"
 """Certainty of a meaning."""
 IMPLIED = {"x_value": "s", "millis": "ms", "micros": "us", "milliseconds": "ms", "microseconds": "us", "seconds": "s"}
@@ -135,7 +137,7 @@ def _judge_ramp(raw: RawTable, meanings: list[Meaning]) -> list[Meaning]:
     times, heat = (raw.columns[at[name]].numbers for name in ("time", "temperature"))
     steps = np.abs(np.diff(heat)) / np.maximum(np.diff(times), 1e-12)
     unit = "min" if float(np.nanmedian(steps)) > FASTEST_RAMP else "s"
-    return [replace(one, unit=unit, sure=True) if k == at["time"] else one for k, one in enumerate(meanings)]
+    return [replace(one, unit=unit, sure=unit == "s") if k == at["time"] else one for k, one in enumerate(meanings)]
 
 
 def _find_headed_time(raw: RawTable, meanings: list[Meaning]) -> list[Meaning]:
@@ -178,6 +180,8 @@ def _name_apart(raw: RawTable, meanings: list[Meaning], given: Mapping[int, Mean
 def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) -> Meaning:
     slug = re.sub(r"\W+", "_", re.sub(r"[\[(].*", "", column.heading).lower()).strip("_") or f"column_{place + 1}"
     unit = one.unit if one.unit and one.unit != CLOCK else "1"
+    if HEAT.search(column.heading) and HEAT_FLOW not in taken:
+        slug = HEAT_FLOW
     if slug in taken or slug.rpartition(".")[2] in CANONICAL or not slug.isascii():
         slug = f"{one.name or 'column'}_{place + 1}"
     try:

@@ -19,7 +19,7 @@ from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.base.files import write_file
 from martensite.logs.cells import Numbers
-from martensite.logs.column_meanings import AMBIGUOUS, Meaning, guess_meanings, write_unit
+from martensite.logs.column_meanings import AMBIGUOUS, HEAT_FLOW, Meaning, guess_meanings, write_unit
 from martensite.logs.container_files import KINDS, find_ending, part_sheet, read_container
 from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
@@ -308,7 +308,8 @@ def _describe_doubt(title: str, option: str, column: RawColumn, meaning: Meaning
         if by == "values" and not meaning.sure:
             return f"{title} is taken for {name} in {meaning.unit} by its values alone; `{option}=…` corrects it."
         if by == "heading" and meaning.unit == "1" and name.rpartition(".")[2] not in CANONICAL:
-            return f"{title} is kept as plain numbers, `{name}`; `{option}=quantity[unit]` names it."
+            example = "heat_flow[W/g]" if name == HEAT_FLOW else "quantity[unit]"
+            return f"{title} is kept as plain numbers, `{name}`; `{option}={example}` names it."
     elif not name and column.kind == "number" and np.isfinite(column.numbers).any():
         low, high = np.nanmin(column.numbers), np.nanmax(column.numbers)
         return (
