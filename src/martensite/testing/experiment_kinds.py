@@ -51,6 +51,8 @@ def check_silence(kind: AbstractExperimentKind) -> None:
 
 def check_proposals(kind: AbstractExperimentKind) -> None:
     """Each proposal is a scenario with free parameters, and its columns can be fitted."""
+    if kind.command:
+        return
     proposals, _ = propose_scenarios(*_recognise(kind), {})
     require_condition(proposals, "it proposes no scenario")
     for one in proposals:
@@ -63,6 +65,8 @@ def check_proposals(kind: AbstractExperimentKind) -> None:
 
 def check_assumptions(kind: AbstractExperimentKind) -> None:
     """A given value is used instead of an assumption."""
+    if kind.command:
+        return
     experiment, records = _recognise(kind)
     _, proposal = propose_scenarios(experiment, records, {})
     given = dict(match for note in proposal.sentences for match in ASSUMED.findall(note))

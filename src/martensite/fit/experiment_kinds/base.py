@@ -150,6 +150,9 @@ class AbstractExperimentKind:
     given_start: ClassVar[bool] = False
     """True if the initial state of a record is an input, fitted also to a held-out record."""
 
+    command: ClassVar[str] = ""
+    """Command of `martensite fit` that evaluates the experiment without a scenario."""
+
     @abstractmethod
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
         """Return the experiment in the logs; None for another kind."""

@@ -30,6 +30,7 @@ EXAMPLE_UNITS = {
     "voltage": "V",
     "current": "A",
     "duty": "1",
+    "heat_flow": "W/kg",
 }
 Document = dict[str, Any]
 
