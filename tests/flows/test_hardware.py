@@ -111,8 +111,11 @@ def test_nothing_is_armed_without_the_word_or_a_calibration(uno: Path, board: Si
         link.arm("yes")
     with pytest.raises(ms.SolveError, match="not now"):  # gains are nominal
         link.arm("ARM")
-    with pytest.raises(ms.SolveError, match="not now"):  # limits are in flash
-        link.command("set", place=0, value=0.5)
+    description = read_description(uno)
+    names = [row["name"] for row in (*description["settings"], *description["parameters"])]
+    for name in ("most_duty", "supervisor.checks.bound_drive.limit", "controllers.drive.Kp"):
+        with pytest.raises(ms.SolveError, match="constant in flash"):
+            link.command("set", place=names.index(name), value=0.5)
     link.command("rate", every=1)
     (told,) = {BoardFlags(m.values["flags"]) for _ in range(90) for m in link.receive() if m.name == "telemetry"}
     assert BoardFlags.ARMED not in told and board.duties == (0.0, 0.0)
@@ -240,6 +243,7 @@ def test_sources_are_clean(tmp_path: Path, example: str) -> None:
         "-fsyntax-only",
         "-Wall",
         "-Wextra",
+        "-Wtype-limits",
         "-Wconversion",
         "-Wshadow",
         "-Werror",

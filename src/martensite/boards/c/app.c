@@ -1,5 +1,5 @@
 /*
- * Signals are off unless the host said the word, is heard from, and nothing is wrong. In every turn:
+ * Signals are off unless the host has armed the board, is heard, and no limit is passed. In every turn:
  *
  *     bytes of the host -> commands -> answers
  *     silence, time -> disarm
@@ -28,7 +28,7 @@ typedef struct {
 static loop_model model;
 static link_receiver line;
 static uint16_t sent;
-static float settings[APP_SETTINGS];
+static float settings[APP_SETTINGS - APP_FIXED]; /* set by the host; all others are constants in flash */
 static float inputs[loop_INPUTS > 0 ? loop_INPUTS : 1];
 static float channels[APP_CHANNELS];
 static float outputs[loop_OUTPUTS > 0 ? loop_OUTPUTS : 1];
@@ -40,13 +40,17 @@ static uint8_t mode, flags, started, alarm;
 static app_level levels[FREE];
 static uint8_t first, filled;
 
+static float setting(uint8_t place) { return place < APP_FIXED ? APP_DEFAULT(place) : settings[place - APP_FIXED]; }
+
 /* ------------------------------------------------------------------------------- to the host */
 
 static void send(uint8_t type, const uint8_t *payload, uint8_t size) {
     uint8_t frame[LINK_FRAME];
     const uint16_t length = link_encode(frame, type, sent, payload, size);
     ++sent; /* a frame that has no room is lost, and the host will see it by its number */
-    if (length && board_room() >= length) board_write(frame, length);
+    if (length && board_room() >= length) {
+        board_write(frame, length);
+    }
 }
 
 static void answer(uint16_t to, uint8_t result) {
@@ -57,20 +61,31 @@ static void answer(uint16_t to, uint8_t result) {
     send(MESSAGE_ANSWER, b, ANSWER_SIZE);
 }
 
+static uint8_t append(uint8_t *bytes, uint8_t size, float value) {
+    link_put_f32(bytes + size, value);
+    return (uint8_t)(size + 4);
+}
+
 static void tell(uint32_t time) {
     uint8_t b[LINK_MOST], size = TELEMETRY_SIZE;
     link_put_u32(b + TELEMETRY_TIME, time);
     b[TELEMETRY_FLAGS] = flags;
     b[TELEMETRY_ALARM] = alarm;
-    for (uint8_t i = 0; i < APP_READINGS; ++i, size = (uint8_t)(size + 4)) link_put_f32(b + size, inputs[APP_READING(i)]);
-    for (uint8_t i = 0; i < APP_DRIVES; ++i, size = (uint8_t)(size + 4)) link_put_f32(b + size, delivered[i]);
-    for (uint8_t i = 0; i < APP_CHANNELS; ++i)
+    for (uint8_t i = 0; i < APP_READINGS; ++i) {
+        size = append(b, size, inputs[APP_READING(i)]);
+    }
+    for (uint8_t i = 0; i < APP_DRIVES; ++i) {
+        size = append(b, size, delivered[i]);
+    }
+    for (uint8_t i = 0; i < APP_CHANNELS; ++i) {
         if (APP_TELL_CHANNEL(i)) {
-            link_put_f32(b + size, channels[i]);
-            size = (uint8_t)(size + 4);
+            size = append(b, size, channels[i]);
         }
+    }
 #if APP_TOLD
-    for (uint8_t i = 0; i < APP_TOLD; ++i, size = (uint8_t)(size + 4)) link_put_f32(b + size, outputs[APP_TELL(i)]);
+    for (uint8_t i = 0; i < APP_TOLD; ++i) {
+        size = append(b, size, outputs[APP_TELL(i)]);
+    }
 #endif
     send(MESSAGE_TELEMETRY, b, size);
 }
@@ -80,16 +95,20 @@ static void tell(uint32_t time) {
 static void drive_all(void) {
     const uint8_t pass = (flags & FLAG_ARMED) && !(flags & FLAG_EMULATED);
     for (uint8_t i = 0; i < APP_DRIVES; ++i) {
-        const float most = settings[APP_MOST_DUTY];
+        const float most = setting(APP_MOST_DUTY);
         const float u = signals[i] < 0.0f ? 0.0f : signals[i] > most ? most : signals[i];
         delivered[i] = board_drive(i, pass ? u : 0.0f);
-        if (flags & FLAG_EMULATED) delivered[i] = signals[i];
+        if (flags & FLAG_EMULATED) {
+            delivered[i] = signals[i];
+        }
     }
 }
 
 static void disarm(uint8_t reason) {
     const uint8_t was = flags & FLAG_ARMED;
-    for (uint8_t i = 0; i < APP_DRIVES; ++i) signals[i] = 0.0f;
+    for (uint8_t i = 0; i < APP_DRIVES; ++i) {
+        signals[i] = 0.0f;
+    }
     flags = (uint8_t)(flags & ~(unsigned)FLAG_ARMED);
     started = 0;
     filled = 0;
@@ -106,16 +125,19 @@ static void disarm(uint8_t reason) {
 
 /* Channels in SI, and readings by them; a reading that cannot be made grows old. */
 static void read_all(void) {
-    for (uint8_t i = 0; i < APP_CHANNELS; ++i)
-        channels[i] = settings[APP_GAIN(i)] * (board_channel(i) - settings[APP_OFFSET(i)]);
-    if (flags & FLAG_EMULATED) return; /* the host says what is read */
+    for (uint8_t i = 0; i < APP_CHANNELS; ++i) {
+        channels[i] = setting(APP_GAIN(i)) * (board_channel(i) - setting(APP_OFFSET(i)));
+    }
+    if (flags & FLAG_EMULATED) {
+        return; /* the host sends the readings */
+    }
     for (uint8_t i = 0; i < APP_READINGS; ++i) {
         const app_reading one = APP_SOURCE(i);
         float x = channels[one.channel];
         uint8_t fresh = 1;
         if (one.kind == APP_RATIO) {
             const float current = channels[one.other];
-            fresh = current >= settings[APP_LEAST_CURRENT];
+            fresh = current >= setting(APP_LEAST_CURRENT);
             x = fresh ? x / current : inputs[APP_READING(i)];
         }
         ages[i] = fresh ? 0.0f : ages[i] + 1e-6f * (float)APP_PERIOD;
@@ -123,11 +145,15 @@ static void read_all(void) {
     }
 }
 
+/* One step of the loop on the readings and references in `inputs`. */
 static void run_loop(void) {
-    for (uint8_t i = 0; i < APP_READINGS; ++i) inputs[APP_AGE(i)] = ages[i];
-    for (uint8_t i = 0; i < APP_REFERENCES; ++i) inputs[APP_REFERENCE(i)] = settings[APP_WANTED(i)];
+    for (uint8_t i = 0; i < APP_READINGS; ++i) {
+        inputs[APP_AGE(i)] = ages[i];
+    }
     int status = started ? loop_step(&model, inputs, model.p[loop_p_period]) : loop_start(&model, inputs);
-    if (status <= loop_LONG_STEP) status = loop_observe(&model, inputs, outputs);
+    if (status <= loop_LONG_STEP) {
+        status = loop_observe(&model, inputs, outputs);
+    }
     if (status > loop_LONG_STEP) {
         flags |= FLAG_STOPPED;
         disarm(REASON_LOOP);
@@ -138,7 +164,16 @@ static void run_loop(void) {
     alarm = (uint8_t)(outputs[APP_ALARM] + 0.5f);
     flags = (uint8_t)(alarm ? flags | FLAG_GUARDED : flags & ~(unsigned)FLAG_GUARDED);
 #endif
-    for (uint8_t i = 0; i < APP_DRIVES; ++i) signals[i] = outputs[APP_SIGNAL(i)];
+    for (uint8_t i = 0; i < APP_DRIVES; ++i) {
+        signals[i] = outputs[APP_SIGNAL(i)];
+    }
+}
+
+static void follow(void) {
+    for (uint8_t i = 0; i < APP_REFERENCES; ++i) {
+        inputs[APP_REFERENCE(i)] = setting(APP_WANTED(i));
+    }
+    run_loop();
 }
 
 static void run_waveform(uint32_t now) {
@@ -147,21 +182,32 @@ static void run_waveform(uint32_t now) {
         first = (uint8_t)((first + 1u) % FREE);
         --filled;
     }
-    for (uint8_t i = 0; i < APP_DRIVES; ++i)
-        if (!filled || levels[first].drive == i) signals[i] = filled ? levels[first].value : 0.0f;
-    if (!filled) level_at = now; /* what comes next begins then */
+    for (uint8_t i = 0; i < APP_DRIVES; ++i) {
+        if (!filled || levels[first].drive == i) {
+            signals[i] = filled ? levels[first].value : 0.0f;
+        }
+    }
+    if (!filled) {
+        level_at = now; /* the next level begins then */
+    }
 }
 
 /* Supply and current, as they are in this sample. */
 static void watch_channels(void) {
 #if APP_SUPPLY_CHANNEL >= 0
-    const uint8_t low = channels[APP_SUPPLY_CHANNEL] < settings[APP_LEAST_SUPPLY];
+    const uint8_t low = channels[APP_SUPPLY_CHANNEL] < setting(APP_LEAST_SUPPLY);
     flags = (uint8_t)(low ? flags | FLAG_BROWN_OUT : flags & ~(unsigned)FLAG_BROWN_OUT);
 #endif
-    if (flags & FLAG_EMULATED) return;
-    if (flags & FLAG_BROWN_OUT) disarm(REASON_BROWN_OUT);
+    if (flags & FLAG_EMULATED) {
+        return;
+    }
+    if (flags & FLAG_BROWN_OUT) {
+        disarm(REASON_BROWN_OUT);
+    }
 #if APP_CURRENT_CHANNEL >= 0
-    if (channels[APP_CURRENT_CHANNEL] > settings[APP_MOST_CURRENT]) disarm(REASON_CURRENT);
+    if (channels[APP_CURRENT_CHANNEL] > setting(APP_MOST_CURRENT)) {
+        disarm(REASON_CURRENT);
+    }
 #endif
 }
 
@@ -169,8 +215,12 @@ static void sample(uint32_t now) {
     read_all();
     watch_channels();
     if (flags & FLAG_ARMED) {
-        if (mode == MODE_LOOP) run_loop();
-        if (mode == MODE_WAVEFORM) run_waveform(now);
+        if (mode == MODE_LOOP) {
+            follow();
+        }
+        if (mode == MODE_WAVEFORM) {
+            run_waveform(now);
+        }
     }
     drive_all();
     if (every && ++since >= every) {
@@ -181,10 +231,46 @@ static void sample(uint32_t now) {
 
 /* ------------------------------------------------------------------------------- commands */
 
+/* Set a gain of the loop; 0 if the loop cannot take it. */
+static uint8_t tune(uint8_t gain, float value) {
+#if APP_TUNES
+    const uint16_t place = APP_PARAMETER(gain);
+    const float before = model.p[place];
+    model.p[place] = value;
+    if (loop_prepare(&model) == loop_OK) {
+        return 1;
+    }
+    model.p[place] = before;
+    settings[APP_TUNED(gain) - APP_FIXED] = before;
+    (void)loop_prepare(&model);
+#else
+    (void)gain;
+    (void)value;
+#endif
+    return 0;
+}
+
+/* The loop as it is in flash, with the gains that the host has set. */
+static void restore_loop(void) {
+    loop_defaults(&model);
+#if APP_TUNES
+    for (uint8_t i = 0; i < APP_TUNES; ++i) {
+        (void)tune(i, setting(APP_TUNED(i)));
+    }
+#endif
+}
+
 static uint8_t arm(uint32_t word, uint32_t now) {
-    if (word != LINK_ARM_WORD || mode == MODE_IDLE) return RESULT_REFUSED;
-    if (mode != MODE_EMULATED && ((flags & FLAG_BROWN_OUT) || settings[APP_CALIBRATED] < 0.5f)) return RESULT_REFUSED;
-    if (flags & FLAG_ARMED) return RESULT_DONE;
+    if (word != LINK_ARM_WORD || mode == MODE_IDLE) {
+        return RESULT_REFUSED;
+    }
+    if (mode != MODE_EMULATED && ((flags & FLAG_BROWN_OUT) || setting(APP_CALIBRATED) < 0.5f)) {
+        return RESULT_REFUSED;
+    }
+    if (flags & FLAG_ARMED) {
+        return RESULT_DONE;
+    }
+    restore_loop();
     flags = (uint8_t)((flags | FLAG_ARMED) & ~(unsigned)(FLAG_STOPPED | FLAG_OVERRUN));
     started = 0;
     armed_at = level_at = now;
@@ -192,52 +278,64 @@ static uint8_t arm(uint32_t word, uint32_t now) {
 }
 
 static uint8_t choose(uint8_t wanted) {
-    if (wanted > MODE_EMULATED) return RESULT_OUT_OF_RANGE;
-    if (wanted != mode) disarm(REASON_ASKED);
+    if (wanted > MODE_EMULATED) {
+        return RESULT_OUT_OF_RANGE;
+    }
+    if (wanted != mode) {
+        disarm(REASON_ASKED);
+    }
     mode = wanted;
     flags = (uint8_t)(mode == MODE_EMULATED ? flags | FLAG_EMULATED : flags & ~(unsigned)FLAG_EMULATED);
     return RESULT_DONE;
 }
 
-/* A parameter of the loop, such as a gain; one that does not fit leaves all as it was. */
-static uint8_t set_parameter(uint16_t place, float value) {
-    if (place >= loop_PARAMETERS) return RESULT_OUT_OF_RANGE;
-    const float before = model.p[place];
-    model.p[place] = value;
-    if (loop_prepare(&model) == loop_OK) return RESULT_DONE;
-    model.p[place] = before;
-    (void)loop_prepare(&model);
-    return RESULT_OUT_OF_RANGE;
-}
-
+/* A reference or a gain at any time; a calibration only while disarmed; a constant never. */
 static uint8_t set(uint8_t place, float value) {
-    if (!(value >= -3.4e38f && value <= 3.4e38f)) return RESULT_OUT_OF_RANGE;
-    if (place >= APP_SETTINGS) return set_parameter((uint16_t)(place - APP_SETTINGS), value);
-    if (APP_FIXED(place)) return RESULT_REFUSED; /* limits stand in flash */
-    settings[place] = value;
-    return RESULT_DONE;
+    if (place < APP_FIXED || (place >= APP_SETTINGS && place < APP_SETTINGS + loop_PARAMETERS)) {
+        return RESULT_FIXED;
+    }
+    if (place >= APP_SETTINGS || !(value >= APP_LOW(place) && value <= APP_HIGH(place))) {
+        return RESULT_OUT_OF_RANGE;
+    }
+    if (place < APP_WANTED(0) && (flags & FLAG_ARMED)) {
+        return RESULT_REFUSED;
+    }
+    settings[place - APP_FIXED] = value;
+    return place < APP_TUNED(0) || tune((uint8_t)(place - APP_TUNED(0)), value) ? RESULT_DONE : RESULT_OUT_OF_RANGE;
 }
 
 static uint8_t keep_level(const uint8_t *b) {
     const app_level one = {link_u32(b + LEVEL_MICROS), link_f32(b + LEVEL_VALUE), b[LEVEL_DRIVE]};
-    if (mode != MODE_WAVEFORM || !(flags & FLAG_ARMED)) return RESULT_REFUSED;
-    if (one.drive >= APP_DRIVES || one.micros == 0 || !(one.value >= 0.0f && one.value <= 1.0f)) return RESULT_OUT_OF_RANGE;
-    if (filled == FREE) return RESULT_FULL;
+    if (mode != MODE_WAVEFORM || !(flags & FLAG_ARMED)) {
+        return RESULT_REFUSED;
+    }
+    if (one.drive >= APP_DRIVES || one.micros == 0 || !(one.value >= 0.0f && one.value <= 1.0f)) {
+        return RESULT_OUT_OF_RANGE;
+    }
+    if (filled == FREE) {
+        return RESULT_FULL;
+    }
     levels[(uint8_t)((first + filled) % FREE)] = one;
     ++filled;
     return RESULT_DONE;
 }
 
-/* A sample whose readings come from the host; told at once, if it could be made. */
+/* A sample with readings and references of the host, while the outputs are off. */
 static uint8_t emulate(const link_message *m) {
-    if (mode != MODE_EMULATED || !(flags & FLAG_ARMED)) return RESULT_REFUSED;
-    if (m->size != SAMPLE_SIZE + 8 * APP_READINGS + 4 * APP_REFERENCES) return RESULT_UNKNOWN;
+    if (mode != MODE_EMULATED || !(flags & FLAG_ARMED)) {
+        return RESULT_REFUSED;
+    }
+    if (m->size != SAMPLE_SIZE + 8 * APP_READINGS + 4 * APP_REFERENCES) {
+        return RESULT_UNKNOWN;
+    }
     const uint8_t *b = m->payload + SAMPLE_SIZE;
     for (uint8_t i = 0; i < APP_READINGS; ++i, b += 8) {
         inputs[APP_READING(i)] = link_f32(b);
         ages[i] = link_f32(b + 4);
     }
-    for (uint8_t i = 0; i < APP_REFERENCES; ++i, b += 4) settings[APP_WANTED(i)] = link_f32(b);
+    for (uint8_t i = 0; i < APP_REFERENCES; ++i, b += 4) {
+        inputs[APP_REFERENCE(i)] = link_f32(b);
+    }
     run_loop();
     drive_all();
     tell(link_u32(m->payload + SAMPLE_TIME));
@@ -257,17 +355,27 @@ static void greet(uint32_t token) {
 static void show(uint8_t place) {
     uint8_t b[SETTING_SIZE];
     b[SETTING_PLACE] = place;
-    link_put_f32(b + SETTING_VALUE, place < APP_SETTINGS ? settings[place] : model.p[place - APP_SETTINGS]);
+    link_put_f32(b + SETTING_VALUE, place < APP_SETTINGS ? setting(place) : model.p[place - APP_SETTINGS]);
     send(MESSAGE_SETTING, b, SETTING_SIZE);
 }
 
 static uint8_t obey(const link_message *m, uint32_t now) {
     const uint8_t *b = m->payload;
-    if (m->type == MESSAGE_ARM && m->size == ARM_SIZE) return arm(link_u32(b + ARM_WORD), now);
-    if (m->type == MESSAGE_MODE && m->size == MODE_SIZE) return choose(b[MODE_MODE]);
-    if (m->type == MESSAGE_SET && m->size == SET_SIZE) return set(b[SET_PLACE], link_f32(b + SET_VALUE));
-    if (m->type == MESSAGE_LEVEL && m->size == LEVEL_SIZE) return keep_level(b);
-    if (m->type == MESSAGE_SAMPLE) return emulate(m);
+    if (m->type == MESSAGE_ARM && m->size == ARM_SIZE) {
+        return arm(link_u32(b + ARM_WORD), now);
+    }
+    if (m->type == MESSAGE_MODE && m->size == MODE_SIZE) {
+        return choose(b[MODE_MODE]);
+    }
+    if (m->type == MESSAGE_SET && m->size == SET_SIZE) {
+        return set(b[SET_PLACE], link_f32(b + SET_VALUE));
+    }
+    if (m->type == MESSAGE_LEVEL && m->size == LEVEL_SIZE) {
+        return keep_level(b);
+    }
+    if (m->type == MESSAGE_SAMPLE) {
+        return emulate(m);
+    }
     if (m->type == MESSAGE_RATE && m->size == RATE_SIZE) {
         every = link_u16(b + RATE_EVERY);
         return RESULT_DONE;
@@ -279,22 +387,29 @@ static uint8_t obey(const link_message *m, uint32_t now) {
     return RESULT_UNKNOWN;
 }
 
+static void serve(const link_message *m, uint32_t now) {
+    heard = now;
+    if (m->type == MESSAGE_PING && m->size == PING_SIZE) {
+        greet(link_u32(m->payload + PING_TOKEN));
+        return;
+    }
+    if (m->type == MESSAGE_READ && m->size == READ_SIZE && m->payload[READ_PLACE] < APP_SETTINGS + loop_PARAMETERS) {
+        show(m->payload[READ_PLACE]);
+        return;
+    }
+    const uint16_t number = m->number;
+    const uint8_t type = m->type, result = obey(m, now);
+    if (type != MESSAGE_SAMPLE || result != RESULT_DONE) {
+        answer(number, result);
+    }
+}
+
 static void listen(uint32_t now) {
     link_message m;
     for (int byte = board_read(); byte >= 0; byte = board_read()) {
-        if (!link_receive(&line, (uint8_t)byte, &m)) continue;
-        heard = now;
-        if (m.type == MESSAGE_PING && m.size == PING_SIZE) {
-            greet(link_u32(m.payload + PING_TOKEN));
-            continue;
+        if (link_receive(&line, (uint8_t)byte, &m)) {
+            serve(&m, now);
         }
-        if (m.type == MESSAGE_READ && m.size == READ_SIZE && m.payload[READ_PLACE] < APP_SETTINGS + loop_PARAMETERS) {
-            show(m.payload[READ_PLACE]);
-            continue;
-        }
-        const uint16_t number = m.number;
-        const uint8_t type = m.type, result = obey(&m, now);
-        if (type != MESSAGE_SAMPLE || result != RESULT_DONE) answer(number, result);
     }
 }
 
@@ -302,18 +417,25 @@ static void listen(uint32_t now) {
 
 static void watch(uint32_t now) {
     if (!(flags & FLAG_ARMED)) {
-        if (now - heard > APP_SILENCE) link_restart(&line); /* whoever speaks next may count from anywhere */
+        if (now - heard > APP_SILENCE) {
+            link_restart(&line); /* the next host may count from any number */
+        }
         return;
     }
-    if (now - heard > APP_SILENCE) disarm(REASON_SILENCE);
-    else if (now - armed_at > APP_LONGEST) disarm(REASON_TIME);
+    if (now - heard > APP_SILENCE) {
+        disarm(REASON_SILENCE);
+    } else if (now - armed_at > APP_LONGEST) {
+        disarm(REASON_TIME);
+    }
 }
 
 void app_begin(void) {
     board_begin();
     link_begin(&line);
-    loop_defaults(&model);
-    for (uint8_t i = 0; i < APP_SETTINGS; ++i) settings[i] = APP_DEFAULT(i);
+    for (uint8_t i = APP_FIXED; i < APP_SETTINGS; ++i) {
+        settings[i - APP_FIXED] = APP_DEFAULT(i);
+    }
+    restore_loop();
     mode = MODE_IDLE;
     flags = 0;
     disarm(REASON_ASKED);
@@ -324,7 +446,9 @@ void app_turn(void) {
     const uint32_t now = board_micros();
     listen(now);
     watch(now);
-    if ((int32_t)(now - next) < 0) return;
+    if ((int32_t)(now - next) < 0) {
+        return;
+    }
     next += APP_PERIOD;
     if ((int32_t)(board_micros() - next) >= 0) { /* a whole period too late */
         flags |= FLAG_OVERRUN;

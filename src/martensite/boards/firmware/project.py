@@ -21,7 +21,16 @@ from martensite.boards.firmware.boards import Board, find_board
 from martensite.boards.firmware.channels import plan_inputs
 from martensite.boards.firmware.drawing import draw_wiring
 from martensite.boards.firmware.parts_list import describe_elements
-from martensite.boards.firmware.settings import TOLD, FirmwarePlan, Limits, list_settings, print_settings
+from martensite.boards.firmware.ranges import choose_tuned, find_input_ranges, list_tunable, parse_range
+from martensite.boards.firmware.settings import (
+    TOLD,
+    FirmwarePlan,
+    Limits,
+    Setting,
+    check_start,
+    list_settings,
+    print_settings,
+)
 from martensite.boards.firmware.wiring import describe_wiring
 from martensite.boards.link.messages import VERSION, print_header
 from martensite.control.loop.names import list_references
@@ -71,7 +80,14 @@ class Firmware:
         return [home / name for name in self.texts]
 
 
-def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", limits: Limits | None = None) -> Firmware:
+def build_firmware(
+    scenario: Scenario,
+    board: str,
+    *,
+    name: str = "firmware",
+    limits: Limits | None = None,
+    ranges: Mapping[str, str] | None = None,
+) -> Firmware:
     """Return the firmware of the loop of a scenario for a board.
 
     Args:
@@ -79,9 +95,12 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
         board: board, such as `uno` or `stm32f405`.
         name: name of the sketch and of its folder.
         limits: limits at which the board disarms itself.
+        ranges: ranges `LOW:HIGH` of references and tunable gains that the host may set, by name. By default a reference
+            has the range of the scenario, and no gain is tunable.
 
     Raises:
-        InputError: the board is unknown, the scenario has no loop, or the board lacks inputs or outputs.
+        InputError: the board is unknown, the scenario has no loop, the board lacks inputs or outputs, or a range is
+            wrong.
         ParameterError: the loop fails in float32.
     """
     from martensite.export.c_core import build_c_loop
@@ -97,17 +116,30 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     drives, readings = len(bench.plant.drives()), len(inputs.readings)
     if drives > len(chosen.drive_pins):
         raise InputError(f"{chosen.title} drives {len(chosen.drive_pins)} switches here, but the loop has {drives}.")
-    others = core.inputs[2 * readings :]
+    others, given = core.inputs[2 * readings :], ranges or {}
     initial = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
     initial |= {name: float(run.columns[name][0]) for name in list_references(bench)}
-    first = [initial.get(one.name, 0.0) for one in others]
-    settings = list_settings(inputs, chosen_limits, [(one.name, one.unit) for one in others], first)
+    names = [one.name for one in others]
+    allowed = find_input_ranges(bench, names, scenario.duration)
+    allowed |= {one.name: parse_range(one.name, given[one.name], one.unit) for one in others if one.name in given}
+    wished = [
+        Setting(one.name, one.unit, initial.get(one.name, 0.0), allowed[one.name], "input of the loop")
+        for one in others
+    ]
+    tuned, gains = choose_tuned(core, given, names), list_tunable(core)
+    turned = [Setting(one, gains[one].unit, gains[one].default, found, "gain") for one, found in tuned.items()]
+    for one in wished:
+        check_start(one)
+    settings = list_settings(inputs, chosen_limits, chosen.steps, wished, turned)
     room = TOLD - readings - drives - len(inputs.told_channels())
     more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
     reported = tuple(more[: max(room, 0)])
     digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings)]).encode())
     wanted = tuple(range(2 * readings, len(core.inputs)))
-    plan = FirmwarePlan(core, chosen, inputs, chosen_limits, settings, wanted, drives, reported, bench.period, digest)
+    places = tuple(gains[one].index for one in tuned)
+    plan = FirmwarePlan(
+        core, chosen, inputs, chosen_limits, settings, wanted, places, drives, reported, bench.period, digest
+    )
     return Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
 
 
@@ -139,7 +171,8 @@ def describe_firmware(name: str, plan: FirmwarePlan, scenario: str) -> dict[str,
         "readings": len(plan.inputs.readings),
         "drives": plan.drives,
         "settings": [
-            {"name": one.name, "unit": one.unit, "value": one.value, "fixed": one.fixed} for one in plan.settings
+            {"name": one.name, "unit": one.unit, "value": one.value, "fixed": one.fixed, "range": one.range}
+            for one in plan.settings
         ],
         "parameters": [{"name": one.name, "unit": one.unit} for one in core.parameters],
         "operations": core.operations["step"],

@@ -1,7 +1,7 @@
 """Settings of a firmware, in flash or set by the host, and `settings.h` with both.
 
-Limits are in flash: nothing on the line changes them. The host sets calibration, references and free signals, and after
-these the parameters of the loop, such as gains.
+Limits and the parameters of the loop are constants in flash. The host sets calibration, references, free signals and
+the gains that are declared tunable, each within its range; the board refuses everything else.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from martensite.base.errors import InputError
 from martensite.boards.firmware.boards import Board
 from martensite.boards.firmware.channels import LEAST, MARGIN, BoardInputs
+from martensite.boards.firmware.ranges import Range, find_gain_range, find_offset_range
 from martensite.boards.link.messages import MOST
 
 if TYPE_CHECKING:
@@ -31,9 +32,14 @@ class Setting:
     name: str
     unit: str
     value: float
-    fixed: bool
-    """True for a setting in flash."""
+    range: Range | None
+    """Lowest and highest value that the host may set; None for a constant in flash."""
     about: str
+
+    @property
+    def fixed(self) -> bool:
+        """Return whether the setting is a constant in flash."""
+        return self.range is None
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,8 @@ class FirmwarePlan:
     settings: tuple[Setting, ...]
     wanted: tuple[int, ...]
     """Places of references and free signals in the inputs of the loop."""
+    tuned: tuple[int, ...]
+    """Places of tunable gains in the parameters of the loop; their settings are the last ones."""
     drives: int
     """Number of signals, the first outputs of the loop."""
     told: tuple[int, ...]
@@ -83,38 +91,46 @@ def name_duty(drive: str) -> str:
 
 
 def list_settings(
-    inputs: BoardInputs, limits: Limits, wanted: Sequence[tuple[str, str]], first: Sequence[float]
+    inputs: BoardInputs, limits: Limits, steps: int, wanted: Sequence[Setting], tuned: Sequence[Setting]
 ) -> tuple[Setting, ...]:
     """Return all settings in order: in flash, then set by the host.
 
     Args:
         inputs: measurements of the board.
         limits: limits at which it disarms.
-        wanted: name and unit of references and free signals.
-        first: their initial values.
+        steps: steps of its converter.
+        wanted: references and free signals.
+        tuned: tunable gains.
 
     Raises:
         InputError: there are too many for a message.
     """
     current = MARGIN * inputs.largest_current if limits.current is None else limits.current
     settings = [
-        Setting("most_duty", "1", limits.most_duty, True, "no signal is above it"),
-        Setting("least_supply", "V", LOW_SUPPLY * inputs.supply, True, "below it the board disarms"),
-        Setting("most_current", "A", current, True, "above it the board disarms"),
-        Setting("least_current", "A", LEAST * inputs.largest_current, True, "below it no resistance is measured"),
-        Setting("calibrated", "1", 0.0, False, "1 once gains and offsets are those of this board"),
+        Setting("most_duty", "1", limits.most_duty, None, "maximum duty cycle"),
+        Setting("least_supply", "V", LOW_SUPPLY * inputs.supply, None, "the board disarms below it"),
+        Setting("most_current", "A", current, None, "the board disarms above it"),
+        Setting("least_current", "A", LEAST * inputs.largest_current, None, "no resistance is measured below it"),
+        Setting("calibrated", "1", 0.0, (0.0, 1.0), "1 if gains and offsets are calibrated"),
     ]
     for one in inputs.channels:
-        settings.append(Setting(f"gain {one.name}", f"{one.unit}/step", one.gain, False, one.parts))
+        settings.append(Setting(f"gain {one.name}", f"{one.unit}/step", one.gain, find_gain_range(one), one.parts))
     for one in inputs.channels:
-        settings.append(
-            Setting(f"offset {one.name}", "step", one.offset, False, f"what the channel reads at 0 {one.unit}")
-        )
-    for (name, unit), value in zip(wanted, first, strict=True):
-        settings.append(Setting(name, unit, value, False, "what the host sets"))
+        room = find_offset_range(one, steps)
+        settings.append(Setting(f"offset {one.name}", "step", one.offset, room, f"reading at 0 {one.unit}"))
+    settings += [*wanted, *tuned]
     if len(settings) > 200:
         raise InputError(f"This loop has {len(settings)} settings; 200 are the most.")
     return tuple(settings)
+
+
+def check_start(one: Setting) -> None:
+    """Raise `InputError` if the first value of a setting is outside its range."""
+    if one.range is not None and not one.range[0] <= one.value <= one.range[1]:
+        raise InputError(
+            f"`{one.name}` starts at {one.value:.4g} {one.unit}, outside its range of {one.range[0]:.4g} to "
+            f"{one.range[1]:.4g} {one.unit}: choose a wider `--range`."
+        )
 
 
 def print_settings(plan: FirmwarePlan) -> str:
@@ -129,7 +145,7 @@ def print_settings(plan: FirmwarePlan) -> str:
     )
     encoders, extra = sum(one.pin < 0 for one in channels), inputs.told_channels()
     rows = [
-        "/* Numbers of this firmware, printed by martensite. Limits are in flash; what is not fixed the host sets. */",
+        "/* Numbers of this firmware, printed by martensite. Limits are constants in flash. */",
         "#ifndef SETTINGS_H",
         "#define SETTINGS_H",
         "",
@@ -144,6 +160,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
         f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",
         f"#define APP_ENCODERS {encoders}",
+        f"#define APP_TUNES {len(plan.tuned)} /* gains that the host may set */",
         f"#define APP_TOLD {len(plan.told)} /* outputs of the loop in a telemetry */",
         f"#define APP_DRIVE_PINS {{{', '.join(str(pin) for pin in board.drive_pins[: plan.drives])}}}",
         f"#define APP_CHANNEL_PINS {{{', '.join(str(one.pin) for one in channels)}}}",
@@ -159,17 +176,18 @@ def print_settings(plan: FirmwarePlan) -> str:
         "    APP_LEAST_SUPPLY,",
         "    APP_MOST_CURRENT,",
         "    APP_LEAST_CURRENT,",
-        "    APP_CALIBRATED",
+        "    APP_CALIBRATED,",
+        "    APP_FIXED = APP_CALIBRATED /* settings in flash; the host sets those from here on */",
         "};",
         "",
         f"#define APP_GAIN(channel) ({gains} + (channel))",
         f"#define APP_OFFSET(channel) ({offsets} + (channel))",
         f"#define APP_WANTED(i) ({wanted} + (i))",
+        f"#define APP_TUNED(i) ({wanted + len(plan.wanted)} + (i))",
         "#define APP_READING(i) (i)",
         "#define APP_AGE(i) (APP_READINGS + (i))",
         "#define APP_REFERENCE(i) (2 * APP_READINGS + (i))",
         "#define APP_SIGNAL(i) (i)",
-        "#define APP_FIXED(place) ((place) < APP_CALIBRATED)",
         "",
         "/* A reading: a channel, or one over another. */",
         "enum { APP_DIRECT, APP_RATIO };",
@@ -177,23 +195,48 @@ def print_settings(plan: FirmwarePlan) -> str:
         "    uint8_t kind, channel, other;",
         "} app_reading;",
         "",
+        "/* A setting: its value at the start, and the range within which the host may set it. */",
+        "typedef struct {",
+        "    float value, low, high;",
+        "} app_setting;",
+        "",
+        "#if defined(__AVR__)",
+        "#include <avr/pgmspace.h>",
+        "#define IN_FLASH PROGMEM",
+        "#define FLASH_FLOAT(x) pgm_read_float(&(x))",
+        "#define FLASH_U16(x) pgm_read_word(&(x))",
+        "#else",
+        "#define IN_FLASH",
+        "#define FLASH_FLOAT(x) (x)",
+        "#define FLASH_U16(x) (x)",
+        "#endif",
+        "",
         "#ifdef APP_TABLES /* defined where they are used, so that they are there once */",
         f"static const app_reading app_source[] = {{{sources}}};",
         f"static const uint8_t app_told[] = {{{', '.join(map(str, plan.told)) or '0'}}};",
         f"static const uint8_t app_told_channel[] = {{{', '.join(str(int(one in extra)) for one in channels)}}};",
-        "static const float app_default[] = {",
-        *(f"    {_print_float(one.value)}, /* {one.name} [{one.unit}]: {one.about} */" for one in plan.settings),
+        f"static const uint16_t app_tuned[] IN_FLASH = {{{', '.join(map(str, plan.tuned)) or '0'}}};",
+        "static const app_setting app_settings[] IN_FLASH = {",
+        *(f"    {_print_setting(one)}" for one in plan.settings),
         "};",
         "#define APP_SOURCE(i) (app_source[i])",
         "#define APP_TELL(i) (app_told[i])",
         "#define APP_TELL_CHANNEL(i) (app_told_channel[i])",
-        "#define APP_DEFAULT(i) (app_default[i])",
+        "#define APP_PARAMETER(i) FLASH_U16(app_tuned[i])",
+        "#define APP_DEFAULT(i) FLASH_FLOAT(app_settings[i].value)",
+        "#define APP_LOW(i) FLASH_FLOAT(app_settings[i].low)",
+        "#define APP_HIGH(i) FLASH_FLOAT(app_settings[i].high)",
         "#endif",
         "",
         "#endif",
         "",
     ]
     return "\n".join(rows)
+
+
+def _print_setting(one: Setting) -> str:
+    numbers = ", ".join(map(_print_float, (one.value, *(one.range or (one.value, one.value)))))
+    return f"{{{numbers}}}, /* {one.name} [{one.unit}]: {one.about} */"
 
 
 def _print_float(value: float) -> str:

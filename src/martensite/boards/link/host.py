@@ -183,7 +183,8 @@ def _describe_loss(error: OSError) -> SolveError:
 
 ANSWERS = {
     BoardAnswer.UNKNOWN: "it does not know this command",
-    BoardAnswer.REFUSED: "not now, it is not armed or in another mode",
-    BoardAnswer.OUT_OF_RANGE: "the number is out of its range",
+    BoardAnswer.REFUSED: "not now: the board is not armed, is armed, or is in another mode than this needs",
+    BoardAnswer.OUT_OF_RANGE: "the value is outside the range that `export firmware` has printed",
     BoardAnswer.FULL: "there is no room for another level",
+    BoardAnswer.FIXED: "this number is a constant in flash; change the scenario or an option and export again",
 }

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from martensite.base.errors import DataError, InputError, suggest_name
 
-VERSION = 1
+VERSION = 2
 MOST = 120
 """Largest number of bytes of a payload."""
 ARM_WORD = int.from_bytes(b"ARM!", "little")
@@ -56,6 +56,8 @@ class BoardAnswer(IntEnum):
     REFUSED = 2
     OUT_OF_RANGE = 3
     FULL = 4
+    FIXED = 5
+    """The number is a constant in flash."""
 
 
 class DisarmReason(IntEnum):

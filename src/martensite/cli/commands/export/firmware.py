@@ -11,11 +11,11 @@ from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.board_options import require_empty
 from martensite.cli.commands.export import export
-from martensite.cli.options import Force, Json, ScenarioSource, Text, read_positive, spread_options
+from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_positive, spread_options
 
 if TYPE_CHECKING:
     from martensite.boards.firmware.project import Firmware
-    from martensite.boards.firmware.settings import FirmwarePlan
+    from martensite.boards.firmware.settings import FirmwarePlan, Setting
 
 
 @export.command("firmware")
@@ -38,6 +38,15 @@ def firmware(
             )
         ),
     ] = None,
+    ranges: Annotated[
+        Texts,
+        Option(
+            "--range",
+            metavar="NAME=LOW:HIGH",
+            help='Range of a reference or of a tunable gain that the host may set, e.g. "reference=0 mm:4 mm"; '
+            "repeatable.",
+        ),
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -47,6 +56,7 @@ def firmware(
     disarms if the host is silent, the supply voltage is low or the current is too large.
     """
     from martensite.boards.firmware.project import build_firmware
+    from martensite.boards.firmware.ranges import read_ranges
     from martensite.boards.firmware.settings import Limits
     from martensite.show.terminal import print_summary
 
@@ -59,7 +69,9 @@ def firmware(
         read_positive("most-current", most_current, "A"),
     )
     folder = require_empty(out or Path(f"{source.file.stem}_{board}"), force)
-    written = build_firmware(source.load(), board, name=folder.resolve().name, limits=limits)
+    written = build_firmware(
+        source.load(), board, name=folder.resolve().name, limits=limits, ranges=read_ranges(ranges or [])
+    )
     files = written.write(folder)
     print_summary(_summarise_firmware(written), json, files)
 
@@ -67,20 +79,22 @@ def firmware(
 def _summarise_firmware(found: Firmware) -> Summary:
     plan = found.plan
     count = sum(plan.core.operations["step"].values())
-    rows = [
-        [one.name, f"{one.value:.4g}", one.unit, "flash" if one.fixed else "host", one.about] for one in plan.settings
-    ]
+    rows = [[one.name, f"{one.value:.4g}", one.unit, _write_range(one), one.about] for one in plan.settings]
     data = {"board": plan.board.name, "digest": plan.digest, "tried": found.tried, "operations": plan.core.operations}
     blocks: list[Block] = [
         Sentence(f"{plan.core.description}, for {plan.board.title}"),
         Sentence(f"model: {plan.core.size:,} bytes; a step takes at most {count} operations"),
         Sentence(found.tried),
-        DataTable(("setting", "value", "unit", "stands in", "about"), rows, right=(1,)),
+        DataTable(("setting", "value", "unit", "host may set", "about"), rows, right=(1,)),
         *_warn_of_room(found),
         Sentence(_describe_limits(plan)),
         Sentence("Gains and offsets are nominal: calibrate the board before it arms on its own readings.", "caution"),
     ]
     return Summary("", blocks, data)
+
+
+def _write_range(one: Setting) -> str:
+    return "no" if one.range is None else f"{one.range[0]:.4g} to {one.range[1]:.4g}"
 
 
 def _warn_of_room(found: Firmware) -> list[Block]:
