@@ -15,8 +15,9 @@ from firmware_on_host import HostBoard
 
 import martensite as ms
 from martensite.boards.firmware.project import Firmware, build_firmware
+from martensite.boards.firmware.settings import Limits
 from martensite.boards.link.host import BoardLink
-from martensite.boards.link.messages import BoardAnswer
+from martensite.boards.link.messages import BoardAnswer, DisarmReason
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GAIN = "controllers.drive.Kp"
@@ -72,6 +73,35 @@ def test_every_place_refuses_what_it_was_not_declared_for(firmware: Firmware, tm
                     wanted = BoardAnswer.REFUSED if allowed and armed and calibration else BoardAnswer.DONE
                     assert answer is (wanted if allowed else BoardAnswer.OUT_OF_RANGE), (place, value)
     assert [read_value(link, place) for place in constants] == before
+
+
+def wait_for_disarm(link: BoardLink) -> int | None:
+    return next((m.values["reason"] for m in link.receive() if m.name == "disarmed"), None)
+
+
+@pytest.mark.parametrize(
+    ("silence", "longest", "reason"),
+    [(10_000.0, 7_200.0, DisarmReason.TIME), (7_200.0, 20_000.0, DisarmReason.SILENCE)],
+)
+def test_long_durations_end_an_armed_time(tmp_path: Path, silence: float, longest: float, reason: int) -> None:
+    limits = Limits(silence=silence, longest=longest)  # longer than 32 bits of microseconds: 4295 s
+    long = build_firmware(ms.load(EXAMPLES / "closed_loop.toml"), "uno", limits=limits)
+    board, link = start_board(long, tmp_path, start=(1 << 32) - 1000)
+    link.command("set", place=4, value=1.0)
+    link.choose_mode("loop")
+    link.arm("ARM")
+    armed = board.now()
+    board.run(7_199.0, turn=10_000)
+    assert wait_for_disarm(link) is None
+    data = board.run(2.0, turn=10_000)
+    board.read = lambda _=1: data  # type: ignore[method-assign]
+    assert wait_for_disarm(link) == reason and 7_200.0 < board.now() - armed < 7_202.0
+
+
+@pytest.mark.parametrize("limits", [Limits(silence=1e-4), Limits(longest=3e6)])
+def test_durations_that_do_not_fit_are_refused(limits: Limits) -> None:
+    with pytest.raises(ms.InputError, match="does not fit the clock of the board"):
+        build_firmware(ms.load(EXAMPLES / "closed_loop.toml"), "uno", limits=limits)
 
 
 def test_a_declared_gain_acts_within_its_range(firmware: Firmware, tmp_path: Path) -> None:

@@ -34,7 +34,8 @@ static float channels[APP_CHANNELS];
 static float outputs[loop_OUTPUTS > 0 ? loop_OUTPUTS : 1];
 static float ages[APP_READINGS > 0 ? APP_READINGS : 1];
 static float signals[APP_DRIVES], delivered[APP_DRIVES]; /* as wanted, and as the timer can */
-static uint32_t heard, next, armed_at, level_at;
+static uint32_t next, level_at;                               /* us */
+static uint32_t milliseconds, counted_at, heard, armed_at; /* ms since the start; counted up to here [us]; ms */
 static uint16_t every, since;
 static uint8_t mode, flags, started, alarm;
 static app_level levels[FREE];
@@ -273,7 +274,8 @@ static uint8_t arm(uint32_t word, uint32_t now) {
     restore_loop();
     flags = (uint8_t)((flags | FLAG_ARMED) & ~(unsigned)(FLAG_STOPPED | FLAG_OVERRUN));
     started = 0;
-    armed_at = level_at = now;
+    armed_at = milliseconds;
+    level_at = now;
     return RESULT_DONE;
 }
 
@@ -388,7 +390,7 @@ static uint8_t obey(const link_message *m, uint32_t now) {
 }
 
 static void serve(const link_message *m, uint32_t now) {
-    heard = now;
+    heard = milliseconds;
     if (m->type == MESSAGE_PING && m->size == PING_SIZE) {
         greet(link_u32(m->payload + PING_TOKEN));
         return;
@@ -415,16 +417,25 @@ static void listen(uint32_t now) {
 
 /* ------------------------------------------------------------------------------- for ever */
 
-static void watch(uint32_t now) {
+/* Milliseconds do not wrap within any duration of settings.h; microseconds wrap after 71.6 minutes. */
+static void count_time(uint32_t now) {
+    if (now - counted_at >= 1000u) {
+        const uint32_t passed = (now - counted_at) / 1000u;
+        milliseconds += passed;
+        counted_at += 1000u * passed;
+    }
+}
+
+static void watch(void) {
     if (!(flags & FLAG_ARMED)) {
-        if (now - heard > APP_SILENCE) {
+        if (milliseconds - heard > APP_SILENCE) {
             link_restart(&line); /* the next host may count from any number */
         }
         return;
     }
-    if (now - heard > APP_SILENCE) {
+    if (milliseconds - heard > APP_SILENCE) {
         disarm(REASON_SILENCE);
-    } else if (now - armed_at > APP_LONGEST) {
+    } else if (milliseconds - armed_at > APP_LONGEST) {
         disarm(REASON_TIME);
     }
 }
@@ -439,13 +450,15 @@ void app_begin(void) {
     mode = MODE_IDLE;
     flags = 0;
     disarm(REASON_ASKED);
-    heard = next = board_micros();
+    next = counted_at = board_micros();
+    milliseconds = heard = 0;
 }
 
 void app_turn(void) {
     const uint32_t now = board_micros();
+    count_time(now);
     listen(now);
-    watch(now);
+    watch();
     if ((int32_t)(now - next) < 0) {
         return;
     }

@@ -109,10 +109,12 @@ def build_firmware(
     chosen, bench = find_board(board), scenario.bench
     if bench is None:
         raise InputError("Firmware is written around a loop: this scenario has no controller.")
+    chosen_limits = limits or Limits()
+    chosen_limits.check()
     core = build_c_loop(bench, name="loop", precision="float32")
     run = scenario.run()
     tried = try_program(core, played_by_loop(bench, scenario.waveform, run, TRIED_SAMPLES, MOST_TRIED))
-    inputs, chosen_limits = plan_inputs(bench, chosen), limits or Limits()
+    inputs = plan_inputs(bench, chosen)
     drives, readings = len(bench.plant.drives()), len(inputs.readings)
     if drives > len(chosen.drive_pins):
         raise InputError(f"{chosen.title} drives {len(chosen.drive_pins)} switches here, but the loop has {drives}.")
@@ -195,7 +197,8 @@ build_flags = -O2 -ffp-contract=off
 
 _MAKEFILE = """# make: firmware.elf, with arm-none-eabi-gcc
 CC = arm-none-eabi-gcc
-CFLAGS = -std=c99 -O2 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffp-contract=off -Wall -Wextra
+CFLAGS = -std=c99 -O2 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffp-contract=off
+CFLAGS += -Wall -Wextra -Wtype-limits
 LDFLAGS = -T stm32f405.ld -nostartfiles --specs=nano.specs --specs=nosys.specs
 SOURCES = app.c link.c loop.c board_stm32f405.c start_stm32f405.c
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 TOLD = (MOST - 6) // 4
 """Largest number of values in a telemetry."""
+MOST_TICKS = (1 << 31) - 1
+"""Longest duration in ticks: a difference of two times of 32 bits that cannot be mistaken for a wrap."""
 LOW_SUPPLY = 0.8
 """Supply voltage over the nominal one below which the board disarms."""
 
@@ -53,6 +55,11 @@ class Limits:
     most_duty: float = 1.0
     current: float | None = None
     """Largest current [A]; default: 1.25 times the largest current of the supply through the element."""
+
+    def check(self) -> None:
+        """Raise `InputError` for a duration that the clock of a board cannot measure."""
+        count_ticks("`--silence`", self.silence, 1e3)
+        count_ticks("`--longest`", self.longest, 1e3)
 
 
 @dataclass(frozen=True)
@@ -133,6 +140,26 @@ def check_start(one: Setting) -> None:
         )
 
 
+def count_ticks(name: str, seconds: float, frequency: float) -> int:
+    """Return a duration in ticks of a clock of the board.
+
+    Args:
+        name: name of the duration in the error.
+        seconds: duration [s].
+        frequency: ticks per second [1/s].
+
+    Raises:
+        InputError: the duration is shorter than a tick or longer than the clock measures.
+    """
+    ticks = round(seconds * frequency)
+    if not 1 <= ticks <= MOST_TICKS:
+        raise InputError(
+            f"{name} of {seconds:.6g} s does not fit the clock of the board: choose {1.0 / frequency:g} s to "
+            f"{MOST_TICKS / frequency:.6g} s."
+        )
+    return ticks
+
+
 def print_settings(plan: FirmwarePlan) -> str:
     """Return the text of `settings.h`."""
     inputs, board, core = plan.inputs, plan.board, plan.core
@@ -153,9 +180,9 @@ def print_settings(plan: FirmwarePlan) -> str:
         "",
         f"#define APP_DIGEST {plan.digest:#010x}UL",
         f"#define APP_BAUD {board.baud}UL",
-        f"#define APP_PERIOD {round(1e6 * plan.period)}UL /* us */",
-        f"#define APP_SILENCE {round(1e6 * plan.limits.silence)}UL /* us without the host, then it disarms */",
-        f"#define APP_LONGEST {round(1e6 * plan.limits.longest)}UL /* us armed at a stretch */",
+        f"#define APP_PERIOD {count_ticks('The sample time', plan.period, 1e6)}UL /* us */",
+        f"#define APP_SILENCE {count_ticks('`--silence`', plan.limits.silence, 1e3)}UL /* ms without the host */",
+        f"#define APP_LONGEST {count_ticks('`--longest`', plan.limits.longest, 1e3)}UL /* ms armed */",
         "#define APP_PWM_HZ 1000UL",
         f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
         f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",
