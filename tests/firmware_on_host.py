@@ -19,7 +19,7 @@ BOARD = """
 #include "settings.h"
 static uint32_t now, cost;
 static uint8_t in[1 << 16], out[1 << 16];
-static uint32_t in_from, in_to, out_size, fed, samples;
+static uint32_t in_from, in_to, out_size, sampled, longest;
 static float duties[APP_DRIVES], levels[APP_CHANNELS];
 void board_begin(void) {}
 uint32_t board_micros(void) { return now; }
@@ -35,11 +35,14 @@ void board_write(const uint8_t *bytes, uint16_t size) {
 }
 float board_drive(uint8_t drive, float duty) { return duties[drive] = duty; }
 float board_channel(uint8_t channel) {
-    samples += channel == 0;
+    if (channel == 0) {
+        if (sampled && now - sampled > longest) longest = now - sampled;
+        sampled = now;
+    }
     return levels[channel];
 }
 uint8_t board_restarts(void) { return 0; }
-void test_begin(uint32_t at) { now = at; in_from = in_to = out_size = fed = samples = 0; app_begin(); }
+void test_begin(uint32_t at) { now = at; in_from = in_to = out_size = sampled = longest = 0; app_begin(); }
 void test_push(const uint8_t *bytes, uint32_t size) {
     for (uint32_t i = 0; i < size; ++i) in[in_to++ & 0xffffu] = bytes[i];
 }
@@ -51,8 +54,7 @@ uint32_t test_take(uint8_t *bytes) {
     return size;
 }
 uint32_t test_now(void) { return now; }
-uint32_t test_waiting(void) { return in_to - in_from; }
-uint32_t test_samples(void) { return samples; }
+uint32_t test_longest(void) { return longest; }
 float test_duty(uint8_t drive) { return duties[drive]; }
 void test_level(uint8_t channel, float steps) { levels[channel] = steps; }
 """
@@ -86,6 +88,10 @@ class HostBoard:
     def duty(self, drive: int = 0) -> float:
         """Return the duty cycle of a switch."""
         return float(self.c.test_duty(drive))
+
+    def longest_gap(self) -> float:
+        """Return the longest time between two samples so far [s]."""
+        return 1e-6 * self.c.test_longest()
 
     def write(self, data: bytes) -> int:
         self.c.test_push(data, len(data))

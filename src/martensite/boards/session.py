@@ -234,6 +234,7 @@ REASONS = {
     DisarmReason.LOOP: "its loop could not be solved",
     DisarmReason.TIME: "it was armed for as long as is allowed",
     DisarmReason.CURRENT: "its current is too large",
+    DisarmReason.OVERRUN: "a sample was late by a whole period",
 }
 
 

@@ -1,14 +1,14 @@
 /*
  * Signals are off unless the host has armed the board, is heard, and no limit is passed. In every turn:
  *
- *     bytes of the host -> commands -> answers
+ *     a message of the host -> command -> answer
  *     silence, time -> disarm
  *     the time of a sample has come -> channels -> supply, current -> disarm
  *                                               -> readings -> loop -> signals -> telemetry
  */
 #include "app.h"
 
-#include <string.h>
+#include <math.h>
 
 #include "board.h"
 #include "link.h"
@@ -17,7 +17,10 @@
 #define APP_TABLES
 #include "settings.h"
 
-enum { FREE = 16 /* levels of a waveform that are kept */ };
+enum {
+    FREE = 16, /* levels of a waveform that are kept */
+    BYTES = 64 /* bytes of the line in a turn, at most */
+};
 
 typedef struct {
     uint32_t micros;
@@ -36,6 +39,8 @@ static float ages[APP_READINGS > 0 ? APP_READINGS : 1];
 static float signals[APP_DRIVES], delivered[APP_DRIVES]; /* as wanted, and as the timer can */
 static uint32_t next, level_at;                               /* us */
 static uint32_t milliseconds, counted_at, heard, armed_at; /* ms since the start; counted up to here [us]; ms */
+static uint32_t tracked_at; /* [us], time of the newest sample */
+static float heat[APP_BOUNDS > 0 ? APP_BOUNDS : 1]; /* temperature bounds [K] */
 static uint16_t every, since;
 static uint8_t mode, flags, started, alarm;
 static app_level levels[FREE];
@@ -105,11 +110,60 @@ static void drive_all(void) {
     }
 }
 
-static void disarm(uint8_t reason) {
-    const uint8_t was = flags & FLAG_ARMED;
+/* ------------------------------------------------------------------------------- temperature bounds */
+
+/* Advance the bounds to now: in the loop by what a late sample has heated, else by their own equation. */
+static void track_heat(uint32_t now) {
+    const uint32_t held = now - tracked_at;
+    tracked_at = now;
+#if APP_BOUNDS
+    for (uint8_t i = 0; i < APP_BOUNDS; ++i) {
+        const float rate = FLASH_FLOAT(app_bounds[i].rate);
+        const float duty = flags & FLAG_EMULATED ? 0.0f : delivered[FLASH_U16(app_bounds[i].drive)];
+        if (started && mode == MODE_LOOP) {
+            heat[i] = model.x[FLASH_U16(app_bounds[i].state)];
+            if (held > APP_PERIOD) {
+                heat[i] += 1e-6f * (float)(held - APP_PERIOD) * rate * duty;
+            }
+        } else {
+            const float cooling = FLASH_FLOAT(app_bounds[i].cooling);
+            const float settled = FLASH_FLOAT(app_bounds[i].ambient) + rate * duty / cooling;
+            heat[i] = settled + (heat[i] - settled) * expf(-1e-6f * (float)held * cooling);
+        }
+    }
+#else
+    (void)held;
+#endif
+}
+
+static void pass_heat(void) {
+#if APP_BOUNDS
+    for (uint8_t i = 0; i < APP_BOUNDS; ++i) {
+        model.x[FLASH_U16(app_bounds[i].state)] = heat[i];
+    }
+#endif
+}
+
+static uint8_t is_warm(void) {
+    uint8_t warm = 0;
+#if APP_BOUNDS
+    for (uint8_t i = 0; i < APP_BOUNDS; ++i) {
+        warm |= heat[i] > FLASH_FLOAT(app_bounds[i].ambient) + APP_WARM;
+    }
+#endif
+    return warm;
+}
+
+static void switch_off(void) {
     for (uint8_t i = 0; i < APP_DRIVES; ++i) {
         signals[i] = 0.0f;
     }
+}
+
+static void disarm(uint8_t reason) {
+    const uint8_t was = flags & FLAG_ARMED;
+    track_heat(board_micros());
+    switch_off();
     flags = (uint8_t)(flags & ~(unsigned)FLAG_ARMED);
     started = 0;
     filled = 0;
@@ -170,11 +224,25 @@ static void run_loop(void) {
     }
 }
 
+/* A sample of the loop. It goes on from the temperature bounds of the firmware, and begins with a period off if warm. */
 static void follow(void) {
     for (uint8_t i = 0; i < APP_REFERENCES; ++i) {
         inputs[APP_REFERENCE(i)] = setting(APP_WANTED(i));
     }
+    const uint8_t first_step = !started, warm = first_step && is_warm();
+    if (warm && APP_CUTS) {
+        flags |= FLAG_GUARDED; /* a guard that cuts would cut at once: wait until the element is cold */
+        switch_off();
+        return;
+    }
+    if (!first_step) {
+        pass_heat();
+    }
     run_loop();
+    if (warm && started) {
+        pass_heat();
+        switch_off();
+    }
 }
 
 static void run_waveform(uint32_t now) {
@@ -213,6 +281,7 @@ static void watch_channels(void) {
 }
 
 static void sample(uint32_t now) {
+    track_heat(now);
     read_all();
     watch_channels();
     if (flags & FLAG_ARMED) {
@@ -406,11 +475,17 @@ static void serve(const link_message *m, uint32_t now) {
     }
 }
 
+/* At most one message or BYTES bytes, so that no line delays a sample by more than an answer. */
 static void listen(uint32_t now) {
     link_message m;
-    for (int byte = board_read(); byte >= 0; byte = board_read()) {
+    for (uint8_t k = 0; k < BYTES; ++k) {
+        const int byte = board_read();
+        if (byte < 0) {
+            return;
+        }
         if (link_receive(&line, (uint8_t)byte, &m)) {
             serve(&m, now);
+            return;
         }
     }
 }
@@ -450,22 +525,31 @@ void app_begin(void) {
     mode = MODE_IDLE;
     flags = 0;
     disarm(REASON_ASKED);
-    next = counted_at = board_micros();
+    next = counted_at = tracked_at = board_micros();
     milliseconds = heard = 0;
+#if APP_BOUNDS
+    for (uint8_t i = 0; i < APP_BOUNDS; ++i) {
+        heat[i] = FLASH_FLOAT(app_bounds[i].limit); /* unknown after a reset */
+    }
+#endif
 }
 
 void app_turn(void) {
-    const uint32_t now = board_micros();
-    count_time(now);
-    listen(now);
+    const uint32_t begun = board_micros();
+    count_time(begun);
+    listen(begun);
     watch();
+    const uint32_t now = board_micros();
     if ((int32_t)(now - next) < 0) {
         return;
     }
-    next += APP_PERIOD;
-    if ((int32_t)(board_micros() - next) >= 0) { /* a whole period too late */
+    if (now - next >= APP_PERIOD) {
         flags |= FLAG_OVERRUN;
-        next = now + APP_PERIOD;
+        next = now;
+        if (!(flags & FLAG_EMULATED)) {
+            disarm(REASON_OVERRUN);
+        }
     }
+    next += APP_PERIOD;
     sample(now);
 }

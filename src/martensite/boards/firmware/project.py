@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.errors import InputError
 from martensite.base.files import make_folder, replace_together, write_file
 from martensite.boards.firmware.boards import Board, find_board
+from martensite.boards.firmware.bounds import list_bounds
 from martensite.boards.firmware.channels import plan_inputs
 from martensite.boards.firmware.drawing import draw_wiring
 from martensite.boards.firmware.parts_list import describe_elements
@@ -35,6 +36,7 @@ from martensite.boards.firmware.wiring import describe_wiring
 from martensite.boards.link.messages import VERSION, print_header
 from martensite.control.loop.names import list_references
 from martensite.control.loop.run import reference_waveforms
+from martensite.control.supervisors.guard import Guard
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -140,7 +142,19 @@ def build_firmware(
     wanted = tuple(range(2 * readings, len(core.inputs)))
     places = tuple(gains[one].index for one in tuned)
     plan = FirmwarePlan(
-        core, chosen, inputs, chosen_limits, settings, wanted, places, drives, reported, bench.period, digest
+        core,
+        chosen,
+        inputs,
+        chosen_limits,
+        settings,
+        wanted,
+        places,
+        drives,
+        reported,
+        bench.period,
+        list_bounds(bench),
+        isinstance(bench.supervisor, Guard) and bench.supervisor.answer != "limit",
+        digest,
     )
     return Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError
 from martensite.boards.firmware.boards import Board
+from martensite.boards.firmware.bounds import NEAR, FirmwareBound
 from martensite.boards.firmware.channels import LEAST, MARGIN, BoardInputs
 from martensite.boards.firmware.ranges import Range, find_gain_range, find_offset_range
 from martensite.boards.link.messages import MOST
@@ -81,6 +82,9 @@ class FirmwarePlan:
     """Places of further telemetry in the outputs of the loop."""
     period: float
     """[s]"""
+    bounds: tuple[FirmwareBound, ...]
+    cuts: bool
+    """True if the guard cuts signals at a temperature bound, and does not limit them."""
     digest: int
 
     def telemetry(self) -> list[tuple[str, str]]:
@@ -187,6 +191,9 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
         f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",
         f"#define APP_ENCODERS {encoders}",
+        f"#define APP_BOUNDS {len(plan.bounds)} /* temperature bounds in the loop */",
+        f"#define APP_WARM {_print_float(NEAR)} /* K above the ambient temperature, below which a bound is cold */",
+        f"#define APP_CUTS {int(plan.cuts)} /* whether the guard cuts at a bound, and does not limit */",
         f"#define APP_TUNES {len(plan.tuned)} /* gains that the host may set */",
         f"#define APP_TOLD {len(plan.told)} /* outputs of the loop in a telemetry */",
         f"#define APP_DRIVE_PINS {{{', '.join(str(pin) for pin in board.drive_pins[: plan.drives])}}}",
@@ -227,6 +234,12 @@ def print_settings(plan: FirmwarePlan) -> str:
         "    float value, low, high;",
         "} app_setting;",
         "",
+        "/* A temperature bound in the state of the loop: b' = rate |u| - cooling (b - ambient), below its limit. */",
+        "typedef struct {",
+        "    uint16_t state, drive;",
+        "    float rate, cooling, ambient, limit;",
+        "} app_bound;",
+        "",
         "#if defined(__AVR__)",
         "#include <avr/pgmspace.h>",
         "#define IN_FLASH PROGMEM",
@@ -246,6 +259,11 @@ def print_settings(plan: FirmwarePlan) -> str:
         "static const app_setting app_settings[] IN_FLASH = {",
         *(f"    {_print_setting(one)}" for one in plan.settings),
         "};",
+        "#if APP_BOUNDS",
+        "static const app_bound app_bounds[] IN_FLASH = {",
+        *(f"    {_print_bound(one)}" for one in plan.bounds),
+        "};",
+        "#endif",
         "#define APP_SOURCE(i) (app_source[i])",
         "#define APP_TELL(i) (app_told[i])",
         "#define APP_TELL_CHANNEL(i) (app_told_channel[i])",
@@ -259,6 +277,11 @@ def print_settings(plan: FirmwarePlan) -> str:
         "",
     ]
     return "\n".join(rows)
+
+
+def _print_bound(one: FirmwareBound) -> str:
+    numbers = ", ".join(map(_print_float, (one.rate, one.cooling, one.ambient, one.limit)))
+    return f"{{{one.state}, {one.drive}, {numbers}}},"
 
 
 def _print_setting(one: Setting) -> str:

@@ -70,6 +70,8 @@ class DisarmReason(IntEnum):
     LOOP = 4
     TIME = 5
     CURRENT = 6
+    OVERRUN = 7
+    """A sample was late by a period or more."""
 
 
 class Message(NamedTuple):

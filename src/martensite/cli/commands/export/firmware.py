@@ -114,11 +114,18 @@ def _describe_limits(plan: FirmwarePlan) -> str:
         f"{1e3 * limits.silence:g} ms after it heard the host last",
         f"after {limits.longest:g} s armed",
         "when the loop cannot be solved",
+        "when a sample is late by a period",
     ]
     if plan.inputs.supply_channel >= 0:
         words.append(f"below {fixed['least_supply']:.3g} V of supply")
     if plan.inputs.current_channel >= 0:
         words.append(f"above {fixed['most_current']:.3g} A")
-    guard = any(one.name == "alarm" for one in plan.core.outputs)
-    own = " The guard of the scenario is in the loop." if guard else " The scenario has no guard of its own."
-    return f"The board disarms by itself {', '.join(words)}; no duty is above {limits.most_duty:g}.{own}"
+    own = "The scenario has no guard of its own."
+    if any(one.name == "alarm" for one in plan.core.outputs):
+        own = "The guard of the scenario is in the loop."
+    for one in plan.bounds:
+        own += (
+            f" It keeps the element below {one.limit - 273.15:.4g} °C + {one.find_margin(plan.period):.2g} K if the "
+            f"element cools as declared; after a reset it takes {one.cooling_time:.2g} s until it counts as cold."
+        )
+    return f"The board disarms by itself {', '.join(words)}; no duty is above {limits.most_duty:g}. {own}"
