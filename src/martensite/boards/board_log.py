@@ -35,12 +35,14 @@ class BoardLog:
     _numbers: array[float] = field(default_factory=lambda: array("d"))
     """Row after row: an hour at 1 kHz takes a quarter of a gigabyte."""
 
-    def take(self, message: Message) -> None:
-        """Store a message if it is telemetry."""
-        if message.name == "telemetry":
-            values = message.values
-            time = 1e-6 * self.clock.unwrap(values["time"])
-            self._numbers.extend((time, values["flags"], values["alarm"], *values["values"]))
+    def take(self, message: Message) -> bool:
+        """Store a message if it is telemetry, and return whether it is."""
+        if message.name != "telemetry":
+            return False
+        values = message.values
+        time = 1e-6 * self.clock.unwrap(values["time"])
+        self._numbers.extend((time, values["flags"], values["alarm"], *values["values"]))
+        return True
 
     def __len__(self) -> int:
         return len(self._numbers) // len(self.names)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -31,6 +31,8 @@ EMULATOR = "emulator"
 """Name of the emulator instead of a port."""
 HEARTBEAT = 0.01
 """Time between messages to an armed board [s]."""
+STALE, STALE_PERIODS = 0.5, 3.0
+"""Age [s] of the newest telemetry above which a board counts as lost, and additional periods of its loop."""
 CALIBRATION = "calibration.json"
 """File next to `firmware.json` with gains and offsets of this board."""
 
@@ -130,16 +132,51 @@ class Session:
         Args:
             duration: duration [s].
             watch: called repeatedly with the log and the completed fraction.
+
+        Raises:
+            BoardStopped: the line failed, or the newest telemetry is older than `stale`.
         """
         log = BoardLog(self.firmware)
         self.link.command("rate", every=1)
-        begin = self.link.now()
-        while (passed := self.link.now() - begin) < duration:
-            for message in self.link.receive():
-                log.take(message)
-            if watch is not None:
-                watch(log, passed / duration)
+        self._collect(log, duration, watch)
         return log
+
+    @property
+    def stale(self) -> float:
+        """Return the age of the newest telemetry above which the board counts as lost [s]."""
+        return STALE + STALE_PERIODS * float(self.firmware["period"])
+
+    def _collect(
+        self,
+        log: BoardLog,
+        duration: float,
+        watch: Callable[[BoardLog, float], None] | None,
+        beat: Callable[[float], None] | None = None,
+    ) -> None:
+        """Fill a log for a duration; call `beat` with the time since the start [s] if the board is armed."""
+        begin = heard = self.link.now()
+        try:
+            while (passed := self.link.now() - begin) < duration:
+                if beat is not None:
+                    beat(passed)
+                for message in self.link.receive():
+                    if log.take(message):
+                        heard = self.link.now()
+                    elif message.name == "disarmed" and beat is not None:
+                        reason = REASONS[DisarmReason(message.values["reason"])]
+                        raise BoardStopped(log, f"The board disarmed after {passed:.4g} s: {reason}.")
+                if (age := self.link.now() - heard) > self.stale:
+                    raise BoardStopped(
+                        log,
+                        f"The newest telemetry is {age:.3g} s old (limit {self.stale:.3g} s), {passed:.4g} s after "
+                        "the start: check the cable and the power of the board.",
+                    )
+                if watch is not None:
+                    watch(log, passed / duration)
+        except BoardStopped:
+            raise
+        except SolveError as error:  # the line
+            raise BoardStopped(log, str(error)) from None
 
     def drive(
         self,
@@ -161,7 +198,8 @@ class Session:
 
         Raises:
             InputError: another word.
-            SolveError: the board refuses, or disarms itself; its `log` has the samples until then.
+            SolveError: the board refuses to arm.
+            BoardStopped: the board disarmed itself, the line failed, or the newest telemetry is older than `stale`.
         """
         log = BoardLog(self.firmware)
         if self.settings["calibrated"] < 0.5:
@@ -172,23 +210,24 @@ class Session:
         self.link.command("rate", every=1)
         self.link.choose_mode(mode)
         self.link.arm(word)
-        begin, beat = self.link.now(), -HEARTBEAT
+        last = -HEARTBEAT
+
+        def beat(passed: float) -> None:
+            nonlocal last
+            if passed - last >= HEARTBEAT:
+                last = passed
+                self.link.send("ping", token=0)
+                send(passed)
+
         try:
-            while (passed := self.link.now() - begin) < duration:
-                if passed - beat >= HEARTBEAT:
-                    beat = passed
-                    self.link.send("ping", token=0)
-                    send(passed)
-                for message in self.link.receive():
-                    log.take(message)
-                    if message.name == "disarmed":
-                        raise BoardStopped(log, DisarmReason(message.values["reason"]), passed)
-                if watch is not None:
-                    watch(log, passed / duration)
-        finally:
-            self.link.send("disarm")
-            for message in self.link.receive():  # an emulator advances while it is read
-                log.take(message)
+            self._collect(log, duration, watch, beat)
+        except BaseException:
+            with suppress(SolveError):  # a board that does not hear this disarms by itself
+                self.link.send("disarm")
+            raise
+        self.link.send("disarm")
+        for message in self.link.receive():  # an emulator advances while it is read
+            log.take(message)
         return log
 
     def follow(
@@ -219,11 +258,11 @@ class Session:
 
 
 class BoardStopped(SolveError):
-    """A board disarmed itself."""
+    """A board disarmed itself or is lost; `log` has the samples until then."""
 
-    def __init__(self, log: BoardLog, reason: DisarmReason, time: float) -> None:
-        super().__init__(f"The board disarmed after {time:.4g} s: {REASONS[reason]}.")
-        self.log, self.reason, self.time = log, reason, time
+    def __init__(self, log: BoardLog, sentence: str) -> None:
+        super().__init__(sentence)
+        self.log = log
 
 
 REASONS = {

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Option
 
-from martensite.base.errors import InputError
+from martensite.base.errors import InputError, SolveError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.boards.board_log import ENDINGS
 from martensite.cli.options import FigureFile, Force, Json, Text
@@ -76,6 +76,20 @@ def open_session(source: BoardSource) -> Iterator[Session]:
 
     with Session.open(source.project, source.port) as found:
         yield found
+
+
+@contextmanager
+def save_interrupted(session: Session, options: LogOptions) -> Iterator[None]:
+    """Write the log of a board that stops before the end, then report the stop."""
+    from martensite.boards.session import BoardStopped
+
+    try:
+        yield
+    except BoardStopped as error:
+        if options.out is None or not len(error.log):
+            raise
+        error.log.write(options.out, session.link.reader.counts)
+        raise SolveError(f"{error} `{options.out}` has the {len(error.log)} samples until then.") from None
 
 
 @contextmanager

@@ -10,7 +10,15 @@ from typer import Option
 
 from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.cli.board_options import Armed, BoardSource, LogOptions, answer_log, open_session, show_log
+from martensite.cli.board_options import (
+    Armed,
+    BoardSource,
+    LogOptions,
+    answer_log,
+    open_session,
+    save_interrupted,
+    show_log,
+)
 from martensite.cli.commands.hardware import hardware
 from martensite.cli.options import Force, Json, Text, read_positive, spread_options
 from martensite.cli.outputs import Outputs
@@ -42,8 +50,9 @@ def log(
     """Log the measurements of a disarmed board."""
     options.check_file()
     seconds = read_positive("duration", duration, "s")
-    with open_session(source) as session, show_log("logging") as watch:
-        board_log = session.listen(seconds, watch)
+    with open_session(source) as session:
+        with save_interrupted(session, options), show_log("logging") as watch:
+            board_log = session.listen(seconds, watch)
         answer_log(session, board_log, options)
 
 
@@ -77,7 +86,7 @@ def run(
                 board_log = session.listen(0.5, watch)
             answer_log(session, board_log, options, _describe_dry_run(session, seconds, levels))
             return
-        with show_log("running") as watch:
+        with save_interrupted(session, options), show_log("running") as watch:
             if levels:
                 board_log = session.play(levels, word=arm, watch=watch)
             else:
