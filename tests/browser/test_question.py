@@ -86,3 +86,21 @@ def test_on_a_phone_results_come_first_and_controls_are_a_sheet(page: Page) -> N
     expect(page.get_by_role("navigation", name="Pages")).not_to_be_visible()
     box = page.locator("header.frame").bounding_box()
     assert box and box["height"] <= 50
+
+
+def test_an_exceeded_limit_replaces_the_advice_and_offers_changes_that_keep_it(page: Page) -> None:
+    page.goto(f"{page.url.partition('#')[0]}#/start")
+    page.get_by_role("link", name="Lift a weight").click()
+    expect(page.locator(".insight")).to_be_visible()
+    mass = page.get_by_label("Mass", exact=True)
+    mass.fill("500")
+    mass.press("Enter")
+    danger = page.get_by_role("region", name="Exceeded limits")
+    expect(danger).to_contain_text("Too much stress")
+    expect(page.locator(".insight")).to_have_count(0)
+    cures = danger.get_by_role("list", name="Changes that keep the limit").get_by_role("listitem")
+    expect(cures).to_have_count(2)  # the stress of a hanging weight does not depend on the heat
+    promised = float(re.findall(r"peak stress ([\d.]+)", cures.nth(0).inner_text())[0])
+    cures.nth(0).get_by_role("button").click()
+    expect(danger).to_have_count(0)
+    assert number(page, "Peak stress") == promised < 172.0

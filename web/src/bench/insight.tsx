@@ -9,11 +9,14 @@ import { printed } from "../plots/drawn.ts";
 import { pin, pinned, run } from "../state/run.ts";
 import { Table } from "../ui/table.tsx";
 import { measures } from "../views/results.ts";
-import { followTrials, insight, promised, remedies, trials, trying, tryRemedies, type Trial } from "./trials.ts";
+import type { Changes } from "../views/remedies.ts";
+import { dangers } from "./cures.ts";
+import { followTrials, insight, promised, remedies, sorted, trials, trying, tryRemedies, type Trial } from "./trials.ts";
 
 const COLUMNS = ["stroke", "error", "up", "down", "temperature", "stress", "energy"];
 
-function tryOut({ changes }: Trial): void {
+/** Pin the run that is shown, and apply changes. */
+export function tryOut(changes: Changes): void {
   if (!pinned.value.some((one) => one.run === run.value)) pin();
   send(changes);
 }
@@ -23,8 +26,8 @@ const unbroken = (text: string): string => text.replaceAll(/(\d) /g, "$1\u00a0")
 
 const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
-/** What the trials gave, beside the run itself. */
-function Trials({ now }: { now: Run }) {
+/** Results of trials next to the run itself. */
+function Trials({ now, of, caption }: { now: Run; of: Trial[]; caption: string }) {
   const own = measures(now).filter((one) => COLUMNS.includes(one.key));
   const cells = (of: Run | null, wires = 1): string[] =>
     own.map(({ key }) => {
@@ -32,12 +35,12 @@ function Trials({ now }: { now: Run }) {
       const factor = key === "energy" ? wires : 1;
       return !found || found.value === null ? "–" : `${digits(factor * toShown(found.value, found.how), 3)} ${printed(found.how.shown)}`;
     });
-  const rows = trials.value.map((trial) => [
+  const rows = of.map((trial) => [
     <span title={trial.remedy.about}>{capital(trial.remedy.words)}</span>,
     ...cells(trial.run, trial.remedy.wires),
     trial.run?.alarms.length ? `${trial.run.alarms.length} beyond limits` : "",
     trial.run ? (
-      <button type="button" onClick={() => tryOut(trial)} aria-label={`Try it: ${trial.remedy.words}`} title="Pin this run and open the changed scenario on the bench">
+      <button type="button" onClick={() => tryOut(trial.changes)} aria-label={`Try it: ${trial.remedy.words}`} title="Pin this run and open the changed scenario on the bench">
         Try it
       </button>
     ) : (
@@ -46,11 +49,29 @@ function Trials({ now }: { now: Run }) {
   ]);
   return (
     <Table
-      caption="What would help, each as a run of its own"
+      caption={caption}
       headings={["With", ...own.map((one) => one.name), "Warnings", ""]}
       rows={[["This run", ...cells(now), now.alarms.length ? `${now.alarms.length} beyond limits` : "", ""], ...rows]}
       right={own.map((_, k) => k + 1)}
     />
+  );
+}
+
+/** Trials that help; the others are behind a summary. */
+function Outcomes({ now }: { now: Run }) {
+  const { helpful, others } = sorted.value;
+  if (!trials.value.length) return null;
+  return (
+    <>
+      {helpful.length > 0 && <Trials now={now} of={helpful} caption="What helps, the largest effect first; each row is a run" />}
+      {!helpful.length && !trying.value && <p>None of the tried changes helps.</p>}
+      {others.length > 0 && (
+        <details class="small insight-about">
+          <summary>Tried without success ({others.length})</summary>
+          <Trials now={now} of={others} caption="Changes that do not help, or that exceed a limit" />
+        </details>
+      )}
+    </>
   );
 }
 
@@ -76,7 +97,7 @@ export function Insight() {
   useEffect(() => {
     if (open.value && !trying.value && remedies.value.length) void tryRemedies(true);
   }, [now, remedies.value.length, trying.value]);
-  if (!now || !said) return null;
+  if (!now || !said || dangers.value.length) return null;
   const ask = (): void => {
     open.value = !open.value;
     if (open.value) void tryRemedies(true);
@@ -100,7 +121,7 @@ export function Insight() {
               Trying {trials.value.length + 1} of {remedies.value.length} …
             </p>
           )}
-          {trials.value.length > 0 && <Trials now={now} />}
+          <Outcomes now={now} />
           <About />
         </>
       )}

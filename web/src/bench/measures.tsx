@@ -3,6 +3,7 @@
 import { difference, digits, toShown } from "../lib/numbers.ts";
 import { printed } from "../plots/drawn.ts";
 import { pinned, run } from "../state/run.ts";
+import { dangers } from "./cures.ts";
 import { measures, type Measure } from "../views/results.ts";
 
 /** A change of less than this share is none. */
@@ -24,7 +25,7 @@ function Tile({ one, then, name }: { one: Measure; then: Measure | undefined; na
   const unit = printed(one.how.shown);
   const change = changed(one, then);
   return (
-    <div class="measure" title={one.about}>
+    <div class={`measure ${dangers.value.some(({ kind }) => kind === one.key) ? "exceeded" : ""}`} title={one.about}>
       <dt>{one.name}</dt>
       <dd>
         <strong>{one.value === null ? "–" : digits(toShown(one.value, one.how), one.key === "efficiency" ? 2 : 3)}</strong> <span class="small soft">{one.value === null ? "not in this run" : unit}</span>

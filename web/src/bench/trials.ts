@@ -6,9 +6,10 @@ import { call, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { computing, run } from "../state/run.ts";
 import { text } from "../state/scenario.ts";
-import { insightOf, writePromise } from "../views/insight.ts";
+import { gainOf, insightOf, writePromise } from "../views/insight.ts";
 import { entriesOf, remediesOf, type Changes, type Remedy } from "../views/remedies.ts";
-import { cycleOf, peakOf, findTracked } from "../views/results.ts";
+import { dangersOf } from "../views/cures.ts";
+import { cycleOf, peakOf, findTracked, startOf } from "../views/results.ts";
 
 export interface Trial {
   remedy: Remedy;
@@ -22,9 +23,10 @@ export const trials = signal<Trial[]>([]);
 export const trying = signal(false);
 
 /** From the last change to the first trial [ms]; a slider in motion is not held up. */
-const CALM = 700;
+export const CALM = 700;
 /** A controlled run that takes longer is not tried again without being asked for [s]; others are compiled by then. */
 const QUICK = 1;
+export const isQuick = (now: Run): boolean => now.seconds < QUICK || !findTracked(now);
 /** So many remedies are tried without being asked for. */
 const FEW = 2;
 /** How near to the old peak temperature a trial comes, as a share of the rise, and in how many runs. */
@@ -32,15 +34,15 @@ const [NEAR, MOST] = [0.02, 4];
 
 export const insight = computed(() => (run.value ? insightOf(run.value) : null));
 
-/** Remedies for the run that is shown; none while its form is on the way. */
+/** Remedies for the run that is shown; none while its form is on the way or a limit is exceeded. */
 export const remedies = computed<Remedy[]>(() => {
   const [now, entries, said] = [run.value, form.value, insight.value];
-  if (!now || !said?.aim || entries?.text !== now.text) return [];
+  if (!now || !said?.aim || entries?.text !== now.text || dangersOf(now).length) return [];
   return remediesOf(entriesOf(entries.sections), said.aim, cycleOf(now)?.off ?? null);
 });
 
 /** How much hotter than its surroundings a wire gets [K]. */
-const rise = (of: Run): number => (peakOf(of, "hottest") ?? 0) - (of.columns[of.ports.length > 1 ? `${of.ports[0]}.temperature` : "temperature"]?.[0] ?? 0);
+const rise = (of: Run): number => (peakOf(of, "hottest") ?? 0) - startOf(of, "temperature");
 
 /** Shares of the heat that were found, by remedy: the next run begins with them. */
 const found = new Map<string, number>();
@@ -60,12 +62,21 @@ async function tried(remedy: Remedy, before: Run): Promise<Trial> {
   }
 }
 
+/** Trials that help, the largest effect first, and the others. */
+export const sorted = computed(() => {
+  const [now, aim] = [run.value, insight.value?.aim];
+  if (!now || !aim) return { helpful: [], others: [] };
+  const gain = (trial: Trial): number => (trial.run ? gainOf(now, trial.run, aim) : 0);
+  const helpful = trials.value.filter((one) => gain(one) > 0).sort((a, b) => gain(b) - gain(a));
+  return { helpful, others: trials.value.filter((one) => !helpful.includes(one)) };
+});
+
 /** What the first trial that brings something gave, in a sentence; empty if none did. */
 export const promised = computed(() => {
   const [now, aim] = [run.value, insight.value?.aim];
   if (!now || !aim) return "";
   for (const { remedy, run: after } of trials.value) {
-    const said = after && writePromise(now, after, aim, remedy.words, remedy.wires);
+    const said = after && gainOf(now, after, aim) > 0 && writePromise(now, after, aim, remedy.words, remedy.wires);
     if (said) return said;
   }
   return "";
@@ -104,6 +115,6 @@ export function followTrials(): () => void {
     clearTimeout(waiting);
     const isNew = remedies.value.length > 0 && trials.value.length === 0;
     const isCalm = !computing.value && !trying.value && text.value === now?.text;
-    if (now && isNew && isCalm && (now.seconds < QUICK || !findTracked(now))) waiting = window.setTimeout(() => void tryRemedies(false), CALM);
+    if (now && isNew && isCalm && isQuick(now)) waiting = window.setTimeout(() => void tryRemedies(false), CALM);
   });
 }

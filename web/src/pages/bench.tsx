@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Busy, busy } from "../bench/busy.tsx";
+import { Danger } from "../bench/danger.tsx";
 import { Insight } from "../bench/insight.tsx";
 import { Measures } from "../bench/measures.tsx";
 import { Controls } from "../form/controls.tsx";
@@ -92,6 +93,7 @@ export function Page() {
         ) : (
           <>
             <Measures />
+            <Danger />
             <Insight />
             <Warnings />
           </>

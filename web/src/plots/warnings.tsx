@@ -4,6 +4,7 @@ import { dropMarks } from "../lib/refusal.ts";
 import { digits, toShown, difference } from "../lib/numbers.ts";
 import type { Alarm, Run } from "../lib/types.ts";
 import { cursor, run } from "../state/run.ts";
+import { dangersOf } from "../views/cures.ts";
 import { isConcerned } from "../views/results.ts";
 import { printed } from "./drawn.ts";
 
@@ -13,6 +14,7 @@ const KINDS: Record<string, string> = {
   strain: "Too much strain",
   slack: "Slack",
   supply: "Supply at its limit",
+  rig: "Too much current for the supply",
   supervisor: "Alarm of the supervisor",
 };
 
@@ -41,7 +43,7 @@ function When({ alarm }: { alarm: Alarm }) {
   );
 }
 
-function One({ alarm }: { alarm: Alarm }) {
+export function AlarmItem({ alarm }: { alarm: Alarm }) {
   return (
     <li class="alarm" title={dropMarks(alarm.sentence)}>
       <strong>
@@ -83,13 +85,15 @@ export function Warnings() {
   const now = run.value;
   if (!now) return null;
   const { near, far } = others(now);
-  const count = now.alarms.length + near.length;
+  const dangers = dangersOf(now);
+  const alarms = now.alarms.filter((alarm) => !dangers.includes(alarm));
+  const count = alarms.length + near.length;
   if (!count && !far.length) return null;
   return (
     <section class="warnings" aria-label="Warnings">
       {count > 0 && (<ul>
-        {now.alarms.map((alarm) => (
-          <One key={`${alarm.kind} ${alarm.column}`} alarm={alarm} />
+        {alarms.map((alarm) => (
+          <AlarmItem key={`${alarm.kind} ${alarm.column}`} alarm={alarm} />
         ))}
         {near.map((sentence) => (
           <li key={sentence}>

@@ -2,6 +2,7 @@
 
 import { difference, digits, toShown } from "../lib/numbers.ts";
 import type { Run } from "../lib/types.ts";
+import { dangersOf } from "./cures.ts";
 import { cycleOf, measureDeviation, energyOf, howOf, peakOf, measureTravel } from "./results.ts";
 
 const PRINTED: Record<string, string> = { degC: "°C", deg: "°" };
@@ -69,6 +70,18 @@ export function findJudged(run: Run, aim: Aim): number | null {
   if (!cycle) return null;
   if (aim === "heating") return cycle.up;
   return cycle.down;
+}
+
+/** A smaller change than this fraction is no effect. */
+const SAME = 0.005;
+
+/** Effect of a remedy: larger is better, 0 if it does not help or exceeds another limit. */
+export function gainOf(before: Run, after: Run, aim: Aim): number {
+  const [then, now] = [findJudged(before, aim), findJudged(after, aim)];
+  if (now === null || now <= 0 || dangersOf(after).length > dangersOf(before).length) return 0;
+  if (aim === "return") return 1 / now;
+  const gain = aim === "motion" ? now / (then || now) - 1 : (then ?? 0) / now - 1;
+  return gain > SAME ? gain : 0;
 }
 
 /** What a remedy brings, told from a run of it; empty if it brings nothing. */

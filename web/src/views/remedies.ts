@@ -62,10 +62,10 @@ export const scaledRow = (text: string, factor: number): string[] =>
     return `${Number((Number(number) * factor).toPrecision(12))} ${unit}`.trim();
   });
 
-const scaled = (node: NumberNode | RowNode, factor: number): unknown =>
+export const scaled = (node: NumberNode | RowNode, factor: number): unknown =>
   node.sort === "row" ? scaledRow(node.value, factor) : quantity(node, Number(toShown((node.value ?? 0) * factor, node).toPrecision(12)));
 
-const unitOf = (node: NumberNode | RowNode): string =>
+export const unitOf = (node: NumberNode | RowNode): string =>
   node.sort === "number" ? (node.unit ?? "") : (/[A-Za-z]+\s*$/.exec(node.value)?.[0].trim() ?? "");
 
 /** What of a mechanism is shared by wires side by side, so that each has its part of it. */
@@ -78,8 +78,10 @@ const SHARED: Record<string, string[]> = {
 const VOLTAGE = ["mosfet", "pwm-voltage", "voltage"];
 const SERIES = ["series_resistance", "supply_resistance", "on_resistance", "resistance"];
 
-/** How a drive's number goes with the heat of a wire of four times the resistance. */
-const DRIVEN: Record<string, (share: number) => number> = { W: (share) => share, A: (share) => Math.sqrt(share / 4), V: (share) => Math.sqrt(share * 4) };
+/** Factor of a drive for a fraction of the heat and a ratio of resistances, by unit. */
+export const DRIVEN: Record<string, (share: number, resistance: number) => number> = {
+  W: (share) => share, A: (share, resistance) => Math.sqrt(share / resistance), V: (share, resistance) => Math.sqrt(share * resistance),
+};
 
 /** Four wires of half the diameter have the section of one; run as one of them, with a quarter of the load. */
 function thinner(entries: Entries): Remedy | null {
@@ -93,7 +95,7 @@ function thinner(entries: Entries): Remedy | null {
       if (node?.value) made[node.path] = scaled(node, factor);
     };
     shared.forEach((name) => take(entries.numbers.get(`mechanism.${name}`), 0.25));
-    for (const node of listHeats(entries)) made[node.path] = scaled(node, DRIVEN[unitOf(node)]?.(share) ?? 1);
+    for (const node of listHeats(entries)) made[node.path] = scaled(node, DRIVEN[unitOf(node)]?.(share, 4) ?? 1);
     for (const part of ["drive", "driver"]) SERIES.forEach((name) => take(entries.numbers.get(`${part}.${name}`), 4));
     return made;
   };

@@ -61,6 +61,9 @@ export function peakOf(run: Run, name: string): number | null {
   return Number.isFinite(found) ? found : null;
 }
 
+/** Value of a column at the start of the run, of the first port. */
+export const startOf = (run: Run, name: string): number => run.columns[namesOf(run, name)[0]!]?.[0] ?? 0;
+
 /** The same question about the same run is answered once. */
 function once<T>(answer: (run: Run) => T): (run: Run) => T {
   const known = new WeakMap<Run, { found: T }>();
