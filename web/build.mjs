@@ -42,7 +42,9 @@ function listImported(entryPoint, ...kinds) {
 }
 const links = listImported("src/pages/bench.tsx", "import-statement").map((name) => `    <link rel="modulepreload" href="${name}">\n`).join("");
 const index = await readFile(`${out}/index.html`, "utf8");
-await writeFile(`${out}/index.html`, index.replace("  </head>", () => `${links}  </head>`));
+// browsers fetch a linked icon again with every change of the address
+const icon = `data:image/svg+xml;base64,${(await readFile("public/icon.svg")).toString("base64")}`;
+await writeFile(`${out}/index.html`, index.replace('href="icon.svg"', () => `href="${icon}"`).replace("  </head>", () => `${links}  </head>`));
 
 /** A page in one file, which loads nothing by itself. */
 async function inline(folder, script, define = {}) {

@@ -182,6 +182,18 @@ def test_nothing_beside_the_page_is_served(bench: Bench, path: str) -> None:
     assert re.match(r"HTTP/1.1 (400|404|405|431) ", line), line
 
 
+def test_browsers_keep_files_that_never_change(bench: Bench) -> None:
+    """RFC 9111: a fresh answer is used again without a request; the page itself must be asked for."""
+    with bench.client() as client:
+        page = client.get("/")
+        module = re.search(r'href="([\w-]+-[0-9A-Z]{8}\.js)"', page.text)
+        assert module
+        kept = [client.get(f"/{name}").headers["cache-control"] for name in ("icon.svg", module[1])]
+        asked_again = [client.get(path).headers["cache-control"] for path in ("/", "/bench.js", "/api/status")]
+    assert all("max-age=31536000" in words for words in kept)
+    assert asked_again == ["no-cache"] * 3
+
+
 def test_every_answer_keeps_the_page_to_this_server(bench: Bench) -> None:
     with bench.client() as client:
         answers = [

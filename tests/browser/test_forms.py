@@ -21,6 +21,27 @@ def undo(page: Page):
     return page.get_by_role("button", name="Undo")
 
 
+def test_a_move_is_one_call(page: Page) -> None:
+    """The bound of the review of slow machines: 500 moves make at most 520 calls."""
+    field, slider = diameter(page)
+    page.get_by_role("button", name="Pin this run").click()
+    expect(page.locator(".insight-promise")).not_to_be_empty()
+    page.wait_for_timeout(500)
+    asked: list[str] = []
+    page.on("request", lambda one: asked.append(one.url.rpartition("/")[2]) if one.url.startswith("http") else None)
+    slider.focus()
+    for _ in range(10):
+        before = page.locator(".measures").inner_text()
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function("before => document.querySelector('.measures').innerText !== before", arg=before)
+        page.wait_for_timeout(300)
+    assert asked == ["run"] * 10
+    page.get_by_text("What differs").click()
+    expect(page.get_by_role("table", name="Documents")).to_contain_text("element.diameter")
+    assert asked.count("differences") == 1
+    expect(field).not_to_have_value("0.1")
+
+
 def test_a_slider_changes_the_scenario_in_one_step(page: Page) -> None:
     field, slider = diameter(page)
     title = page.get_by_text("steps in")

@@ -28,6 +28,7 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
@@ -56,6 +57,8 @@ PAGE_FIRST = 0.5
 """Delay before a new server starts workers, in favour of the page [s]."""
 COMPRESSED = [Middleware(GZipMiddleware, minimum_size=1400, compresslevel=4)]
 """Compression of answers longer than a packet; downloads are not compressed."""
+LASTING = re.compile(r".*-[0-9A-Z]{8}\.js|icon\.svg")
+"""Files that browsers need not ask for again: their names follow from their content, or they never change."""
 _TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
 SWALLOWED, PATIENCE = 2**30, 20.0
 """Largest number of discarded bytes of a refused upload, and largest time for them [s].
@@ -64,6 +67,17 @@ Browsers read the answer only after they have sent all.
 """
 for _ending, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml")):
     mimetypes.add_type(_type, _ending)  # on Windows others may have changed them
+
+
+class PageFiles(StaticFiles):
+    """The files of the page."""
+
+    def file_response(self, full_path: str | os.PathLike[str], *arguments: Any, **options: Any) -> Response:
+        """Return a file; browsers keep the lasting ones."""
+        response = super().file_response(full_path, *arguments, **options)
+        if LASTING.fullmatch(Path(full_path).name):
+            response.headers["Cache-Control"] = "private, max-age=31536000, immutable"
+        return response
 
 
 @dataclass(frozen=True)
@@ -266,7 +280,7 @@ def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = fr
             WebSocketRoute("/api/jobs/{id}/watch", shared.watch),
             Route("/api/files", shared.upload, methods=["POST"]),
             Route("/api/files/{key}", shared.download),
-            Mount("/", StaticFiles(directory=STATIC), middleware=COMPRESSED),
+            Mount("/", PageFiles(directory=STATIC), middleware=COMPRESSED),
         ],
         exception_handlers={
             Refusal: _answer_refusal,

@@ -1,6 +1,7 @@
 // What is known of an entry: meaning, range, default, where it comes from; and the ways back.
 
 import type { ComponentChildren } from "preact";
+import { isOwn } from "./patch.ts";
 import { restructure } from "./state.ts";
 import type { MaterialValue, Origin, SingleNode } from "./types.ts";
 
@@ -37,8 +38,6 @@ function Source({ origin }: { origin: Origin }) {
     </>
   );
 }
-
-export const isOwn = (node: SingleNode): boolean => node.origin.sort === "scenario" || node.origin.sort === "start";
 
 /** The value that holds if the scenario has none. */
 function fallback(node: SingleNode): { words: string; given: MaterialValue | null } | null {

@@ -2,6 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { entriesOf, listHeats, type Entries } from "../views/remedies.ts";
+import { isOwn } from "./patch.ts";
 import { form } from "./state.ts";
 import type { FormNode, GroupNode, NumberNode, RowNode } from "./types.ts";
 
@@ -31,12 +32,10 @@ const WISHES: Wish[] = [
   { paths: [/^environment\.cooling\.h$/] },
 ];
 
-const isGiven = (node: NumberNode): boolean => node.origin.sort === "scenario" || node.origin.sort === "start";
-
 /** The number of a wish, one that the scenario gives before one that it leaves at its default. */
 function granted({ paths, title }: Wish, entries: Entries): Pinnable | null {
   const fit = paths.flatMap((path) => [...entries.numbers.values()].filter((node) => path.test(node.path) && node.slider && node.value !== null));
-  const node = fit.find(isGiven) ?? fit[0];
+  const node = fit.find(isOwn) ?? fit[0];
   return node ? { ...node, ...(title ? { title: title(node), symbol: "" } : {}) } : null;
 }
 

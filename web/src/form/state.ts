@@ -8,6 +8,7 @@ import { call, sentence, superseded } from "../lib/api.ts";
 import { refused, run, tryChanges } from "../state/run.ts";
 import { change, text } from "../state/scenario.ts";
 import { keepPart } from "../state/session.ts";
+import { patchForm } from "./patch.ts";
 import type { ScenarioForm, NumberNode, SingleNode, SliderRange } from "./types.ts";
 
 export const form = signal<ScenarioForm | null>(null);
@@ -25,7 +26,11 @@ export const refusals = signal<Record<string, string>>({});
 
 type Changes = Record<string, unknown>;
 
-/** The document that the form shows. */
+/** From a change made here to the request of its form [ms]: where the page follows the change itself, and elsewhere. */
+const [CALM, SOON] = [3000, 250];
+
+/** The newest form of the server, and its document. */
+let described: ScenarioForm | null = null;
 let shown = "";
 /** Ends of sliders, kept while the form is worked with, so that they do not move under the hand. */
 const ranges = new Map<string, SliderRange>();
@@ -41,7 +46,8 @@ export function rangeOf(node: NumberNode): SliderRange | null {
 
 function show(found: ScenarioForm): void {
   batch(() => {
-    form.value = found;
+    form.value = described = found;
+    unpatched = {};
     trouble.value = "";
     shown = found.text ?? shown;
   });
@@ -65,11 +71,15 @@ export function followForm(): () => void {
   return effect(() => {
     const now = text.value;
     clearTimeout(waiting);
-    if (now === shown) returns.value = returns.peek() + 1;
+    if (now === shown && described) {
+      unpatched = {};
+      form.value = described;
+      returns.value = returns.peek() + 1;
+    }
     if (!now || now === shown) return;
     const own = sent.has(now);
     if (!own) forget();
-    waiting = window.setTimeout(() => void ask(now), own ? 250 : 0);
+    waiting = window.setTimeout(() => void ask(now), now === followed ? CALM : own ? SOON : 0);
   });
 }
 
@@ -77,6 +87,7 @@ export function followForm(): () => void {
 function forget(): void {
   ranges.clear();
   sent.clear();
+  unpatched = {};
   refusals.value = {};
   notes.value = [];
   wanting.value = null;
@@ -123,8 +134,26 @@ function assumed(found: ScenarioForm): string[] {
 
 // ---------------------------------------------------------------- numbers
 
-/** Documents that came of changes made here. */
+/** Documents that came of changes made here, the newest of them. */
 const sent = new Set<string>();
+const MOST_SENT = 256;
+
+/** Accepted changes that the form does not show yet, and the document to which they lead from there; empty for others. */
+let unpatched: Changes = {};
+let followed = "";
+
+/** Take a document that came of changes; the form follows once no newer value is on its way. */
+function note(document: string, changes: Changes): void {
+  sent.add(document);
+  if (sent.size > MOST_SENT) sent.delete(sent.values().next().value!);
+  unpatched = { ...unpatched, ...changes };
+  const next = form.peek() && patchForm(form.peek()!, unpatched, document);
+  followed = next ? document : "";
+  if (!next || pending) return;
+  form.value = next;
+  unpatched = {};
+}
+
 let busy = false;
 let pending: { changes: Changes; drag: number } | null = null;
 let drag = 0;
@@ -180,7 +209,7 @@ async function pump(): Promise<void> {
     const mine: { changes: Changes; drag: number } = pending;
     pending = null;
     const merge = mine.drag > 0 && mine.drag === drag && dragged.taken;
-    const taken = await tryChanges(mine.changes, merge, (document) => sent.add(document));
+    const taken = await tryChanges(mine.changes, merge, (document) => note(document, mine.changes));
     if (taken) {
       if (mine.drag === drag) dragged.taken = true;
     }

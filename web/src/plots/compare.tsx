@@ -1,6 +1,7 @@
 // Runs that are kept beside the live one: their names, whether they are drawn, what differs.
 
-import { batch } from "@preact/signals";
+import { batch, useSignal } from "@preact/signals";
+import type { Run } from "../lib/types.ts";
 import { openInBench } from "../state/scenario.ts";
 import { pin, pinned, run, unpin, waiting, type Pinned, type Waiting } from "../state/run.ts";
 import { Differences, Results } from "./differences.tsx";
@@ -61,6 +62,22 @@ function Coming({ one }: { one: Waiting }) {
   );
 }
 
+/** Tables of differences, which are asked for while they are open. */
+function Differing(props: { now: Run; pins: Pinned[] }) {
+  const open = useSignal(false);
+  return (
+    <details class="differences" onToggle={(event) => (open.value = event.currentTarget.open)}>
+      <summary>What differs</summary>
+      {open.value && (
+        <div class="columns">
+          <Differences {...props} />
+          <Results {...props} />
+        </div>
+      )}
+    </details>
+  );
+}
+
 export function Compare() {
   const now = run.value;
   if (!now) return null;
@@ -85,15 +102,7 @@ export function Compare() {
           </button>
         </li>
       </ul>
-      {pins.length > 0 && (
-        <details class="differences">
-          <summary>What differs</summary>
-          <div class="columns">
-            <Differences now={now} pins={pins} />
-            <Results now={now} pins={pins} />
-          </div>
-        </details>
-      )}
+      {pins.length > 0 && <Differing now={now} pins={pins} />}
     </section>
   );
 }

@@ -14,6 +14,7 @@ import { Ground } from "./ground.ts";
 import { arrangeLabels, Labels, type Written } from "./labels.ts";
 import { Materials, type Colours } from "./materials.ts";
 import { round, type Motion } from "./motion.ts";
+import { Pace } from "./pace.ts";
 import { Picker, Pointer, type Grabbing } from "./pick.ts";
 import { boundsOf, spotsOf } from "./spots.ts";
 import type { Rgb } from "./tint.ts";
@@ -41,18 +42,14 @@ const TURN = 0.12;
 const NEARER = 0.88;
 /** Share of half a frame that is filled: names need some room. */
 const ROOM: [number, number] = [0.93, 0.88];
-/** Rest after which a picture is drawn again with smooth edges, where that costs much [ms]. */
-const REST = 400;
-/** Between two pictures of the shadow while anything moves, where a processor has to draw [ms]. */
-const SHADOW = 400;
-
 /** Between two pictures while something can be held, or runs follow a slider, where a processor has to draw: curves
  * come more often [ms]. */
 const SELDOM = 50;
-/** Pixels of the picture for one of the page meanwhile: a processor spends its time on each. */
-const COARSE = 0.7;
 /** So soon after a run another one is taken to follow it [ms]. */
 const FOLLOWING = 300;
+const PRESSES = ["pointerdown", "pointerup", "pointercancel"] as const;
+/** Between two looks at whether a picture is drawn [ms]. */
+const POLL = 8;
 /** Share of the whole motion, and angle [rad], below which nothing is seen of a change. */
 const UNSEEN = 2e-4;
 
@@ -107,8 +104,11 @@ export class Stage {
   private touched = false;
   private waiting = 0;
   private resting = 0;
-  private shaded = 0;
   private drawn = 0;
+  private readonly pace = new Pace();
+  /** Ends when the processor has drawn the last picture. */
+  private fence: WebGLSync | null = null;
+  private pressed = false;
   private grabbed = false;
   private shown = 0;
   /** What was put on the stage last, as far as it is seen. */
@@ -138,8 +138,11 @@ export class Stage {
     this.light();
     this.world.add(this.camera, ...this.ground.parts, this.arrows.group);
     this.pointer = new Pointer(host, canvas, new Picker(this.camera, canvas), () => this.cast?.targets ?? [], () => this.soon());
+    if (!quick) for (const kind of PRESSES) addEventListener(kind, this.onPress, { capture: true });
     this.resize();
   }
+
+  private readonly onPress = ({ type }: Event): void => void (this.pressed = type === "pointerdown");
 
   /** Who is told while something is held. */
   set grabbing(grabbing: Grabbing | null) {
@@ -260,9 +263,9 @@ export class Stage {
   }
 
   /** The picture now, and its words: what it is drawn on is the canvas until the next one. */
-  render(hurried = false): { canvas: HTMLCanvasElement; words: Written[] } {
+  render(shadow = true): { canvas: HTMLCanvasElement; words: Written[] } {
     const shown = this.forces ? this.arrows.point(this.cast, this.reading) : this.arrows.hide();
-    if (!hurried || performance.now() - this.shaded > SHADOW) this.castShadow();
+    if (shadow) this.castShadow();
     this.renderer.render(this.world, this.camera);
     const { clientWidth: width, clientHeight: height } = this.host;
     return { canvas: this.renderer.domElement, words: arrangeLabels([...wordsOf(this.cast, this.reading, this.pointer.hover, this.named), ...shown], this.camera, width, height) };
@@ -275,7 +278,6 @@ export class Stage {
     this.ground.cast(this.renderer, this.world);
     if (ghost) ghost.visible = true;
     this.arrows.group.visible = true;
-    this.shaded = performance.now();
   }
 
   /** See the mechanism as another stage does. */
@@ -291,6 +293,8 @@ export class Stage {
   dispose(): void {
     cancelAnimationFrame(this.waiting);
     clearTimeout(this.resting);
+    this.fence = null;
+    for (const kind of PRESSES) removeEventListener(kind, this.onPress, { capture: true });
     this.cast?.dispose();
     this.ghost?.dispose();
     this.controls.dispose();
@@ -335,28 +339,51 @@ export class Stage {
   private soon(): void {
     if (this.smooth) return;
     clearTimeout(this.resting);
+    this.pace.change(performance.now());
     this.waiting ||= requestAnimationFrame(() => this.next());
   }
 
   /** Draw, unless a processor that draws has to leave the rest of the page its time. */
   private next(): void {
     const begun = performance.now();
-    const hurried = this.grabbed || begun - this.shown < FOLLOWING;
-    if (!this.quick && hurried && begun - this.drawn < SELDOM) return void (this.waiting = requestAnimationFrame(() => this.next()));
+    const isHurried = this.grabbed || begun - this.shown < FOLLOWING;
+    const isEarly = this.fence !== null || (isHurried && begun - this.drawn < SELDOM);
+    if (!this.quick && isEarly) return void (this.waiting = requestAnimationFrame(() => this.next()));
     this.waiting = 0;
     this.drawn = begun;
-    const pixels = hurried ? COARSE : 1;
-    if (!this.quick && this.renderer.getPixelRatio() !== pixels) this.renderer.setPixelRatio(pixels);
-    this.draw(!this.quick);
-    if (this.quick) return;
-    this.resting = window.setTimeout(() => {
-      this.renderer.setPixelRatio(2);
-      this.draw();
-    }, REST);
+    if (this.quick) this.draw();
+    else this.drawPaced(true);
   }
 
-  private draw(hurried = false): void {
-    this.labels.write(this.render(hurried).words);
+  /** Draw by the processor, measure the cost, and draw what is missing after a rest. */
+  private drawPaced(isMoving: boolean): void {
+    const { pixels, shadow } = this.pace.begin(performance.now(), isMoving);
+    if (this.renderer.getPixelRatio() !== pixels) this.renderer.setPixelRatio(pixels);
+    const begun = performance.now();
+    this.draw(shadow);
+    const context = this.renderer.getContext() as WebGL2RenderingContext;
+    this.fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    context.flush();
+    const look = (): void => {
+      if (!this.fence) return; // the stage is disposed
+      if (context.getSyncParameter(this.fence, context.SYNC_STATUS) === context.UNSIGNALED) return void setTimeout(look, POLL);
+      context.deleteSync(this.fence);
+      this.fence = null;
+      this.pace.end(performance.now() - begun, pixels);
+      this.restThenDraw();
+    };
+    setTimeout(look, POLL);
+  }
+
+  private restThenDraw(): void {
+    const { rest } = this.pace;
+    clearTimeout(this.resting);
+    if (rest === null || this.waiting) return;
+    this.resting = window.setTimeout(() => (this.pressed ? this.restThenDraw() : this.drawPaced(false)), rest);
+  }
+
+  private draw(shadow = true): void {
+    this.labels.write(this.render(shadow).words);
     this.rendered += 1;
     Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
   }
