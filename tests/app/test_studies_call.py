@@ -52,10 +52,23 @@ def test_the_claims_are_those_of_the_study(computed: dict[str, Any]) -> None:
     assert [one["heading"] for one in computed["digest"]][-1] == "use instead"
 
 
-def test_what_came_with_a_study_is_shown_without_a_figure(tmp_path: Path) -> None:
-    found = studies.describe_study_page({"name": QUICK}, Desk(tmp_path))["results"]
+def test_what_came_with_a_study_is_shown_with_its_figure(tmp_path: Path) -> None:
+    """All studies of the package come with numbers and figure, so that opening one computes nothing."""
+    desk = Desk(tmp_path)
+    found = studies.describe_study_page({"name": QUICK}, desk)["results"]
     check_answer(found, "studies", "Results")
-    assert found["figure"] == "" and found["made_by"].startswith("martensite ")
+    assert found["made_by"].startswith("martensite ")
+    for one in studies.list_studies({}, desk)["studies"]:
+        assert one["drawn"] == studies.SHIPPED, one["name"]
+        drawn = studies.read_figure({"name": one["name"]}, desk)["svg"]
+        assert drawn.rstrip().endswith("</svg>") and len(drawn) < 500_000, one["name"]
+
+
+def test_a_computed_figure_replaces_the_shipped_one(computed: dict[str, Any], folder: Path) -> None:
+    desk = Desk(folder)
+    svg = studies.read_figure({"name": QUICK}, desk)["svg"]
+    assert svg == desk.files.path(computed["figure"]).read_text("utf-8")
+    assert svg != studies.read_figure({"name": "migaone"}, desk)["svg"]
 
 
 def test_notes_tell_the_part_and_bring_its_claims(computed: dict[str, Any], notes: list[dict[str, Any]]) -> None:
@@ -71,7 +84,7 @@ def test_results_are_kept_until_the_figure_is_gone(computed: dict[str, Any], fol
     assert b"<svg" in figure.read_bytes()[:1000]
     figure.rename(figure.with_name("away"))
     figure.parent.rename(folder / "elsewhere")
-    assert studies.describe_study_page({"name": QUICK}, desk)["results"]["figure"] == ""
+    assert studies.describe_study_page({"name": QUICK}, desk)["results"]["figure"] == studies.SHIPPED
     (folder / "elsewhere").rename(figure.parent)
     figure.with_name("away").rename(figure)
     assert studies.describe_study_page({"name": QUICK}, desk)["results"] == computed

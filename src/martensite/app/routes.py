@@ -46,6 +46,7 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     # studies
     "studies": ("studies", "list_studies"),
     "study_page": ("studies", "describe_study_page"),
+    "study_figure": ("studies", "read_figure"),
     "study": ("studies", "compute_study"),
     # sweeps
     "sweep_form": ("sweep_form", "describe_sweep_form"),

@@ -3,9 +3,10 @@
 The file holds the numbers of all parts, the version of the package and a fingerprint of the computing files; words and
 verdicts are those of `claims.toml`, which can change without a computation.
 
-    python -m martensite.studies.shipped_numbers NAME...     compute the numbers of studies, and write their files
+    python -m martensite.studies.shipped_numbers NAME...             compute the numbers of studies, draw their figures
+    python -m martensite.studies.shipped_numbers --figures NAME...   draw the figures only
 
-If a figure takes minutes, it is shipped as `figure.svg`, written by the same command. The usual compiler optimises;
+The figure is shipped as `figure.svg`, so that pages show it without a computation. The usual compiler optimises;
 compile without `MARTENSITE_CFLAGS`, because rounding can change the end of a search.
 
 A test compares fingerprints, and recomputes two quick studies; the documentation recomputes all parts that do not
@@ -65,8 +66,6 @@ def write_results(study: TableStudy, folder: Path) -> Path:
     numbers = {part: simplify_numbers(study.part_numbers(part)) for part in study.table["parts"]}
     made = {"version": version("martensite"), "made_by": fingerprint_study(folder)}
     path = folder / RESULTS
-    if (folder / FIGURE).is_file():
-        study.figure(folder / FIGURE)
     write_file(path, json.dumps({**made, "numbers": numbers}, indent=1, ensure_ascii=False).encode() + b"\n")
     return path
 
@@ -148,13 +147,16 @@ def _list_numbers(rows: list[Claim | StudyReport]) -> dict[str, float]:
     return {id: number for id, number in {**computed, **printed}.items() if number is not None}
 
 
-def main(names: list[str]) -> None:
-    """Write the results of studies of this package."""
-    for name in names:
+def main(arguments: list[str]) -> None:
+    """Write results and figures of studies of this package; with `--figures` only the figures."""
+    for name in (one for one in arguments if one != "--figures"):
         study = load_study(name)
         if isinstance(study, TableStudy):
             study.full = True
-            sys.stdout.write(f"{write_results(study, study.folder())}\n")
+            if "--figures" not in arguments:
+                sys.stdout.write(f"{write_results(study, study.folder())}\n")
+            study.figure(study.folder() / FIGURE)
+            sys.stdout.write(f"{study.folder() / FIGURE}\n")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Calls about studies: list, describe and compute them, and cache results.
 
-Shipped numbers are displayed at once, without a figure. Computed results are cached for one version of the package and
-the present measured data.
+Shipped numbers and figures are displayed at once. Computed results are cached for one version of the package and the
+present measured data.
 """
 
 from __future__ import annotations
@@ -21,6 +21,11 @@ from martensite.base.files import write_file
 from martensite.logs.datasets import describe_dataset, is_here
 from martensite.scenario.citations import list_entries, read_fields
 from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_studies, load_study
+from martensite.studies.shipped_numbers import FIGURE
+from martensite.studies.tables import TableStudy
+
+SHIPPED = "shipped"
+"""Name of the figure of shipped results, in place of the key of a file."""
 
 
 def load_named_study(request: Request) -> AbstractStudy:
@@ -85,7 +90,28 @@ def find_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
     if (kept := read_results(study, folder)) is not None:
         return kept
     shipped = study.shipped()
-    return None if shipped is None else describe_answer(study, shipped)
+    if shipped is None:
+        return None
+    return describe_answer(study, shipped) | {"figure": "" if find_shipped_figure(study) is None else SHIPPED}
+
+
+def find_shipped_figure(study: AbstractStudy) -> Path | None:
+    """Return the figure in the folder of a study, or None."""
+    path = study.folder() / FIGURE if isinstance(study, TableStudy) else None
+    return path if path and path.is_file() else None
+
+
+def read_figure(request: Request, desk: Desk) -> JsonTable:
+    """Return the figure of a study: of its cached results, else the shipped figure.
+
+    {"name": …} -> {"svg": text}
+    """
+    study = load_named_study(request)
+    results = read_results(study, desk.folder)
+    path = desk.files.path(results["figure"]) if results else find_shipped_figure(study)
+    if path is None:
+        raise DataError(f"The study `{study.key}` has no stored figure; compute it first.")
+    return {"svg": path.read_text("utf-8")}
 
 
 def _locate_results(study: AbstractStudy, folder: Path) -> Path:
@@ -113,12 +139,13 @@ def write_results(study: AbstractStudy, folder: Path, results: Request) -> None:
 def list_studies(request: Request, desk: Desk) -> JsonTable:
     """Return all studies, with the tally of their verdicts if known.
 
-    {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, …}]}
+    {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, "drawn": key or empty, …}]}
     """
     rows: list[JsonTable] = []
     for study in load_studies()[0]:
         results = find_results(study, desk.folder)
-        rows.append(describe_study(study) | {"tally": results["tally"] if results else None})
+        known = {"tally": results["tally"], "drawn": results["figure"]} if results else {"tally": None, "drawn": ""}
+        rows.append(describe_study(study) | known)
     return {"studies": rows}
 
 

@@ -13,7 +13,6 @@ from gzip import compress
 from importlib.metadata import version
 from pathlib import Path
 
-from martensite.app.calls.studies import describe_study_page, list_studies
 from martensite.app.documents import build_packaged, list_standalone
 from martensite.app.messages import JsonTable, write_message
 from martensite.app.site import NOTEBOOK, STATIC, WIDGET
@@ -21,7 +20,7 @@ from martensite.app.static_site.flat_inputs import list_waveforms
 from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.run_module import RunSource, write_source
 from martensite.app.static_site.scenario_table import describe_static
-from martensite.app.worker import Desk
+from martensite.app.static_site.study_pages import write_studies
 from martensite.base.child_python import safe_children
 from martensite.base.errors import DataError
 from martensite.export.wasm.module import find_wasm_compiler
@@ -70,7 +69,7 @@ def _fill_folder(folder: Path, texts: Mapping[str, str], tell: Tell) -> JsonTabl
             listed.append(entry)
             tell(f"{name}: {sum(map(len, files.values())) / 1e3:.0f} kB")
     copy_page(folder)
-    write_studies(folder)
+    write_studies(folder, folder / RUNS)
     return write_manifest(folder, listed)
 
 
@@ -138,17 +137,6 @@ def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
     manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
     (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return manifest
-
-
-def write_studies(folder: Path) -> None:
-    """Write the installed studies with their shipped results."""
-    desk = Desk(folder)
-    listed = list_studies({}, desk)["studies"]
-    pages = {f"study-{one['name']}": describe_study_page({"name": one["name"]}, desk) for one in listed}
-    content = {"studies": {"studies": [one | {"missing": []} for one in listed]}}
-    content |= {name: one | {"missing": []} for name, one in pages.items()}
-    for name, table in content.items():
-        (folder / RUNS / f"{name}.json").write_bytes(write_message(table))
 
 
 def copy_page(folder: Path) -> None:
