@@ -30,12 +30,17 @@ def test_studies_are_listed_and_lead_to_their_pages(page: Page) -> None:
 def test_a_study_runs_and_its_claims_are_read(page: Page) -> None:
     visit(page, f"studies/{QUICK}")
     expect(page.get_by_role("region", name="Digest")).to_contain_text("use instead")  # it came with the study
-    page.get_by_role("button", name="Compute claims and figure").click()
-    expect(page.get_by_role("progressbar")).to_be_visible()
-    expect(page.get_by_role("button", name="Compute again")).to_be_visible(timeout=COMPUTED)
     picture = page.get_by_role("img", name="Steady temperatures").first
     expect(picture).to_be_visible()
     assert picture.evaluate("image => image.decode().then(() => image.naturalWidth)") > 300
+    pairs = page.get_by_role("region", name="Printed and computed values", exact=True).locator("li")
+    expect(pairs.first).to_contain_text("misprint")  # errors in print come first
+    expect(pairs.first).to_contain_text("paper 13 Ω")
+    address = page.get_by_role("region", name="Address").locator("code").inner_text()
+    assert address == f"{page.url.split('#')[0]}#/studies/{QUICK}" and "token" not in address
+    page.get_by_role("button", name="Compute again").click()
+    expect(page.get_by_role("progressbar")).to_be_visible()
+    expect(page.get_by_text("the results are stored")).to_be_visible(timeout=COMPUTED)
     claims = page.get_by_role("region", name="Claims", exact=True)
     rows = claims.locator("tbody tr")
     expect(rows).to_have_count(9)
@@ -71,7 +76,7 @@ def test_a_scenario_of_a_study_opens_on_the_bench(page: Page) -> None:
 
 def test_work_survives_a_reload_and_is_cancelled(page: Page) -> None:
     visit(page, f"studies/{LONG}")
-    page.get_by_role("button", name="Compute claims and figure").click()
+    page.get_by_role("button", name="Compute again").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     expect(page.get_by_text("part 1 of 3: open loop")).to_be_visible()
     page.reload()
@@ -82,7 +87,7 @@ def test_work_survives_a_reload_and_is_cancelled(page: Page) -> None:
     page.get_by_role("button", name="Cancel").click()
     visit(page, f"studies/{LONG}")
     expect(page.get_by_text("Cancelled.", exact=True)).to_be_visible()
-    expect(page.get_by_role("button", name="Compute claims and figure")).to_be_visible()
+    expect(page.get_by_role("button", name="Compute again")).to_be_visible()
 
 
 def test_data_that_are_missing_are_named(page: Page) -> None:

@@ -147,6 +147,7 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
   },
   studies: async () => fetchJson(locateFile("studies.json")),
   study_page: async (request) => fetchJson(locateFile(`study-${encodeURIComponent(request["name"] as string)}.json`)),
+  study_figure: async (request) => ({ svg: await (await fetchFile(new URL(`studies/${encodeURIComponent(request["name"] as string)}.svg`, document.baseURI).href)).text() }),
   compare: async (request) => compareDocuments(request["texts"] as string[]),
 };
 

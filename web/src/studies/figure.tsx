@@ -1,22 +1,22 @@
-// The figure of a study; a click enlarges it.
+// The stored figure of a study: small in the list, large on its page; a click enlarges it.
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { save } from "../lib/api.ts";
+import { call, save } from "../lib/api.ts";
 import { Message } from "../ui/message.tsx";
 
-/** The picture of a file: the server gives files only to be saved, so that it is made here. */
-function usePicture(file: string) {
+/** The picture of a study, loaded once it comes into view. `version` changes when the study is computed again. */
+function usePicture(name: string, version: string, seen: boolean) {
   const picture = useSignal<{ blob: Blob; address: string } | null>(null);
   const failed = useSignal(false);
   useEffect(() => {
+    if (!seen) return;
     let address = "";
     let left = false;
     const load = async (): Promise<void> => {
-      const response = await fetch(`/api/files/${file}`);
-      if (!response.ok) throw new Error(response.statusText);
-      const blob = new Blob([await response.arrayBuffer()], { type: "image/svg+xml" });
+      const { svg } = await call<{ svg: string }>("study_figure", { name });
       if (left) return;
+      const blob = new Blob([svg], { type: "image/svg+xml" });
       address = URL.createObjectURL(blob);
       picture.value = { blob, address };
     };
@@ -25,13 +25,32 @@ function usePicture(file: string) {
       left = true;
       if (address) URL.revokeObjectURL(address);
     };
-  }, [file]);
+  }, [name, version, seen]);
   return { picture: picture.value, failed: failed.value };
 }
 
-export function Figure({ name, file, about }: { name: string; file: string; about: string }) {
+/** The figure in a list of studies; decoration, because the link beside it names the study. */
+export function Thumbnail({ name }: { name: string }) {
+  const host = useRef<HTMLDivElement>(null);
+  const seen = useSignal(false);
+  useEffect(() => {
+    const watch = new IntersectionObserver(([entry]) => {
+      if (entry?.isIntersecting) seen.value = true;
+    });
+    if (host.current) watch.observe(host.current);
+    return () => watch.disconnect();
+  }, []);
+  const { picture } = usePicture(name, "", seen.value);
+  return (
+    <div ref={host} class="study-thumbnail">
+      {picture && <img src={picture.address} alt="" />}
+    </div>
+  );
+}
+
+export function Figure({ name, version, about }: { name: string; version: string; about: string }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  const { picture, failed } = usePicture(file);
+  const { picture, failed } = usePicture(name, version, true);
   const alt = `Figure of the study ${name}: ${about}`;
   const enlarge = (): void => dialog.current?.showModal();
   if (failed) return <Message kind="error">The figure could not be loaded; compute the study again.</Message>;

@@ -2,25 +2,21 @@
 
 import { useEffect } from "preact/hooks";
 import { Message } from "../ui/message.tsx";
+import { Thumbnail } from "./figure.tsx";
 import { StudyProgress } from "./progress.tsx";
 import { list, listed, running, trouble } from "./state.ts";
 import type { Listed } from "./types.ts";
 import { describeTally, TallyLine } from "./verdict.tsx";
-import { Words } from "./words.tsx";
 
 function Card({ study }: { study: Listed }) {
   const source = study.sources[0];
   return (
     <li class="panel stack">
+      {study.drawn && <Thumbnail name={study.name} />}
       <h2>
         <a href={`#/studies/${encodeURIComponent(study.name)}`}>{study.title}</a>
       </h2>
       {source && <p class="small soft">{source.text}</p>}
-      {study.guide[0] && (
-        <p>
-          <Words text={study.guide[0]} />
-        </p>
-      )}
       {study.tally && <p>{describeTally(study.tally)}</p>}
       <p class="small">
         {study.tally ? <TallyLine tally={study.tally} /> : <span class="soft">Not computed yet.</span>}
@@ -38,8 +34,8 @@ export function StudyList() {
       <div>
         <h1>Studies</h1>
         <p class="soft">
-          Published results, rebuilt: what holds, what is misprinted, what contradicts itself; and every number that a source
-          prints beside the one that is computed here, with a verdict.
+          Published results compared with new computations: each printed value next to the computed value, with a verdict. Misprints and
+          contradictions are marked.
         </p>
       </div>
       {trouble.value && <Message kind="error">{trouble.value}</Message>}

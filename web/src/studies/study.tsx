@@ -5,10 +5,13 @@ import { isStatic } from "../engine/local.ts";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Claims, Reports } from "./claims.tsx";
+import { Cite } from "./cite.tsx";
+import { Comparison } from "./comparison.tsx";
 import { Figure } from "./figure.tsx";
 import { StudyProgress } from "./progress.tsx";
 import { begin, open, running, shown, soFar, subject, trouble } from "./state.ts";
 import type { Source, StudyPage, Told } from "./types.ts";
+import { describeTally } from "./verdict.tsx";
 import { Words } from "./words.tsx";
 
 function Sources({ sources }: { sources: Source[] }) {
@@ -77,8 +80,8 @@ function Stored({ study }: { study: StudyPage }) {
   return (
     <section class="panel stack" aria-label="Computation">
       <p class="small soft">
-        These numbers came with {study.results?.made_by}. This page has no server: <code>martensite study {study.name}</code> computes them and draws
-        the figure on your machine.
+        Values and figure are part of {study.results?.made_by}. This page has no server; <code>martensite study {study.name} --recompute</code> computes
+        them on your machine.
       </p>
     </section>
   );
@@ -91,7 +94,7 @@ function Compute({ study }: { study: StudyPage }) {
       <h2>Compute</h2>
       <p class="small soft">
         {results?.made_by
-          ? `These results are part of ${results.made_by}. Compute the study to draw its figure, which takes seconds to minutes.`
+          ? `Values and figure are part of ${results.made_by}. A new computation takes seconds to minutes.`
           : results
             ? `Computed in ${results.seconds.toFixed(0)} s; the results are stored.`
             : `${study.parts.length} part${study.parts.length > 1 ? "s" : ""} and a figure: seconds to minutes, the longest for fits and searches.`}
@@ -129,15 +132,20 @@ export function Study({ name }: { name: string }) {
       {!study && !trouble.value && <p class="starting">Loading …</p>}
       {study && (
         <>
+          {study.results && !busy && <p>{describeTally(study.results.tally)}</p>}
+          <div class="study-pictures">
+            {study.results?.figure && !busy && <Figure name={name} version={study.results.figure} about={study.figure} />}
+            {claims && <Comparison claims={claims} />}
+          </div>
           {study.results && !busy && study.results.digest.length > 0 && <Digest digest={study.results.digest} />}
           <div class="study-head">
             <Guide study={study} />
             <div class="stack">
               <Scenarios study={study} />
+              <Cite study={study} />
               {isStatic() ? <Stored study={study} /> : <Compute study={study} />}
             </div>
           </div>
-          {study.results?.figure && !busy && <Figure key={study.results.figure} name={name} file={study.results.figure} about={study.figure} />}
           {claims && claims.length > 0 && <Claims claims={claims} />}
           {study.results && !busy && <Reports reports={study.results.reports} />}
         </>

@@ -64,6 +64,8 @@ export interface About {
 
 export interface Listed extends About {
   tally: Tally | null;
+  /** As `Results.figure`. */
+  drawn: string;
 }
 
 export interface Results {
@@ -74,7 +76,7 @@ export interface Results {
   tally: Tally;
   /** What computed the numbers that came with the study; empty of those computed here. */
   made_by: string;
-  /** Key of a file; empty where none was drawn. */
+  /** Key of a file, or `shipped`; empty without a figure. */
   figure: string;
   seconds: number;
 }

@@ -17,14 +17,17 @@ const style = (verdict: Verdict): string => `verdict ${verdict.replaceAll(" ", "
 /** Place of a verdict: what was compared stands before what cannot be. */
 export const rankVerdict = (verdict: Verdict): number => VERDICTS.findIndex(([name]) => name === verdict);
 
-/** What a tally means, in a sentence: only what can be compared can fail. */
+/** What a tally means, in a sentence. A study without comparable values is no failure: it explains the source. */
 export function describeTally(tally: Tally): string {
   const [found, apart] = [tally.reproduced, tally.disagrees];
   const wrong = tally.misprint + tally["self-contradictory"];
   const open = tally["not comparable"] + tally.recovery;
-  const first = found + apart ? `Of ${found + apart} printed values that can be compared, ${found} ${found === 1 ? "is" : "are"} reproduced.` : "No printed value can be compared.";
-  const second = wrong ? ` ${wrong} ${wrong === 1 ? "contradicts" : "contradict"} the source itself.` : "";
-  return `${first}${second}${open ? ` ${open} cannot be compared; the table gives the reasons.` : ""}`;
+  const said: string[] = [];
+  if (found) said.push(`${found} of ${found + apart} comparable printed values ${found + apart === 1 ? "is" : "are"} reproduced.`);
+  else if (apart) said.push(`${apart} printed ${apart === 1 ? "value differs" : "values differ"} from the computed ${apart === 1 ? "value" : "values"}.`);
+  if (wrong) said.push(`${wrong} ${wrong === 1 ? "error" : "errors"} in print ${wrong === 1 ? "is" : "are"} explained.`);
+  if (open) said.push(`${open} ${open === 1 ? "value was" : "values were"} fitted or ${open === 1 ? "comes" : "come"} from another wire, and ${open === 1 ? "gets" : "get"} no verdict.`);
+  return said.join(" ");
 }
 
 export function VerdictMark({ verdict }: { verdict: Verdict }) {
