@@ -15,7 +15,7 @@ test("a slider in motion is run again and again, and its form is asked for once 
   const { setHost } = await import("../src/lib/host.ts");
   const asked: string[] = [];
   const none = { rows: [], choices: [] };
-  const views = { lines: { ...none, numbers: {}, ports: [] }, scene: { ...none, shapes: [], ports: {}, newton: -1, sentence: "" } };
+  const views = { lines: { ...none, numbers: {}, ports: [] }, motor: { ...none, resonance: null }, scene: { ...none, shapes: [], ports: {}, newton: -1, sentence: "" } };
   const answers: Record<string, (request: { text: string; changes: object }) => object> = {
     run: ({ changes }) => ({ text: `made of ${JSON.stringify(changes)}`, times: [0, 1], columns: {}, parameters: {}, views }),
     form: ({ text }) => ({ text, sections: [] }),

@@ -39,15 +39,15 @@ def show_quantity(value: float, unit: str, digits: int = 4, shown: str = "") -> 
     return f"{number} {typeset_unit(shown)}".rstrip()
 
 
-def write_difference(value: float, unit: str, digits: int = 4) -> str:
-    """Return a difference given in the SI `unit` as text in a readable unit."""
-    shown, factor = choose_difference_unit(unit)
+def write_difference(value: float, unit: str, digits: int = 4, name: str = "") -> str:
+    """Return a difference given in the SI `unit` as text in a readable unit, of a column if it has a name."""
+    shown, factor = choose_difference_unit(unit, name)
     return f"{value / factor:.{digits}g}" + (f" {shown}" if shown != "1" else "")
 
 
-def choose_difference_unit(unit: str) -> tuple[str, float]:
-    """Return the readable unit of a difference, and its size in the SI `unit`."""
-    shown = units.choose_readable_unit(unit)
+def choose_difference_unit(unit: str, name: str = "") -> tuple[str, float]:
+    """Return the readable unit of a difference, of a column if it has a name, and its size in the SI `unit`."""
+    shown = units.of_column(name, unit)
     return {"degC": "K"}.get(shown, shown), units.find_conversion(shown, unit)[0]
 
 

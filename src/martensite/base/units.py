@@ -95,8 +95,8 @@ READABLE = {
     DEGREES: "K",
 }
 
-PERCENT = ("strain",)
-"""Columns shown in percent."""
+COLUMNS = {("strain", "1"): "%", ("rotor_speed", "rad/s"): "rpm", ("rotor_speed_2", "rad/s"): "rpm"}
+"""Readable units of columns that differ from those of their SI unit."""
 
 # declared SI unit -> (unit for large values, smallest such value)
 _LARGER = {"Pa": ("GPa", 1e9), "J/kg": ("kJ/kg", 1e3)}
@@ -210,8 +210,8 @@ def choose_readable_unit(unit: str) -> str:
 
 
 def of_column(name: str, unit: str) -> str:
-    """Return the readable unit of a column; percent for strains."""
-    return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else choose_readable_unit(unit)
+    """Return the readable unit of a column: percent for strains, revolutions per minute for rotors."""
+    return COLUMNS.get((name.rpartition(".")[2], unit), choose_readable_unit(unit))
 
 
 def choose_familiar_unit(value: float, unit: str) -> str:

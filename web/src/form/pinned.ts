@@ -23,6 +23,9 @@ const HEATING: Record<string, string> = { W: "heating power", A: "heating curren
 
 /** In the order in which people ask: how strongly, where to, against what, in what surroundings, of which size. */
 const WISHES: Wish[] = [
+  { paths: [/^signals\.motor\.(high|level|value)$/], title: () => "motor voltage" },
+  { paths: [/^signals\.motor\.end$/], title: () => "duration of the ramp" },
+  { paths: [/^mechanism\.unbalance$/] },
   { paths: [/^references?\..*(increment|high|value|amplitude|final)$/], title: (node) => `set point, ${node.title}` },
   { paths: [/^mechanism\.(mass|force|payload|moment|preload)$/, /^mechanism\.(stiffness|spring_stiffness)$/] },
   { paths: [/^environment\.temperature$/], title: () => "ambient temperature" },

@@ -171,6 +171,8 @@ export interface Run extends RunTold {
   stretches: Record<string, Stretch[]>;
   phase: Phase;
   scene: SceneData;
+  /** Of a beam with a motor [rad/s]; else null. */
+  resonance: number | null;
   /** Set where it was recorded by hand, and the document does not bring it back. */
   only?: true;
 }

@@ -1,5 +1,6 @@
 // The few numbers to take away from a run, out of its columns: how far, how fast, how hot, how much energy.
 
+import { measureRotor } from "./rotor.ts";
 import type { Output, Run } from "../lib/types.ts";
 
 type Column = ArrayLike<number>;
@@ -213,6 +214,7 @@ export const measures = once((run: Run): Measure[] => [...motions(run), ...peaks
 function motions(run: Run): Measure[] {
   const how = run.outputs[run.coordinate];
   if (!how) return [];
+  if (run.resonance) return measureRotor(run);
   const cycle = cycleOf(run);
   const error = measureDeviation(run);
   const own = { shown: how.shown, factor: how.factor, offset: 0 };

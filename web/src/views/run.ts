@@ -8,6 +8,7 @@ import { describePhase } from "./diagrams.ts";
 import { drawScene } from "./drawing.ts";
 import { describeEnergy, efficiencyAt, integrateEnergies, type Energies } from "./energies.ts";
 import { formatGeneral, type Values } from "./formulas.ts";
+import { findResonance } from "./rotor.ts";
 import type { Views } from "./types.ts";
 import { listWarnings } from "./warnings.ts";
 
@@ -56,6 +57,7 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
     energy: describeEnergy(energies, rows),
     key: listKeyResults(ends, views, energies, alarms.filter((one) => one.kind !== "supervisor")),
     scene: drawScene(times, columns, values, views),
+    resonance: findResonance(values, views),
   };
 }
 

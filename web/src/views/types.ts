@@ -82,6 +82,8 @@ export interface Views {
   key: { strokes: Stroke[]; peaks: Peak[] };
   /** Powers hold for a period. */
   held: boolean;
+  /** Resonance of a beam with a motor [rad/s]; null for other mechanisms. */
+  motor: Table & { resonance: number | null };
   lines: Table & { numbers: Record<string, Record<string, number>>; ports: LinesAt[] };
   scene: Table & { shapes: ShapeRows[]; ports: Record<string, { temperature: string; martensite_fraction: string; force: string; stress: string }>; newton: number; sentence: string };
 }

@@ -228,6 +228,10 @@ class BeamMotor(AbstractMultibody):
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         return [0.0] * (self.count + 1) + [signals[0]]
 
+    def resonance(self, xp: Namespace) -> Scalar:
+        """Return √(k/M) of the first mode [rad/s]."""
+        return xp.sqrt(self.stiffness / self.mass)
+
     def _turning(self) -> Scalar:
         """Return J + m r² [kg m²]."""
         return self.rotor_inertia + self.unbalance * self.eccentricity * self.eccentricity

@@ -63,9 +63,7 @@ def describe_display(name: str, unit: str) -> JsonTable:
 
 def describe_difference(name: str, unit: str) -> JsonTable:
     """Return the display of an error or an offset, without a shift of zero."""
-    spelling = units.of_column(name, unit)
-    spelling = spelling if spelling == "%" else choose_difference_unit(unit)[0]
-    return {**describe_conversion(unit, spelling), "offset": 0.0}
+    return {**describe_conversion(unit, choose_difference_unit(unit, name)[0]), "offset": 0.0}
 
 
 def describe_conversion(unit: str, spelling: str) -> JsonTable:

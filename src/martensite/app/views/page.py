@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, Machine
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
 from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_column
@@ -30,6 +31,7 @@ from martensite.control.checks.base import LIMITED
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import ALARM
 from martensite.kernels import floats
+from martensite.kernels.recordable_numbers import xp
 from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.scenario.scenario import Scenario
@@ -68,14 +70,24 @@ def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable
 
 
 def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
-    """Return the formulas that the page evaluates for each run: lines of the laws, and the mechanism in space."""
-    return {"lines": describe_lines(scenario.whole, result), "scene": describe_shapes(scenario.whole, result)}
+    """Return the formulas that the page evaluates for each run: lines of the laws, shapes, and resonance of a motor."""
+    return {
+        "lines": describe_lines(scenario.whole, result),
+        "scene": describe_shapes(scenario.whole, result),
+        "motor": _describe_motor(scenario),
+    }
 
 
 def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | str]:
     """Return the parameters of formulas, by path."""
     asked = {row[1] for one in views.values() for row in one["rows"] if row[0] == "p"}
     return {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves() if leaf.path in asked}
+
+
+def _describe_motor(scenario: Scenario) -> JsonTable:
+    table = Formulas()
+    mechanism = rebuild_recorded(scenario.whole, table).mechanism
+    return table.collect(resonance=mechanism.resonance(xp) if isinstance(mechanism, BeamMotor) else None)
 
 
 def _describe_elements(scenario: Scenario, result: Result) -> JsonTable:
@@ -160,7 +172,7 @@ def _describe_key(result: Result) -> JsonTable:
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
             words = "stroke ({})" if name == result.coordinate else "range of {}"
-            shown, size = choose_difference_unit(output.unit)
+            shown, size = choose_difference_unit(output.unit, name)
             how = {"column": name, "size": size, "unit": "" if shown == "1" else shown}
             strokes.append({"words": words.format(output.long_name), **how})
     ports = list(result.system.actuators())

@@ -153,7 +153,7 @@ def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
             words = "stroke ({})" if name == result.coordinate else "range of {}"
-            size = write_difference(result.range(name), output.unit)
+            size = write_difference(result.range(name), output.unit, name=name)
             yield words.format(output.long_name), size
 
 
