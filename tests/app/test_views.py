@@ -218,3 +218,18 @@ def test_documents_are_compared_by_path() -> None:
 def test_what_is_no_document_is_refused(texts: list[Any], error: type[InputError]) -> None:
     with pytest.raises(error):
         asked(*texts)
+
+
+def test_a_motor_on_a_beam_has_its_resonance_and_its_speed_in_rpm() -> None:
+    """Source of truth: √(k/M) of the file, and the definition of a revolution per minute."""
+    text = (EXAMPLES / "sommerfeld_beam.toml").read_text("utf-8")
+    found = run_scenario({"text": text, "changes": {"run.duration": "0.5 s"}}, Desk(Path()))
+    rows, last = found["views"]["motor"]["rows"], found["views"]["motor"]["resonance"]
+    assert rows[last][0] == "sqrt"
+    assert {path: found["parameters"][path] for path in ("mechanism.stiffness", "mechanism.mass")} == {
+        "mechanism.stiffness": 541.0,
+        "mechanism.mass": pytest.approx(0.1961),
+    }
+    speed = found["outputs"]["rotor_speed"]
+    assert (speed["shown"], speed["factor"]) == ("rpm", pytest.approx(60.0 / (2.0 * np.pi)))
+    assert run_scenario({"text": SHORT_PULSE}, Desk(Path()))["views"]["motor"]["resonance"] is None
