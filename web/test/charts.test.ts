@@ -25,6 +25,29 @@ const line: Picture = {
   ],
 };
 
+/** Words of a drawn picture, with their places. */
+function wordsOf(picture: Picture): { text: string; x: number; y: number }[] {
+  const pen = new VectorPen();
+  drawPicture(pen, picture, 400, 250, COLOURS);
+  const svg = pen.document(400, 250, "");
+  return [...svg.matchAll(/<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]+)</g)].map(([, x, y, text]) => ({ text: text!, x: Number(x), y: Number(y) }));
+}
+
+test("names of lines that lie on each other stand side by side, and each line has a name in the chart", () => {
+  const side = (name: string, x: number[], y: number[]) => ({ name, x, y, dash: [] });
+  const strips = [
+    { colour: 0, sides: [side("M_s", [47, 97], [0, 200]), side("M_f", [46.9, 96.9], [0, 200])] },
+    { colour: 0, sides: [side("sigma_s", [7, 47], [51, 50]), side("sigma_f", [7, 47], [51.02, 50.02])] }, // it begins left of the chart
+  ];
+  const found = wordsOf({ x: { label: "temperature", low: 20, high: 100 }, y: { label: "stress", low: 0, high: 200 }, curves: [], strips });
+  const letters = found.filter(({ text }) => text === "M" || text === "σ");
+  assert.equal(letters.length, 4);
+  for (const [k, one] of letters.entries()) {
+    assert.ok(one.x > 40 && one.x < 392 && one.y > 0, `${one.text} is at ${one.x}, ${one.y}`);
+    for (const other of letters.slice(k + 1)) assert.ok(Math.abs(one.x - other.x) > 15 || Math.abs(one.y - other.y) > 11);
+  }
+});
+
 test("limits hold all values, and a constant is seen as one", () => {
   const { low, high } = around("", [[1, NaN, 3], [2]], 0.1, [0]);
   near(low, -0.3);

@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { SceneData, Shape } from "../src/lib/types.ts";
 import { drawnAt, findCuts, lengthOf } from "../src/scene/cuts.ts";
+import { chooseBar } from "../src/scene/camera.ts";
 
 const line = (kind: Shape["kind"], points: number[], more: Partial<Shape> = {}): Shape => ({
   name: kind, kind, size: 1e-3, count: points.length / 3, still: points, ...more,
@@ -27,4 +28,12 @@ test("a wire of 450 mm before a wheel of 8 mm loses most of its length, along it
 test("a wire at an angle and a coil are never broken", () => {
   assert.deepEqual(findCuts([scene(wall, line("wire", [0, 0, 4, 450, 0, 40], { port: "a" }), wheel)]), []);
   assert.deepEqual(findCuts([scene(wall, line("wire", [0, 0, 4, 450, 0, 4], { port: "a", coil: 6e-3 }), wheel)]), []);
+});
+
+test("a scale bar has a round length and fits into a corner", () => {
+  assert.deepEqual(chooseBar(1000), [0.1, 100]);
+  for (const scale of [37, 480, 999, 12345]) {
+    const [length, pixels] = chooseBar(scale);
+    assert.ok(pixels >= 48 && pixels <= 120 && Math.abs(length * scale - pixels) < 1e-9);
+  }
 });

@@ -3,8 +3,9 @@
 import type { Palette } from "../lib/theme.ts";
 import { viridis } from "./colours.ts";
 import type { Look } from "./palette.ts";
-import { boxOf, edges, type Box, type Curve, type Level, type Picture, type Spot, type State, type Strip } from "./picture.ts";
+import { boxOf, edges, type Box, type Curve, type Level, type Picture, type Spot, type State } from "./picture.ts";
 import { share, ticks, tickText } from "./scale.ts";
+import { drawSides } from "./strips.ts";
 
 export type Pen = Pick<
   CanvasRenderingContext2D,
@@ -14,7 +15,7 @@ export type Pen = Pick<
 >;
 
 /** What a part is drawn with: pixels of a value across and up. */
-interface Sheet {
+export interface Sheet {
   pen: Pen;
   box: Box;
   colours: Palette;
@@ -22,7 +23,7 @@ interface Sheet {
   y: (value: number) => number;
 }
 
-const FAMILY = "system-ui, sans-serif";
+export const FAMILY = "system-ui, sans-serif";
 const WORD = `10px ${FAMILY}`;
 
 /** Draw a picture of such a size; `bare`: another chart below has the numbers of x. */
@@ -152,7 +153,7 @@ function drawShades({ pen, box, colours, x, y }: Sheet, { shades = [], strips = 
   }
 }
 
-function setStroke({ pen, colours }: Sheet, look: Look): void {
+export function setStroke({ pen, colours }: Sheet, look: Look): void {
   pen.strokeStyle = colours.curves[look.colour] ?? colours.ink;
   pen.lineWidth = look.width;
   pen.setLineDash(look.dash);
@@ -253,48 +254,6 @@ function drawArrows({ pen, x, y }: Sheet, curve: Curve, first: number, last: num
     pen.lineTo(mx - 0.6 * ux + 0.55 * uy, my - 0.6 * uy - 0.55 * ux);
     pen.fill();
   }
-}
-
-/** The lines of a strip, each with its name. */
-function drawSides(sheet: Sheet, strip: Strip, taken: [number, number][]): void {
-  const { pen, x, y, colours } = sheet;
-  for (const side of strip.sides) {
-    setStroke(sheet, { colour: strip.colour, dash: side.dash, width: 1 });
-    pen.beginPath();
-    side.x.forEach((v, i) => pen.lineTo(x(v), y(side.y[i] ?? 0)));
-    pen.stroke();
-    pen.setLineDash([]);
-    pen.fillStyle = colours.curves[strip.colour] ?? colours.ink;
-    nameLine(sheet, side, taken);
-  }
-}
-
-/** The name of a line of a strip, where it leaves the chart or ends. */
-function nameLine({ pen, box, x, y }: Sheet, side: Strip["sides"][number], taken: [number, number][]): void {
-  const [level, right] = [box.top + 14, box.left + box.width - 28];
-  const flat = side.y.length > 1 && side.y[0] === side.y[1];
-  let [px, py] = [x(side.x[0] ?? 0), y(side.y[0] ?? 0) - 4];
-  if (flat) px = Math.max(px, box.left) + 4;
-  else {
-    for (let i = 1; i < side.x.length; i++) {
-      const [ax, ay, bx, by] = [x(side.x[i - 1] ?? 0), y(side.y[i - 1] ?? 0), x(side.x[i] ?? 0), y(side.y[i] ?? 0)];
-      const edge = bx > ax ? (right - ax) / (bx - ax) : 1;
-      const part = Math.min(1, (ay - level) / (ay - by || 1), edge);
-      [px, py] = [ax + part * (bx - ax) + 7, Math.max(level, ay + part * (by - ay) + (part < 1 ? 0 : 10))];
-      if (part < 1) break;
-    }
-  }
-  while (taken.some(([a, b]) => Math.abs(a - px) < 18 && Math.abs(b - py) < 12)) py += 13;
-  taken.push([px, py]);
-  const [head = "", index = ""] = side.name.split("_");
-  const letter = head === "sigma" ? "σ" : head;
-  pen.font = `italic 12px ${FAMILY}`;
-  pen.textAlign = "left";
-  pen.textBaseline = "alphabetic";
-  pen.fillText(letter, px, py);
-  const wide = pen.measureText(letter).width;
-  pen.font = `italic 9px ${FAMILY}`;
-  pen.fillText(index, px + wide, py + 3);
 }
 
 /** Where the cell of a spot is, given the limits of cells as shares. */

@@ -1,6 +1,7 @@
 // Where a camera stands so that all points fill its frame, whatever the frame's shape.
 
 import { Matrix4, Vector3, type PerspectiveCamera } from "three";
+import { round } from "./motion.ts";
 
 /** A place and how far around it something is drawn [m]. */
 export type Spot = [at: Vector3, around: number];
@@ -41,4 +42,13 @@ export function placeCamera(camera: PerspectiveCamera, spots: Spot[], from: Vect
   camera.lookAt(target);
   camera.updateProjectionMatrix();
   return target;
+}
+
+/** Longest scale bar [px]. */
+const BAR = 120;
+
+/** Length [m] of a scale bar at a scale [px/m], and how long it is drawn [px]: 1, 2 or 5 of a power of ten. */
+export function chooseBar(scale: number): [length: number, pixels: number] {
+  const length = round(BAR / scale);
+  return [length, length * scale];
 }

@@ -20,7 +20,9 @@ export interface Written {
 const HIGH = 18;
 /** Height of a line, and width of a letter, about [px]. */
 const LINE = 17;
-const LETTER = 6.6;
+const LETTER = 7.2;
+/** Distance of words beside a part that stands [px]: marks of breaks are as wide. */
+const ASIDE = 12;
 const ABOVE: Record<Word["kind"], number> = { name: -16, mass: 0, cut: -22, force: 0, hover: -20 };
 
 /** Where words stand in a picture of a size [px]; what would lie on another is left out, the last ones first. */
@@ -31,7 +33,7 @@ export function arrangeLabels(words: Word[], camera: Camera, width: number, heig
     spot.copy(place).project(camera);
     if (spot.z > 1 || Math.abs(spot.x) > 1.02 || Math.abs(spot.y) > 1.02) continue;
     const wide = Math.max(...text.split("\n").map((line) => line.length)) * LETTER + 10;
-    const x = Math.min(Math.max((0.5 + 0.5 * spot.x) * width + (aside ? 0.5 * wide + 8 : 0), 0.5 * wide), width - 0.5 * wide);
+    const x = Math.min(Math.max((0.5 + 0.5 * spot.x) * width + (aside ? 0.5 * wide + ASIDE : 0), 0.5 * wide), width - 0.5 * wide);
     const lines = text.split("\n").length;
     const at = (0.5 - 0.5 * spot.y) * height;
     // what is pointed at has its words above it, or below where there is no room

@@ -65,19 +65,19 @@ function Shown({ now }: { now: Run }) {
           <Flat now={now} motion={motion} read={read} />
         </>
       ) : (
-        <Space now={now} motion={motion} read={read} stage={stage} whole={whole.value} lost={() => (flat.value = isFlat = true)} />
-      )}
-      <div class="row scene-below">
-        {!flat.value && (
-          <div class="row scene-views" role="group" aria-label="View">
+        <div class="scene-frame">
+          <Space now={now} motion={motion} read={read} stage={stage} whole={whole.value} lost={() => (flat.value = isFlat = true)} />
+          <div class="scene-corner" role="group" aria-label="View">
             {VIEWS.map(([name, title]) => (
               <button key={name} type="button" onClick={() => view(name)}>
                 {title}
               </button>
             ))}
-            <Toggles stage={stage} broken={broken} whole={whole.value} choose={(one) => (whole.value = one)} />
           </div>
-        )}
+        </div>
+      )}
+      <div class="row scene-below">
+        {!flat.value && <Toggles stage={stage} broken={broken} whole={whole.value} choose={(one) => (whole.value = one)} />}
         {!flat.value && <Saving run={now} ghost={ghostOf(now)} whole={whole.value} read={read} stage={stage} />}
         {motion.data.shapes.some((shape) => shape.port) && <Colours now={now} quantity={quantity.value} choose={(one) => (quantity.value = one)} />}
         <AtCursor now={now} motion={motion} />

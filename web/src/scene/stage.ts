@@ -7,7 +7,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { SceneData, Shape } from "../lib/types.ts";
 import { Arrows } from "./arrows.ts";
-import { placeCamera, type Spot } from "./camera.ts";
+import { chooseBar, placeCamera, type Spot } from "./camera.ts";
 import { Cast } from "./cast.ts";
 import { findCuts, type Cut } from "./cuts.ts";
 import { Ground } from "./ground.ts";
@@ -75,8 +75,6 @@ function openCanvas(): [HTMLCanvasElement, WebGL2RenderingContext, boolean] {
 export class Stage {
   /** Pictures that were rendered. */
   rendered = 0;
-  /** Length of a square of the grid [m]. */
-  step = 0;
   /** Names of everything, and forces as arrows. */
   named = false;
   forces = false;
@@ -320,9 +318,15 @@ export class Stage {
     this.spots = casts.flatMap(spotsOf);
     const [low, high] = boundsOf(this.spots);
     const extent = Math.hypot(...high.map((x, k) => x - (low[k] ?? 0)));
-    this.step = round(0.14 * extent);
-    this.ground.put(low, high, (low[2] ?? 0) - 0.03 * extent, this.step);
-    this.host.dataset.grid = `${Number((1000 * this.step).toPrecision(3))} mm`;
+    this.ground.put(low, high, (low[2] ?? 0) - 0.03 * extent, round(0.14 * extent));
+  }
+
+  /** A bar of a round length, as long as that length is in the middle of the picture. */
+  private measureBar(): void {
+    const away = this.camera.position.distanceTo(this.controls.target);
+    const [length, pixels] = chooseBar(this.host.clientHeight / (2 * Math.tan((Math.PI / 360) * FIELD) * away));
+    this.host.dataset.bar = `${Number((1000 * length).toPrecision(3))} mm`;
+    this.host.style.setProperty("--bar", `${pixels.toFixed(1)}px`);
   }
 
   private light(): void {
@@ -384,6 +388,7 @@ export class Stage {
 
   private draw(shadow = true): void {
     this.labels.write(this.render(shadow).words);
+    this.measureBar();
     this.rendered += 1;
     Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
   }

@@ -1,6 +1,7 @@
-// What is shown in the picture besides the mechanism: names, forces, and long parts whole or broken.
+// The menu of what the picture shows besides the mechanism: names, forces, and long parts in full length.
 
 import { useSignal } from "@preact/signals";
+import { Menu } from "../plots/menu.tsx";
 import type { Stage } from "./stage.ts";
 
 interface Props {
@@ -18,18 +19,20 @@ export function Toggles({ stage, broken, whole, choose }: Props) {
     stage.current?.look({ [key]: of.value });
   };
   return (
-    <>
-      <button type="button" aria-pressed={named.value} title="Names and values of all parts" onClick={switched(named, "named")}>
-        Names
-      </button>
-      <button type="button" aria-pressed={forces.value} title="Forces as arrows with proportional length" onClick={switched(forces, "forces")}>
-        Forces
-      </button>
-      {broken && (
-        <button type="button" aria-pressed={whole} title="Long straight parts in full length, or shortened" onClick={() => choose(!whole)}>
-          Whole length
+    <Menu name="Show">
+      <div class="stack scene-shows">
+        <button type="button" aria-pressed={named.value} title="Names and values of all parts" onClick={switched(named, "named")}>
+          Names
         </button>
-      )}
-    </>
+        <button type="button" aria-pressed={forces.value} title="Forces as arrows with proportional length" onClick={switched(forces, "forces")}>
+          Forces
+        </button>
+        {broken && (
+          <button type="button" aria-pressed={whole} title="Long straight parts in full length, or shortened" onClick={() => choose(!whole)}>
+            Whole length
+          </button>
+        )}
+      </div>
+    </Menu>
   );
 }

@@ -37,22 +37,22 @@ function Lift() {
   );
 }
 
+/** The mechanism of the scenario behind the door: one joint, the wire below it, a return spring on a drum above it. */
 function Finger() {
   return (
     <Frame>
-      <Ground from={26} to={66} y={92} up={false} />
-      <path class="p-bone" d="M46 84L46 60" />
-      <path class="p-bone" d="M46 52L96 34" />
-      <path class="p-bone" d="M104 34L146 50" />
-      <path class="p-bone" d="M150 57L158 88" />
-      <path class="p-guide" d="M104 26L158 24L206 30" />
-      <path class="p-hot" d="M38 88L52 56L100 41L144 56L152 86" />
+      <path class="p-weight" d="M20 22H30V72H20z" />
+      <path class="p-bone" d="M38 44H128" />
+      <path class="p-bone" d="M128 44L163 94" />
+      <path class="p-guide" d="M142 36H196M142 52H196" />
+      <path class="p-soft" d="M62 38V30H67l3 -4 5 8 5 -8 5 8 5 -8 5 8 3 -4H128" />
+      <path class="p-soft" d="M116 50V60M135 54L126 60" />
+      <path class="p-hot" d="M52 58H116L126 60L148 91" />
       <g class="p-joint">
-        <circle cx="46" cy="56" r="6" />
-        <circle cx="100" cy="33" r="6" />
-        <circle cx="148" cy="53" r="6" />
+        <circle cx="128" cy="44" r="13" />
+        <circle cx="128" cy="44" r="4" />
       </g>
-      <path class="p-arrow" d="M206 38Q204 74 174 90M182 80l-9 11 14 1" />
+      <path class="p-arrow" d="M202 48Q202 78 182 92M192 88l-10 5 3 -11" />
     </Frame>
   );
 }
