@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import base64
-import io
 import re
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
-from martensite.show.figures.style import use_style
+from martensite.show.figures.style import format_svg
 
 _STYLES = Path(__file__).parent / "page.css"
 _CODE = re.compile(r"`([^`]+)`")
@@ -103,8 +102,4 @@ def _render_picture(picture: Picture) -> str:
 
 
 def _draw_svg(picture: Picture) -> str:
-    buffer = io.BytesIO()
-    figure = picture.draw()
-    with use_style():
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return base64.b64encode(buffer.getvalue()).decode("ascii")
+    return base64.b64encode(format_svg(picture.draw()).encode()).decode("ascii")

@@ -7,6 +7,7 @@ figures. The style holds inside `use_style()` only and does not change the calle
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -62,6 +63,8 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "martensite",
 }
 FORMATS = ("png", "svg", "pdf")
+_PATH = re.compile(r'(?<=<path d=")[^"]+')
+_DIGITS = re.compile(r"(\.\d\d)\d+")
 
 
 @contextmanager
@@ -95,7 +98,17 @@ def check_format(path: Path) -> str:
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure as png, svg or pdf."""
     kind = check_format(path)
+    if kind == "svg":
+        return write_file(path, format_svg(figure))
     drawn = io.BytesIO()  # a failed PDF raises its own errors
     with use_style():
         figure.savefig(drawn, format=kind)
-    write_file(path, drawn.getbuffer())
+    return write_file(path, drawn.getbuffer())
+
+
+def format_svg(figure: Figure) -> str:
+    """Return a figure as SVG: equal figures give equal text, and paths are exact to 0.01 point."""
+    drawn = io.StringIO()
+    with use_style():
+        figure.savefig(drawn, format="svg", metadata={"Date": None})
+    return _PATH.sub(lambda path: " ".join(_DIGITS.sub(r"\1", path[0]).split()), drawn.getvalue())
