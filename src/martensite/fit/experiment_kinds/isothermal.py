@@ -36,6 +36,8 @@ from martensite.signals.records import Record
 CELSIUS = re.compile(r"(-?\d+(?:[.,]\d+)?)[ _]?(?:deg ?|°)?C\b")
 TEMPERATURE_WORDS = ("temp", "chamber", "ofen", "kammer")
 """Words, or parts of words, for the temperature of a test in the lines above a table."""
+NARROW = 4.0
+"""Half the assumed width of a transformation [K]."""
 ELASTIC = 0.05, 0.4
 """Stress range of elastic first loading, relative to the plateau stress."""
 
@@ -97,7 +99,7 @@ def _read_test(record: Record, load: str, shape: str, known: Assumptions) -> Rec
         length = known.take("element.length", "m", 0.1, "strain and moduli are counted from it")
         rows = with_column(rows, "strain", "1", np.asarray(rows[shape]) / length)
     if load == "force":
-        section = math.pi / 4.0 * known.find_diameter(True) ** 2
+        section = math.pi / 4.0 * known.find_diameter() ** 2
         rows = with_column(rows, "stress", "Pa", np.asarray(rows["force"]) / section)
     return with_column(rows, "temperature", "K", _find_temperature(rows, known))
 
@@ -126,12 +128,12 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
     eps = max(0.6 * float(np.ptp(strain)), 0.005)
     moduli = (f"E_A={soft / 6e9:.4g}..{min(6.0 * soft / 1e9, 299.0):.4g} GPa", "E_M=2..200 GPa")
     shared = write_values("Pa", E_A=soft, E_M=max(0.5 * soft, 3e9)) | {"C_A": "7.5 MPa/K", "C_M": "7.5 MPa/K"}
-    shift, warm = high / SLOPE, len({round(one["temperature"][0]) for one in rows}) > 1
-    places = {"A_f": kelvin - 5.0, "A_s": kelvin - 15.0, "M_s": kelvin - shift, "M_f": kelvin - shift - 10.0}
+    warm = len({round(one["temperature"][0]) for one in rows}) > 1
+    places = _guess_temperatures(rows, kelvin)
     order = (f"A_f={kelvin - 363.15:.4g}..{kelvin - 253.15:.4g} degC", "A_s-A_f=-100..-0.3 K")
     order += ("M_s-A_f=-150..-0.5 K", "M_f-M_s=-100..-0.3 K")
     slopes = SLOPES if warm else ()
-    ends = {"M_s-A_f": places["M_s"] - places["A_f"], "A_s-A_f": -3.0, "M_f-M_s": -3.0}
+    ends = {"A_f": kelvin - 5.0, "M_s-A_f": 5.0 - high / SLOPE, "A_s-A_f": -10.0, "M_f-M_s": -10.0}
 
     def build_proposal(
         law: Document, free: Sequence[str], others: tuple[Mapping[str, float], ...] = (ends,)
@@ -152,6 +154,27 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
     surface = {"kind": "lagoudas", "sigma_cal": write_value(high, "Pa"), "H_min": 0.0, "H_sat": eps, "H_k": "0.1 1/MPa"}
     surface |= dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.5)
     yield build_proposal(cold | surface, (*order, *moduli, "H_sat=0.002..0.19", *slopes, *ROUNDNESS))
+
+
+def _guess_temperatures(rows: Sequence[Record], kelvin: float) -> dict[str, float]:
+    """Return temperatures from the stresses half-way along the plateaus [K], at about `kelvin`."""
+    halves = [x for x in map(_find_halves, rows) if np.isfinite(x).all()]
+    loading, unloading = np.mean(halves, axis=0) if halves else (0.0, 0.0)
+    martensite = kelvin - float(loading) / SLOPE
+    austenite = max(kelvin - float(unloading) / SLOPE, martensite + 2.0 * NARROW)
+    places = {"A_f": austenite + NARROW, "A_s": austenite - NARROW}
+    return places | {"M_s": martensite + NARROW, "M_f": martensite - NARROW}
+
+
+def _find_halves(one: Record) -> tuple[float, float]:
+    """Return the stresses half-way along loading and unloading [Pa]; NaN without such rows."""
+    strain, stress = np.asarray(one["strain"]), np.asarray(one["stress"])
+    middle = np.abs((strain - strain.min()) / max(float(np.ptp(strain)), 1e-12) - 0.5) < 0.1
+    found: dict[bool, list[float]] = {True: [], False: []}
+    for first, last in trace_loop(strain).legs:
+        part = stress[first : last + 1][middle[first : last + 1]]
+        found[bool(strain[last] > strain[first])] += part.tolist()
+    return tuple(float(np.median(found[way])) if found[way] else math.nan for way in (True, False))  # type: ignore[return-value]
 
 
 def _find_first_slope(rows: Sequence[Record], high: float) -> float:
