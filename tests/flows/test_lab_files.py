@@ -25,7 +25,7 @@ from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.logs.datasets import describe_dataset
 from martensite.logs.lab_files import LabFile, read_lab_file
 from martensite.logs.merged_files import merge_by_clock
-from martensite.logs.reader import read_log, read_parts, read_table
+from martensite.logs.reader import read_log, read_one, read_parts, read_table
 
 FILES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "lab_files.toml").read_text("utf-8"))
 
@@ -272,6 +272,11 @@ def test_all_tables_of_a_file_are_read(tmp_path: Path) -> None:
         ("side_by_side 30 C", pytest.approx(1e8)),
         ("side_by_side 50 C", pytest.approx(20e6)),
     ]
+    assert read_one(f"{tmp_path}/side_by_side.csv:50 C").record["stress"][0] == pytest.approx(20e6)
+    with pytest.raises(DataError, match=r"2 tables side by side, `30 C`, `50 C`: write for example `side_by_side.csv:"):
+        read_one(tmp_path / "side_by_side.csv")
+    with pytest.raises(DataError, match=r"has no table `60 C`. Did you mean `50 C`|has no table `60 C`"):
+        read_one(f"{tmp_path}/side_by_side.csv:60 C")
 
 
 def test_arrays_of_hdf5_and_of_unlabelled_signals_are_read(tmp_path: Path) -> None:

@@ -169,7 +169,7 @@ def test_noise_alone_is_no_transformation() -> None:
 def test_missing_columns_and_wrong_arguments() -> None:
     names = ("time", "temperature", "strain")
     bare = Record("bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names})
-    assert "has no column `stress`; give the constant stress" in said(bare)
+    assert "has no column `stress`: give the constant stress" in said(bare)
     assert find_tangent_points(bare, stress=STRESS).stress == STRESS
     names = ("time", "temperature")
     bare = Record("bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names})

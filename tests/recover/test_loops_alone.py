@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from martensite.characterise.specimen import add_strain_and_stress
 from martensite.characterise.tangent_points import find_all_cycles, find_tangent_points
 from martensite.fit.experiment import Experiment
+from martensite.fit.experiment_kinds.base import propose_scenarios, recognise_experiment
 from martensite.fit.log_models import LogModel, model_logs
 from martensite.fit.logs import choose_held_out
 from martensite.fit.path_places import measure_places
@@ -47,17 +49,18 @@ def isobaric(cycles: int, jitter: float = 0.0, width: float = 1.0) -> Record:
     return Record(f"loop_{cycles}", {name: x.tolist() for name, x in columns.items()}, units, interval=1.0)
 
 
-def superelastic(repeat: int = 1) -> Record:
-    """Loops at 30 degC: E_A 60 GPa, E_M 30 GPa, eps_L 4 %, plateaus 300 to 340 and 180 to 140 MPa."""
-    stress = 400.0 * np.concatenate([np.arange(121), np.arange(119, -1, -1)]) / 120.0
-    up = np.clip((stress[:121] - 300.0) / 40.0, 0.0, 1.0)
-    xi = np.concatenate([up, np.clip((stress[121:] - 140.0) / 40.0, 0.0, 1.0)])
+def superelastic(repeat: int = 1, celsius: int = 30) -> Record:
+    """Loops: E_A 60 GPa, E_M 30 GPa, eps_L 4 %, plateaus 300 to 340 and 180 to 140 MPa at 30 degC, 7 MPa/K."""
+    rise = 7.0 * (celsius - 30)
+    stress = (400.0 + rise) * np.concatenate([np.arange(121), np.arange(119, -1, -1)]) / 120.0
+    up = np.clip((stress[:121] - 300.0 - rise) / 40.0, 0.0, 1.0)
+    xi = np.concatenate([up, np.clip((stress[121:] - 140.0 - rise) / 40.0, 0.0, 1.0)])
     strain = np.tile(stress / (60e3 - 30e3 * xi) + 0.04 * xi, repeat)
     noise = 0.5 * np.random.default_rng(3).standard_normal(len(strain))
     columns = {"strain": strain, "stress": 1e6 * (np.tile(stress, repeat) + noise)}
     whole = {"time": np.arange(float(len(strain))), **columns}
     units = {"time": "s", "strain": "1", "stress": "Pa"}
-    return Record(f"se_{repeat}_30C", {name: x.tolist() for name, x in whole.items()}, units, interval=1.0)
+    return Record(f"se_{repeat}_{celsius}C", {name: x.tolist() for name, x in whole.items()}, units, interval=1.0)
 
 
 def check_temperatures(model: LogModel) -> None:
@@ -107,6 +110,47 @@ def test_tangents_of_every_cycle_bear_jitter() -> None:
         apart = [getattr(one, name) - getattr(clean, name) for one in found]
         assert abs(float(np.mean(apart))) < 1.5, name
         assert float(np.std(apart)) < 2.5, name
+
+
+@pytest.mark.parametrize("repeat", [1, 30])
+def test_repeated_tensile_loops_give_the_parameters_of_one(repeat: int) -> None:
+    found = model_logs([superelastic(repeat, celsius) for celsius in (30, 50, 70)])
+    assert found.predicts and found.chosen.proposal.name == "liang-rogers"
+    truth = {"E_A": 60e9, "E_M": 30e9, "eps_L": 0.04, "C_A": 7e6, "C_M": 7e6}
+    assert {name: found.fit.numbers[name] for name in truth} == pytest.approx(truth, rel=0.01)
+
+
+def with_force(record: Record, name: str) -> Record:
+    """The load of the loops on a wire of 0.381 mm, and the travel of a gauge length of 50 mm."""
+    force = np.asarray(record["stress"]) * np.pi / 4.0 * 0.381e-3**2
+    travel = 0.05 * np.asarray(record["strain"])
+    columns = {"time": record.times, "temperature": record["temperature"], "force": force.tolist()}
+    units = {"time": "s", "temperature": "K", "force": "N", "position": "m"}
+    return Record(name, columns | {"position": travel.tolist()}, units, interval=1.0)
+
+
+@pytest.mark.parametrize("words", ["NiTi-3 d=0.381 mm L=50 mm", "Draht, Durchmesser 0,381 mm, Messlänge 50 mm"])
+def test_sizes_in_the_lines_above_a_table_are_used(words: str) -> None:
+    record = with_force(isobaric(1), "loop")
+    found = recognise_experiment([record])
+    (first, *_), known = propose_scenarios(found, [record], {}, {"loop": {"specimen": words}})
+    assert first.rows[0]["stress"][0] == pytest.approx(200e6)
+    assert first.rows[0]["strain"] == pytest.approx(isobaric(1)["strain"])
+    assert not set(known.assumed) & {"element.diameter", "element.length"}
+    _, bare = propose_scenarios(found, [record], {})
+    assert {"element.diameter", "element.length"} <= set(bare.assumed)
+
+
+def test_stress_in_a_name_replaces_an_assumed_section() -> None:
+    record = with_force(isobaric(1), "loop_200MPa")
+    (first, *_), known = propose_scenarios(recognise_experiment([record]), [record], {})
+    assert first.rows[0]["stress"][0] == 200e6 and "element.diameter" not in known.assumed
+
+
+def test_tangents_take_travel_and_force() -> None:
+    whole = find_tangent_points(isobaric(1))
+    raw = find_tangent_points(add_strain_and_stress(with_force(isobaric(1), "loop"), 0.05, 0.381e-3))
+    assert [raw.stress, raw.A_s, raw.M_s, raw.H] == pytest.approx([whole.stress, whole.A_s, whole.M_s, whole.H])
 
 
 def test_given_length_of_a_tensile_test_changes_no_strain() -> None:

@@ -10,6 +10,7 @@ Rows are in the order of time. Strain is positive in elongation and thus falls o
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -36,6 +37,9 @@ STEADY = 0.2
 """Standard deviation of a stress, as a fraction of its mean, above which a remark is made."""
 WANDERING = 10e6
 """Absolute variation of the stress above which a remark is made, if `STEADY` is also exceeded [Pa]."""
+
+NAMED_STRESS = re.compile(r"(\d+(?:\.\d+)?)[ _]?MPa", re.IGNORECASE)
+"""Stress in the name of a record."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +122,12 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
     )
 
 
+def find_named_stress(record: Record) -> float | None:
+    """Return the stress in the name of a record, as in `wire_100MPa` [Pa]; None without one."""
+    named = NAMED_STRESS.search(record.name)
+    return 1e6 * float(named[1]) if named else None
+
+
 def find_turning_points(temperatures: Sequence[float]) -> list[int]:
     """Return the rows at which the temperature [K] turns, including both ends of all full legs."""
     span = max(temperatures) - min(temperatures)
@@ -151,7 +161,13 @@ def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[
             raise ParameterError(f"Argument `stress` must be finite, but is {given} Pa.")
         return given, 0.0
     if "stress" not in record.columns:
-        raise DataError(f"Record `{record.name}` has no column `stress`; give the constant stress of the cycle.")
+        named = find_named_stress(record)
+        if named is not None:
+            return named, 0.0
+        raise DataError(
+            f"Record `{record.name}` has no column `stress`: give the constant stress of the cycle (`--stress`), or "
+            "write it in the name of the file (`wire_100MPa.csv`)."
+        )
     values = [record["stress"][row] for row in rows]
     _check_finite(record.name, "stress", values)
     mean = math.fsum(values) / len(values)

@@ -148,7 +148,7 @@ def split_side_by_side(file: LabFile) -> list[LabFile]:
         name = f"{file.record.name} {label}"
         record = replace(file.record, name=name, columns=columns, units={"time": "s"} | si_units)
         own = tuple(replace(one, name=name) for name, one in zip(names, part, strict=False))
-        files.append(replace(file, record=record, columns=own))
+        files.append(replace(file, record=record, columns=own, labels=(label,)))
     return files
 
 
@@ -341,6 +341,14 @@ def _explain_unknown(raw: RawTable, meant: list[Meaning]) -> str:
         f"{k + 1} ({np.nanmin(raw.columns[k].numbers):.4g} to {np.nanmax(raw.columns[k].numbers):.4g})"
         for k in numbered[:6]
     ]
+    blocks = {k: count for k in numbered if (count := count_blocks(raw.columns[k].numbers)) > 2}
+    for place, count in blocks.items():
+        rest = " ".join(f"--as {k + 1}=position[mm]" for k in numbered if k != place)
+        return (
+            f"`{raw.name}`: column {place + 1} begins again every {raw.rows // count} rows, as a time in blocks does; "
+            "give the time between rows (`--interval`), and say what the other columns are, for example "
+            f"`{rest}`."
+        )
     free = next((k for k in numbered if meant[k].name != "time"), numbered[0])
     return (
         f"`{raw.name}`: what its columns are cannot be told from headings or values: column {', '.join(ranges)}. "

@@ -87,9 +87,56 @@ def read_log(
 def read_parts(
     source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None, *, known: bool = False
 ) -> list[LabFile]:
-    """Return all tables of a file: each sheet, and equal tables side by side; arguments and errors as `read_log`."""
-    files = [read_log(part, named, interval, known=known) for part in list_sheets(source)]
-    return [part for file in files for part in split_side_by_side(file)]
+    """Return all tables of a file: each sheet, and equal tables side by side; arguments and errors as `read_log`.
+
+    `FILE:LABEL` is the table with this label above its headings.
+    """
+    whole, label = part_label(source)
+    files = [read_log(part, named, interval, known=known) for part in list_sheets(whole)]
+    return choose_tables(files, whole, label)
+
+
+def choose_tables(files: Sequence[LabFile], whole: str | Path, label: str) -> list[LabFile]:
+    """Return the tables side by side in the sheets of a file: all, or the table with a label.
+
+    Raises:
+        DataError: there is no such label.
+    """
+    parts = [part for file in files for part in split_side_by_side(file)]
+    if not label:
+        return parts
+    chosen = [part for part in parts if len(parts) > 1 and part.labels == (label,)]
+    if not chosen:
+        listed = [part.labels[0] for part in parts if part.labels] if len(parts) > 1 else []
+        raise DataError(f"`{whole}` has no table `{label}`. {suggest_name(label, listed)}")
+    return chosen
+
+
+def read_one(source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None) -> LabFile:
+    """Return the only table of a file, or the table named after it (`FILE:LABEL`); arguments as `read_log`.
+
+    Raises:
+        DataError: the file cannot be read, or it has several labelled tables side by side.
+    """
+    if part_label(source)[1]:
+        return read_parts(source, named, interval)[0]
+    file = read_log(source, named, interval)
+    parts = split_side_by_side(file) if file.labels else [file]
+    if len(parts) > 1:
+        labels = [part.labels[0] for part in parts]
+        raise DataError(
+            f"`{file.path.name}` has {len(parts)} tables side by side, {_list(labels)}: write for example "
+            f"`{file.path.name}:{labels[0]}`."
+        )
+    return file
+
+
+def part_label(source: str | Path) -> tuple[str | Path, str]:
+    """Return a file, and the label of one of its tables; may be empty."""
+    whole, colon, label = str(source).rpartition(":")
+    if colon and not is_published(source) and find_ending(source) not in KINDS and Path(whole).is_file():
+        return whole, label.strip()
+    return source, ""
 
 
 def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
@@ -121,12 +168,12 @@ def _read_whole(source: str | Path) -> LabFile | None:
 
 
 def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:
-    """Return the record of `read_log`; guesses and omissions are printed once on standard error.
+    """Return the record of `read_one`; guesses and omissions are printed once on standard error.
 
     Raises:
         DataError: the log cannot be read.
     """
-    return tell_guesses(read_log(source, named, interval)).record
+    return tell_guesses(read_one(source, named, interval)).record
 
 
 def read_complete(source: str | Path, interval: float | None = None) -> Record:

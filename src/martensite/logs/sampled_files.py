@@ -14,7 +14,7 @@ import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
-from martensite.logs.reader import is_columnar, read_exact, read_log, tell_guesses
+from martensite.logs.reader import is_columnar, read_exact, read_one, tell_guesses
 from martensite.signals.records import Record
 from martensite.signals.sampling.regular_grid import from_record, split_at_gaps
 from martensite.signals.sampling.sampled import Sampled
@@ -73,7 +73,7 @@ def read_columns(
     if is_columnar(path) and not named:
         file = read_exact(path, gaps=True, names=names, units=units, interval=interval)
     else:
-        file = tell_guesses(read_log(path, named))
+        file = tell_guesses(read_one(path, named))
     if file.record.interval is None or file.has_time:
         return file.record
     if interval is None:

@@ -115,11 +115,14 @@ def show_data(
 def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:
     """Return all tables of files, without unreadable rows."""
     from martensite.logs.container_files import list_sheets
-    from martensite.logs.lab_files import read_lab_file, split_side_by_side
-    from martensite.logs.reader import parse_named
+    from martensite.logs.lab_files import read_lab_file
+    from martensite.logs.reader import choose_tables, parse_named, part_label
 
-    sheets = [read_lab_file(sheet, parse_named(named)) for name in names for sheet in list_sheets(name)]
-    return [part for sheet in sheets for part in split_side_by_side(sheet)]
+    found: list[LabFile] = []
+    for whole, label in map(part_label, names):
+        sheets = [read_lab_file(sheet, parse_named(named)) for sheet in list_sheets(whole)]
+        found += choose_tables(sheets, whole, label)
+    return found
 
 
 def _show_set(name: str, json: bool) -> None:

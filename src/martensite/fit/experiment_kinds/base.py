@@ -29,6 +29,19 @@ if TYPE_CHECKING:
 EXPERIMENT_KINDS: Registry[AbstractExperimentKind] = Registry("experiment", "martensite.fit.experiment_kinds")
 
 
+DIAMETER, LENGTH = "element.diameter", "element.length"
+_SIZE = r"\s*[=:]?\s*(\d+(?:[.,]\d+)?)\s*(mm|um|µm|cm|m)\b"
+SIZES = {
+    DIAMETER: (re.compile(rf"(?:\bd|(?i:\bdiameter|\bdurchmesser)|[øØ]){_SIZE}"), ("d", "diameter", "durchmesser")),
+    LENGTH: (
+        re.compile(rf"(?:\b[Ll]_?0?|(?i:\bgauge length|\bgage length|\bmessl[äa]nge)){_SIZE}"),
+        ("l", "l0", "gauge length"),
+    ),
+}
+"""Size of the element -> its pattern in the lines above a table, and the entries that may hold it alone."""
+LENGTH_UNITS = {"mm": 1e-3, "um": 1e-6, "µm": 1e-6, "cm": 1e-2, "m": 1.0}
+
+
 @dataclass(frozen=True)
 class Proposal:
     """Scenario that may explain the logs."""
@@ -71,6 +84,9 @@ class Assumptions:
         """Return the given value [SI] of a path; otherwise use the assumed value, and note its effect."""
         if path in self.settings:
             return self.settle(path, unit, value)
+        given = self.find_given(path) if path in SIZES else None
+        if given is not None:
+            return given
         self.assumed[path] = value
         self.sentences.append(f"`{path}` is assumed to be {write_value(value, unit)}: {effect}.")
         return value
@@ -93,11 +109,27 @@ class Assumptions:
                 return float(found[1].replace(",", "."))
         return None
 
-    def find_diameter(self, matters: bool) -> float:
+    def find_diameter(self) -> float:
         """Return the given diameter of the element [m], or 1 mm."""
-        if not matters and "element.diameter" not in self.settings:
-            return 1e-3
-        return self.take("element.diameter", "m", 1e-3, "stresses and moduli are counted from this section")
+        return self.take(DIAMETER, "m", 1e-3, "stresses and moduli are counted from this section")
+
+    def find_given(self, path: str) -> float | None:
+        """Return a size of the element [m] from the settings, or from the lines above all tables that have one."""
+        if path in self.settings:
+            return units.parse_quantity(str(self.settings[path]), "m")
+        pattern, keys = SIZES[path]
+        found: dict[float, str] = {}
+        for name, entries in self.said.items():
+            for key, text in entries.items():
+                match = pattern.search(f"{key}={text}" if key.strip() in keys else text)
+                if match is not None:
+                    found[float(match[1].replace(",", ".")) * LENGTH_UNITS[match[2].lower()]] = f"`{key}` of `{name}`"
+        if len(found) != 1:
+            return None
+        ((value, where),) = found.items()
+        sentence = f"`{path}` is {write_value(value, 'm')} by the entry {where}."
+        self.sentences += [] if sentence in self.sentences else [sentence]
+        return value
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -11,10 +10,13 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import DataError, InputError, MartensiteError
+from martensite.characterise.isobaric_cycles import find_named_stress
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
 from martensite.fit.experiment_kinds.base import (
+    DIAMETER,
     EXPERIMENT_KINDS,
+    LENGTH,
     AbstractExperimentKind,
     Assumptions,
     FitEvidence,
@@ -67,9 +69,9 @@ class Isobaric(AbstractExperimentKind):
 
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
         """Yield laws for loops of temperature under constant loads; the machine prescribes the stress."""
-        width = known.find_diameter(any("stress" not in r.columns and "force" in r.columns for r in records))
+        rows = [_read_loop(record, found.measured[0], known) for record in records]
+        width = known.settle(DIAMETER, "m", 1e-3)
         section = math.pi / 4.0 * width**2
-        rows = [_read_loop(record, found.measured[0], section, known) for record in records]
         loads = sorted(one["stress"][0] for one in rows)
         levels = 1 + int(np.sum(np.diff(loads) > 0.05 * loads[-1]))
         zeroed = len(rows) > 1 and all(min(r["strain"]) < ZEROED * float(np.ptp(r["strain"])) for r in rows)
@@ -108,32 +110,34 @@ class Isobaric(AbstractExperimentKind):
         return [make_record({"temperature": 300.0 + 100.0 * loop, "strain": strain, "stress": 1e8 + 0.0 * loop})]
 
 
-def _read_loop(record: Record, column: str, section: float, known: Assumptions) -> Record:
+def _read_loop(record: Record, column: str, known: Assumptions) -> Record:
     """Return the fitted rows of a loop, its strain, and its mean stress [Pa]."""
     column = find_column(record, column, DEFORMATIONS)
     thin = read_loop(record, "temperature", column, known)
     if column != "strain":
         effect = "strain and everything in it is counted from this length"
-        strain = np.asarray(thin[column], float) / known.take("element.length", "m", 0.1, effect)
+        strain = np.asarray(thin[column], float) / known.take(LENGTH, "m", 0.1, effect)
         if np.corrcoef(strain, thin["temperature"])[0, 1] > 0.0:
             strain = -strain
             known.sentences.append(f"`{column}` grows on heating, and is taken as shortening.")
         thin = with_column(thin, "strain", "1", strain)
-    return with_column(thin, "stress", "Pa", _find_load(record, section))
+    return with_column(thin, "stress", "Pa", _find_load(record, known))
 
 
-def _find_load(record: Record, section: float) -> float:
-    """Return the mean stress of a loop [Pa] from its column, its force, or its name."""
-    for name, area in (("stress", 1.0), ("force", section)):
-        if name in record.columns:
-            return float(np.nanmean(record[name])) / area
-    named = re.search(r"(\d+(?:\.\d+)?)[ _]?MPa", record.name, re.IGNORECASE)
-    if named is None:
-        raise DataError(
-            f"Record `{record.name}` does not say under which stress it was taken: give a column `stress [MPa]` or "
-            "`force [N]`, or put it into the name of the file (`wire_100MPa.csv`)."
-        )
-    return 1e6 * float(named[1])
+def _find_load(record: Record, known: Assumptions) -> float:
+    """Return the mean stress of a loop [Pa] from its column, a known section, its name, or an assumed section."""
+    if "stress" in record.columns:
+        return float(np.nanmean(record["stress"]))
+    named = find_named_stress(record)
+    if "force" in record.columns and (named is None or known.find_given(DIAMETER) is not None):
+        return float(np.nanmean(record["force"])) / (math.pi / 4.0 * known.find_diameter() ** 2)
+    if named is not None:
+        known.sentences.append(f"The name of `{record.name}` is taken to say that its stress was {named / 1e6:g} MPa.")
+        return named
+    raise DataError(
+        f"Record `{record.name}` does not say under which stress it was taken: give a column `stress [MPa]` or "
+        "`force [N]`, or put it into the name of the file (`wire_100MPa.csv`)."
+    )
 
 
 def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +12,7 @@ from typer import Argument, Option
 
 from martensite.base.errors import DataError, InputError, suggest_name
 from martensite.cli.commands.fit import fit
-from martensite.cli.options import Json, Text, Texts, read_positive, read_quantity, spread_options
+from martensite.cli.options import Json, NamedColumns, Text, Texts, read_positive, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs
 
 if TYPE_CHECKING:
@@ -115,6 +116,24 @@ def _read_speeds(record: Record) -> list[float]:
     return [units.to_si(number, unit, SPEED) for number in numbers]
 
 
+@dataclass(frozen=True)
+class SpecimenOptions:
+    """Columns and sizes of a specimen."""
+
+    length: Annotated[Text, Option(help='Gauge length of a log without strain, e.g. "50 mm".')] = None
+    diameter: Annotated[Text, Option(help='Wire diameter of a log without stress, e.g. "0.381 mm".')] = None
+    named: NamedColumns = None
+
+    def read(self, logs: Sequence[str]) -> list[Record]:
+        """Return the tables of all logs with strain and stress."""
+        from martensite.characterise.specimen import add_strain_and_stress
+        from martensite.logs.reader import parse_named, read_parts, tell_guesses
+
+        sizes = read_positive("length", self.length, "m"), read_positive("diameter", self.diameter, "m")
+        parts = [part for log in logs for part in read_parts(log, parse_named(self.named or ()))]
+        return [add_strain_and_stress(tell_guesses(part).record, *sizes) for part in parts]
+
+
 @fit.command("tangents")
 @spread_options
 def tangents(
@@ -123,12 +142,13 @@ def tangents(
         Argument(
             metavar="LOG...",
             help=(
-                "Isobaric cycles, one per file, with `temperature`, `strain` and `stress`; or data:SET/FILE for "
+                "Isobaric cycles, one per table, with `temperature`, `strain` and `stress`; or data:SET/FILE for "
                 "a published data set."
             ),
         ),
     ],
     answer: AnswerOptions,
+    sizes: SpecimenOptions,
     stress: Annotated[Texts, Option(help='Constant stress of each log, e.g. "100 MPa"; repeatable.')] = None,
     cycle: Annotated[
         Text,
@@ -147,20 +167,22 @@ def tangents(
     from martensite.show.summaries.laboratory import summarise_cycles, summarise_tangents
 
     if cycle == ALL_CYCLES:
-        found = read_all_cycles(logs, stress)
+        found = read_all_cycles(logs, stress, sizes)
         good = [one for one in found if not isinstance(one, str)]
         title = f"Tangents of {len(good)} of {len(found)} cycles"
         drawn = None if not good else lambda: plot_tangents(good[-1], title)
         outputs.answer(summarise_cycles(found), answer.json, draw=drawn)
         return
-    levels = read_cycles(logs, stress, cycle)
+    levels = read_cycles(logs, stress, cycle, sizes)
     result = fit_tangents(levels) if len(levels) > 1 else levels[0]
     title = f"Tangents of {levels[0].name if len(levels) == 1 else f'{len(levels)} cycles'}"
     summary = summarise_tangents(result)
     outputs.answer(summary, answer.json, draw=lambda: plot_tangents(result, title))
 
 
-def read_all_cycles(logs: Sequence[str], stresses: Sequence[str] | None) -> list[TangentPoints | str]:
+def read_all_cycles(
+    logs: Sequence[str], stresses: Sequence[str] | None, sizes: SpecimenOptions
+) -> list[TangentPoints | str]:
     """Return the tangents of every cycle of one log; for a cycle without lines the reason.
 
     Raises:
@@ -168,30 +190,34 @@ def read_all_cycles(logs: Sequence[str], stresses: Sequence[str] | None) -> list
         DataError: the log is missing, malformed, or holds no isobaric cycle.
     """
     from martensite.characterise.tangent_points import find_all_cycles
-    from martensite.logs.reader import read_log_table
 
     if len(logs) != 1 or len(stresses or ()) > 1:
         raise InputError(f"Option `--cycle all` takes one LOG with one stress, but there are {len(logs)} logs.")
     level = read_quantity("stress", stresses[0], "Pa") if stresses else None
-    return find_all_cycles(read_log_table(logs[0]), stress=level)
+    records = sizes.read(logs)
+    if len(records) != 1:
+        names = ", ".join(f"`{one.name}`" for one in records)
+        raise InputError(f"Option `--cycle all` takes one table, but `{logs[0]}` has {len(records)}: {names}.")
+    return find_all_cycles(records[0], stress=level)
 
 
-def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: str | None) -> list[TangentPoints]:
+def read_cycles(
+    logs: Sequence[str], stresses: Sequence[str] | None, cycle: str | None, sizes: SpecimenOptions
+) -> list[TangentPoints]:
     """Return the tangents of each log."""
     from martensite.characterise.isobaric_cycles import cut_cycle
     from martensite.characterise.tangent_points import find_tangent_points
-    from martensite.logs.reader import read_log_table
 
     if cycle is not None and not (cycle.isdecimal() and int(cycle) > 0):
         raise InputError(f"Option `--cycle` counts from 1 on, or is `all`, but is {cycle}.")
-    if stresses and len(stresses) != len(logs):
+    records = sizes.read(logs)
+    if stresses and len(stresses) != len(records):
         raise InputError(
-            f"Give --stress once for every LOG, in their order; stresses: {len(stresses)}, logs: {len(logs)}."
+            f"Give --stress once for every LOG, in their order; stresses: {len(stresses)}, logs: {len(records)}."
         )
-    given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(logs)
+    given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(records)
     found: list[TangentPoints] = []
-    for log, stress in zip(logs, given, strict=True):
-        record = read_log_table(log)
+    for record, stress in zip(records, given, strict=True):
         count = cut_cycle(record, stress=stress).cycles
         if cycle is not None and int(cycle) > count:
             raise InputError(
