@@ -8,8 +8,6 @@
  */
 #include "app.h"
 
-#include <math.h>
-
 #include "board.h"
 #include "link.h"
 #include "loop.h"
@@ -19,7 +17,8 @@
 
 enum {
     FREE = 16, /* levels of a waveform that are kept */
-    BYTES = 64 /* bytes of the line in a turn, at most */
+    BYTES = 64, /* bytes of the line in a turn, at most */
+    COOLED = 10000 /* us between two updates of a bound that cools */
 };
 
 typedef struct {
@@ -112,27 +111,44 @@ static void drive_all(void) {
 
 /* ------------------------------------------------------------------------------- temperature bounds */
 
+#if APP_BOUNDS
+/* A bound after a time under a duty cycle, from above: e^-x < 1 - x + x^2/2. */
+static float warm_up(uint8_t bound, float seconds, float duty) {
+    const float ambient = FLASH_FLOAT(app_bounds[bound].ambient), x = seconds * FLASH_FLOAT(app_bounds[bound].cooling);
+    const float decay = 1.0f - x + 0.5f * x * x;
+    return ambient + (heat[bound] - ambient) * decay + seconds * FLASH_FLOAT(app_bounds[bound].rate) * duty;
+}
+#endif
+
+static uint8_t is_off(void) {
+    for (uint8_t i = 0; i < APP_DRIVES; ++i) {
+        if (delivered[i] > 0.0f && !(flags & FLAG_EMULATED)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 /* Advance the bounds to now: in the loop by what a late sample has heated, else by their own equation. */
 static void track_heat(uint32_t now) {
     const uint32_t held = now - tracked_at;
+    const uint8_t loop = started && mode == MODE_LOOP, off = is_off();
+    if (!loop && off && held < COOLED) {
+        return;
+    }
     tracked_at = now;
 #if APP_BOUNDS
     for (uint8_t i = 0; i < APP_BOUNDS; ++i) {
-        const float rate = FLASH_FLOAT(app_bounds[i].rate);
-        const float duty = flags & FLAG_EMULATED ? 0.0f : delivered[FLASH_U16(app_bounds[i].drive)];
-        if (started && mode == MODE_LOOP) {
-            heat[i] = model.x[FLASH_U16(app_bounds[i].state)];
-            if (held > APP_PERIOD) {
-                heat[i] += 1e-6f * (float)(held - APP_PERIOD) * rate * duty;
-            }
-        } else {
-            const float cooling = FLASH_FLOAT(app_bounds[i].cooling);
-            const float settled = FLASH_FLOAT(app_bounds[i].ambient) + rate * duty / cooling;
-            heat[i] = settled + (heat[i] - settled) * expf(-1e-6f * (float)held * cooling);
+        const float duty = off ? 0.0f : delivered[FLASH_U16(app_bounds[i].drive)];
+        if (!loop) {
+            heat[i] = warm_up(i, 1e-6f * (float)held, duty);
+            continue;
+        }
+        heat[i] = model.x[FLASH_U16(app_bounds[i].state)];
+        if (held > APP_PERIOD) {
+            heat[i] += 1e-6f * (float)(held - APP_PERIOD) * FLASH_FLOAT(app_bounds[i].rate) * duty;
         }
     }
-#else
-    (void)held;
 #endif
 }
 
@@ -419,7 +435,7 @@ static void greet(uint32_t token) {
     b[HELLO_VERSION] = LINK_VERSION;
     link_put_u32(b + HELLO_DIGEST, APP_DIGEST);
     link_put_u32(b + HELLO_TIME, board_micros());
-    b[HELLO_RESTARTS] = board_restarts();
+    b[HELLO_RESET] = board_reset_cause();
     send(MESSAGE_HELLO, b, HELLO_SIZE);
 }
 
@@ -525,6 +541,7 @@ void app_begin(void) {
     mode = MODE_IDLE;
     flags = 0;
     disarm(REASON_ASKED);
+    board_guard();
     next = counted_at = tracked_at = board_micros();
     milliseconds = heard = 0;
 #if APP_BOUNDS
@@ -552,4 +569,5 @@ void app_turn(void) {
     }
     next += APP_PERIOD;
     sample(now);
+    board_feed();
 }

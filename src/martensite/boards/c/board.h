@@ -29,8 +29,14 @@ float board_drive(uint8_t drive, float duty);
 /* What a channel reads now: steps of a converter, or counts of an encoder. */
 float board_channel(uint8_t channel);
 
-/* Times that the board has started, as far as it can know; 0 if it cannot. */
-uint8_t board_restarts(void);
+/* Start the watchdog; called once, after board_begin. */
+void board_guard(void);
+
+/* The watchdog begins anew; called only by a turn that has sampled and checked. */
+void board_feed(void);
+
+/* Cause of the newest reset: a RESET_ of messages.h. */
+uint8_t board_reset_cause(void);
 
 #ifdef __cplusplus
 }

@@ -74,5 +74,3 @@ float board_channel(uint8_t channel) {
     interrupts();
     return static_cast<float>(found);
 }
-
-uint8_t board_restarts(void) { return 0; }

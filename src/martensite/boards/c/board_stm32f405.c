@@ -38,7 +38,6 @@
 #define RCC_CR AT(0x40023800u)
 #define RCC_PLLCFGR AT(0x40023804u)
 #define RCC_CFGR AT(0x40023808u)
-#define RCC_CSR AT(0x40023874u)
 #define FLASH_ACR AT(0x40023c00u)
 
 enum {
@@ -57,8 +56,12 @@ static volatile uint16_t got, given;
 
 void SysTick_Handler(void);
 void USART1_IRQHandler(void);
+void board_tick(void); /* of guard_stm32f405.c */
 
-void SysTick_Handler(void) { ++milliseconds; }
+void SysTick_Handler(void) {
+    ++milliseconds;
+    board_tick();
+}
 
 void USART1_IRQHandler(void) {
     if (USART_SR & 0x20u) {
@@ -165,5 +168,3 @@ float board_channel(uint8_t channel) {
     }
     return (float)AT(0x4001204cu);
 }
-
-uint8_t board_restarts(void) { return (uint8_t)(RCC_CSR >> 24); }

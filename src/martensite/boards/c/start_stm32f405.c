@@ -9,9 +9,10 @@ int main(void);
 void Reset_Handler(void);
 void SysTick_Handler(void);
 void USART1_IRQHandler(void);
-static void stop(void);
+void Fault_Handler(void) __attribute__((weak, alias("stop"))); /* of guard_stm32f405.c, if it is there */
+void stop(void);
 
-static void stop(void) {
+void stop(void) {
     for (;;) {
     }
 }
@@ -30,7 +31,15 @@ void Reset_Handler(void) {
 typedef void (*handler)(void);
 
 __attribute__((section(".vectors"), used)) static const handler vectors[16 + 38] = {
-    (handler)_stack, Reset_Handler, stop, stop, stop, stop, stop, [15] = SysTick_Handler, [16 + 37] = USART1_IRQHandler,
+    (handler)_stack,
+    Reset_Handler,
+    Fault_Handler, /* NMI */
+    Fault_Handler, /* hard fault */
+    Fault_Handler, /* memory management */
+    Fault_Handler, /* bus fault */
+    Fault_Handler, /* usage fault */
+    [15] = SysTick_Handler,
+    [16 + 37] = USART1_IRQHandler,
 };
 
 int main(void) {

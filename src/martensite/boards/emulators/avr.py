@@ -13,6 +13,9 @@ from martensite.boards.firmware.boards import find_board
 
 ASKED, ANSWERED, MARKS = struct.Struct("<I8HH"), struct.Struct("<Q2HBH"), struct.Struct("<16I")
 
+POWER = (1 << 32) - 1
+"""Cycles that stand for switching off and on."""
+
 
 @dataclass
 class SimavrBoard:
@@ -80,6 +83,10 @@ class SimavrBoard:
         if crashed:
             raise SolveError(f"The processor crashed {self.now():.6g} s after its reset.")
         return output
+
+    def cycle_power(self) -> None:
+        """Switch the board off and on again; only the EEPROM keeps its content."""
+        self.run(POWER / self.clock)
 
     def close(self) -> None:
         """End the emulator."""

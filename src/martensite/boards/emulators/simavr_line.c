@@ -1,7 +1,7 @@
 /*
  * An AVR under simavr whose serial line and clock are in the hands of another program: simavr_line ELF MCU HZ BAUD
  *
- * On standard input, again and again: cycles to run (u32), voltages at A0 to A7 (eight u16, in mV), how many bytes to
+ * On standard input, again and again: cycles to run (u32; 2^32 - 1 to switch off and on), voltages at A0 to A7 (eight u16, in mV), how many bytes to
  * send to the board (u16), the bytes. On
  * standard output, each time: cycles so far (u64), the duty of pins 9 and 10 (two u16, in 1/255), whether the processor
  * has crashed (u8), how many bytes the board has sent (u16), the bytes; then 16 cycle counts (u32): those between
@@ -66,6 +66,23 @@ static uint16_t duty(uint8_t connected, uint8_t bit, uint16_t compare) {
     return avr->data[PORTB] >> bit & 1 ? 255 : 0;
 }
 
+static void (*reset_of_chip)(avr_t *of);
+
+/* A reset, as by the watchdog, forgets the timers of simavr. */
+static void begin_anew(avr_t *of) {
+    if (reset_of_chip) reset_of_chip(of);
+    open_line = 1;
+    in_from = in_to;
+    avr_cycle_timer_register(of, per_byte, feed, NULL);
+}
+
+/* Off and on again: the RAM has lost what it held. */
+static void cycle_power(void) {
+    memset(avr->data + avr->ioend + 1, 0xa5, (size_t)(avr->ramend - avr->ioend));
+    avr_reset(avr);
+    avr_regbit_set(avr, avr->reset_flags.porf);
+}
+
 static void get(void *to, size_t size) {
     if (fread(to, 1, size, stdin) != size) exit(0);
 }
@@ -101,6 +118,8 @@ int main(int count, char **words) {
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), stop, NULL);
     avr_register_io_write(avr, GPIOR0, note, NULL);
     avr_cycle_timer_register(avr, per_byte, feed, NULL);
+    reset_of_chip = avr->reset;
+    avr->reset = begin_anew;
     for (;;) {
         uint32_t cycles;
         uint16_t more, duties[2], volts[8];
@@ -113,6 +132,10 @@ int main(int count, char **words) {
         get(bytes, more);
         for (int i = 0; i < 8; ++i) avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0 + i), volts[i]);
         for (uint16_t i = 0; i < more; ++i) in[in_to++ % ROOM] = bytes[i];
+        if (cycles == UINT32_MAX) {
+            cycle_power();
+            cycles = 0;
+        }
         const avr_cycle_count_t until = avr->cycle + cycles;
         while (avr->cycle < until && state != cpu_Done && state != cpu_Crashed) state = avr_run(avr);
         now = avr->cycle;

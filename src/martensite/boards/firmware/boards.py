@@ -38,6 +38,11 @@ class Board:
     first_analog: int | None = None
     """Pin that is labelled A0; None for boards with numbered pins."""
 
+    @property
+    def avr(self) -> bool:
+        """Return whether the processor is an AVR."""
+        return self.platformio.get("platform") == "atmelavr"
+
     def name_pin(self, pin: int) -> str:
         """Return the label of a channel pin."""
         if self.layer == "stm32f405":

@@ -42,7 +42,10 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 SHARED = ("app.c", "app.h", "board.h", "link.c", "link.h")
-LAYERS = {"arduino": ("board_arduino.cpp",), "stm32f405": ("board_stm32f405.c", "start_stm32f405.c", "stm32f405.ld")}
+LAYERS = {
+    "arduino": ("board_arduino.cpp", "guard_arduino.cpp"),
+    "stm32f405": ("board_stm32f405.c", "guard_stm32f405.c", "start_stm32f405.c", "stm32f405.ld"),
+}
 TRIED_SAMPLES = 400
 """Least number of samples of the trial of the loop."""
 
@@ -206,15 +209,21 @@ platform = {board.platformio["platform"]}
 board = {board.platformio["board"]}
 framework = arduino
 build_flags = -O2 -ffp-contract=off
+{_FUSES if board.avr else ""}"""
+
+
+_FUSES = """; brown-out reset below 4.3 V, needed at 16 MHz: pio run -t fuses, with an ISP programmer
+board_fuses.efuse = 0xfc
 """
 
 
 _MAKEFILE = """# make: firmware.elf, with arm-none-eabi-gcc
+# Once per chip, for a brown-out reset below 2.7 V: STM32_Programmer_CLI -c port=SWD -ob BOR_LEV=0
 CC = arm-none-eabi-gcc
 CFLAGS = -std=c99 -O2 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffp-contract=off
 CFLAGS += -Wall -Wextra -Wtype-limits
 LDFLAGS = -T stm32f405.ld -nostartfiles --specs=nano.specs --specs=nosys.specs
-SOURCES = app.c link.c loop.c board_stm32f405.c start_stm32f405.c
+SOURCES = app.c link.c loop.c board_stm32f405.c guard_stm32f405.c start_stm32f405.c
 
 firmware.elf: $(SOURCES) app.h board.h link.h loop.h messages.h settings.h stm32f405.ld
 \t$(CC) $(CFLAGS) $(SOURCES) $(LDFLAGS) -o $@ -lm

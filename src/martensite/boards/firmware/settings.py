@@ -15,6 +15,7 @@ from martensite.boards.firmware.boards import Board
 from martensite.boards.firmware.bounds import NEAR, FirmwareBound
 from martensite.boards.firmware.channels import LEAST, MARGIN, BoardInputs
 from martensite.boards.firmware.ranges import Range, find_gain_range, find_offset_range
+from martensite.boards.firmware.watchdog import choose_watchdog
 from martensite.boards.link.messages import MOST
 
 if TYPE_CHECKING:
@@ -175,6 +176,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"{{{'APP_RATIO' if one.ratio else 'APP_DIRECT'}, {one.channel}, {one.other}}}" for one in readings
     )
     encoders, extra = sum(one.pin < 0 for one in channels), inputs.told_channels()
+    watchdog = choose_watchdog(plan.period, board)
     rows = [
         "/* Numbers of this firmware, printed by martensite. Limits are constants in flash. */",
         "#ifndef SETTINGS_H",
@@ -187,6 +189,8 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_PERIOD {count_ticks('The sample time', plan.period, 1e6)}UL /* us */",
         f"#define APP_SILENCE {count_ticks('`--silence`', plan.limits.silence, 1e3)}UL /* ms without the host */",
         f"#define APP_LONGEST {count_ticks('`--longest`', plan.limits.longest, 1e3)}UL /* ms armed */",
+        f"#define APP_WATCHDOG {watchdog.milliseconds}UL /* ms after a sample, then the board resets */",
+        f"#define APP_WATCHDOG_CODE {watchdog.code} /* this time on AVR */",
         "#define APP_PWM_HZ 1000UL",
         f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
         f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",

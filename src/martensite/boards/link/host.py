@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from martensite.base.errors import InputError, SolveError, suggest_name
 from martensite.boards.link.frames import BoardClock, FrameReader, encode_frame
-from martensite.boards.link.messages import ARM_WORD, VERSION, BoardAnswer, Message, Mode, pack_message
+from martensite.boards.link.messages import ARM_WORD, VERSION, BoardAnswer, Message, Mode, ResetCause, pack_message
 
 LONGEST_WRITE = 0.5
 """Time limit of a blocked write [s]."""
@@ -66,6 +66,8 @@ class BoardLink:
     clock: BoardClock = field(default_factory=BoardClock)
     now: Callable[[], float] = time.monotonic
     """Time of the host [s]; replaceable by another clock."""
+    reset: ResetCause = ResetCause.UNKNOWN
+    """Cause of the newest reset of the board, from the last `greet`."""
     _sent: int = 0
     _waiting: deque[Message] = field(default_factory=lambda: deque[Message]())
 
@@ -105,6 +107,7 @@ class BoardLink:
             "ping", lambda m, _: m.name == "hello" and m.values["token"] == self._token, token=self._token
         )
         version = hello.values["version"]
+        self.reset = ResetCause(hello.values["reset"])
         if version != VERSION:
             raise InputError(
                 f"The board speaks version {version} of the link, this program {VERSION}: write the firmware again."
@@ -181,6 +184,14 @@ def _describe_loss(error: OSError) -> SolveError:
     )
 
 
+RESETS = {
+    ResetCause.UNKNOWN: "an unknown cause",
+    ResetCause.POWER_ON: "power-on",
+    ResetCause.BROWN_OUT: "a low supply voltage of the processor (brown-out)",
+    ResetCause.WATCHDOG: "its watchdog: no sample was made in time",
+    ResetCause.PIN: "its reset pin",
+    ResetCause.FAULT: "a fault of the processor or an overflow of its stack",
+}
 ANSWERS = {
     BoardAnswer.UNKNOWN: "it does not know this command",
     BoardAnswer.REFUSED: "not now: the board is not armed, is armed, or is in another mode than this needs",

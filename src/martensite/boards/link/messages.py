@@ -74,6 +74,18 @@ class DisarmReason(IntEnum):
     """A sample was late by a period or more."""
 
 
+class ResetCause(IntEnum):
+    """Cause of the newest reset of a board."""
+
+    UNKNOWN = 0
+    POWER_ON = 1
+    BROWN_OUT = 2
+    WATCHDOG = 3
+    PIN = 4
+    FAULT = 5
+    """Fault of the processor, unexpected interrupt, or overflow of the stack."""
+
+
 class Message(NamedTuple):
     """One message of a board or its host."""
 
@@ -149,7 +161,7 @@ KINDS = {
             "hello",
             0x81,
             "who answers a ping",
-            {"token": "u32", "version": "u8", "digest": "u32", "time": "u32", "restarts": "u8"},
+            {"token": "u32", "version": "u8", "digest": "u32", "time": "u32", "reset": "u8"},
         ),
         MessageKind("answer", 0x82, "how a command ended", {"to": "u16", "result": "u8", "room": "u8"}),
         MessageKind("telemetry", 0x83, "a sample", {"time": "u32", "flags": "u8", "alarm": "u8"}, "values"),
@@ -185,7 +197,13 @@ def print_header() -> str:
     rows += [f"#define LINK_ARM_WORD {ARM_WORD:#x}UL", ""]
     for one in KINDS.values():
         rows += [f"/* {one.name}: {one.about} */", "enum {", *_print_places(one), "};"]
-    for prefix, words in {"MODE": Mode, "FLAG": BoardFlags, "RESULT": BoardAnswer, "REASON": DisarmReason}.items():
+    for prefix, words in {
+        "MODE": Mode,
+        "FLAG": BoardFlags,
+        "RESULT": BoardAnswer,
+        "REASON": DisarmReason,
+        "RESET": ResetCause,
+    }.items():
         rows += ["enum {", *(f"    {prefix}_{word.name} = {word.value}," for word in words), "};"]
     return "\n".join([*rows, "", "#endif", ""])
 

@@ -109,6 +109,8 @@ def _warn_of_room(found: Firmware) -> list[Block]:
 
 
 def _describe_limits(plan: FirmwarePlan) -> str:
+    from martensite.boards.firmware.watchdog import choose_watchdog
+
     limits, fixed = plan.limits, {one.name: one.value for one in plan.settings if one.fixed}
     words = [
         f"{1e3 * limits.silence:g} ms after it heard the host last",
@@ -128,4 +130,10 @@ def _describe_limits(plan: FirmwarePlan) -> str:
             f" It keeps the element below {one.limit - 273.15:.4g} °C + {one.find_margin(plan.period):.2g} K if the "
             f"element cools as declared; after a reset it takes {one.cooling_time:.2g} s until it counts as cold."
         )
+    watchdog = choose_watchdog(plan.period, plan.board)
+    own += (
+        f" The watchdog resets the board {watchdog.milliseconds} ms after the last sample."
+        if watchdog.real
+        else f" The firmware of {plan.board.title} has no watchdog: if it hangs, the heating stays on."
+    )
     return f"The board disarms by itself {', '.join(words)}; no duty is above {limits.most_duty:g}. {own}"

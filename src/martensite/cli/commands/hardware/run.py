@@ -134,9 +134,12 @@ def hil(
 
 
 def _describe_dry_run(session: Session, seconds: float, levels: list[tuple[float, float]]) -> list[Block]:
+    from martensite.boards.link.host import RESETS
+
     what = f"levels of {len(levels)} steps" if levels else "the loop"
     most = max((duty for _, duty in levels), default=session.firmware["settings"][0]["value"])
     return [
         Sentence("Dry run: nothing was armed.", "caution"),
+        Sentence(f"The last reset of the board was caused by {RESETS[session.link.reset]}."),
         Sentence(f"With `--arm ARM` it would run {what} for {seconds:.4g} s, with a duty of at most {most:.3g}."),
     ]
