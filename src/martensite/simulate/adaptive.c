@@ -159,15 +159,15 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         b->status[i] = residual[i] > SOLVED ? UNSOLVED : NOT_FINITE;
     /* steps that are taken */
     EACH(i) {
-        const long t = taken[i], kinked = b->planned[i] > 0.0;
+        const long long t = taken[i], kinked = b->planned[i] > 0.0;
         const double length = b->length[i], grows = smaller(slowing[i], b->grows[i]);
         const double grown = length * larger(grows, LEAST_CHANGE);
         const double after_kink = b->at_kink[i] ? MOST_CHANGE * length : b->after_kink[i];
-        const double bound = !kinked || after_kink > grown ? after_kink : grown;
+        const double bound = !kinked | (after_kink > grown) ? after_kink : grown;
         const double planned = larger(grown, b->planned[i]);
         const double next = larger(kinked ? smaller(planned, bound) : planned, shortest);
         b->ripple[i] = t ? larger(ripple[i], b->ripple[i]) : b->ripple[i];
-        const int missed = b->error[i] > 1.0 && b->error[i] < HUGE_VAL; /* no step is shorter */
+        const long long missed = (b->error[i] > 1.0) & (b->error[i] < HUGE_VAL); /* no step is shorter */
         const double left = larger(residual[i], b->residual[i]) + (missed ? m->tolerance * b->error[i] : 0.0);
         b->residual[i] = t ? left : b->residual[i];
         b->after_kink[i] = t ? after_kink : b->after_kink[i];
@@ -178,7 +178,7 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
     /* those that are made again */
     flags_of_lanes again;
     EACH(i) again[i] = b->live[i] & !taken[i];
-    SOME(i, any(again)) {
+    SOME(i, bits_of(again)) {
         const double length = b->length[i];
         const int solved = b->error[i] < HUGE_VAL, good = b->error[i] <= 1.0;
         double shorter = solved ? length : 0.25 * length;
@@ -213,8 +213,9 @@ static long is_edge(const march *m, const block *b, long i, double end) {
 
 static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     column end;
-    flags_of_lanes edge;
-    EVERY(i) if (taken[i] && b->status[i] != OK) { /* it has no solution here, and ends where it began */
+    flags_of_lanes edge, stuck;
+    EACH(i) stuck[i] = taken[i] & (b->status[i] != OK);
+    SOME(i, bits_of(stuck)) { /* it has no solution here, and ends where it began */
         keep_waiting(m, b, i);
         tell(m, b, i);
         taken[i] = 0;
@@ -226,9 +227,9 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
         edge[i] = 0;
     }
     for (long k = 0; k < DRIVES; k++) {
-        long near = 0;
-        EVERY(i) near |= b->now[k].following[i] < end[i] + 2.0 * STEP_TOLERANCE * b->length[i];
-        if (!near) continue;
+        flags_of_lanes near;
+        EACH(i) near[i] = b->now[k].following[i] < end[i] + 2.0 * STEP_TOLERANCE * b->length[i];
+        if (!any(near)) continue;
         EVERY(i) if (taken[i]) edge[i] = is_edge(m, b, i, end[i]);
         break;
     }
@@ -236,17 +237,19 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     keep_ledger(m, b);
 #endif
     keep_samples(m, b, taken, end, edge);
-    EVERY(i) if (taken[i] && b->live[i]) {
+    EVERY(i) if (m->recording && taken[i] && b->live[i]) {
         const double middle = b->time[i] + 0.5 * b->length[i];
         record_piece(m, b, i, 1.0, b->time[i], middle, b->one, b->half);
         record_piece(m, b, i, 2.0, middle, end[i], b->two, b->full);
     }
-    long long counted[LANES];
-    EVERY(i) {
-        counted[i] = taken[i] && b->live[i];
-        for (long k = 0; k < ENVELOPE; k++) counted[i] &= is_inside(b, b->fine, k, i);
+    if (m->totals) {
+        long long counted[LANES];
+        EVERY(i) {
+            counted[i] = taken[i] && b->live[i];
+            for (long k = 0; k < ENVELOPE; k++) counted[i] &= is_inside(b, b->fine, k, i);
+        }
+        add_totals(m, b, counted);
     }
-    add_totals(m, b, counted);
     EACH(i) {
         const long t = taken[i], at = edge[i];
         const double length = b->length[i];

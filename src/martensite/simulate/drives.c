@@ -9,26 +9,24 @@ INLINE double value_of(const march *m, const block *b, long k, long i, double ti
 
 /* series or quotient of sinc, see reader.c */
 INLINE void sincs(const column x, column found) {
-    long far = 0;
+    flags_of_lanes far;
     EACH(i) {
         const double z = x[i] * x[i];
         found[i] = 1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) *
                    (1.0 - z * (1.0 / 42.0) * (1.0 - z * (1.0 / 72.0))));
     }
-    EVERY(i) far |= !(fabs(x[i]) < SERIES);
-    if (!far) return;
-    EVERY(i) if (!(fabs(x[i]) < SERIES)) found[i] = sinc(x[i]);
+    EACH(i) far[i] = !(fabs(x[i]) < SERIES);
+    SOME(i, bits_of(far)) found[i] = sinc(x[i]);
 }
 
 INLINE void leanings(const column x, column found) {
-    long far = 0;
+    flags_of_lanes far;
     EACH(i) {
         const double z = x[i] * x[i];
         found[i] = x[i] * (1.0 / 3.0 - z * (1.0 / 30.0 - z * (1.0 / 840.0 - z * (1.0 / 45360.0))));
     }
-    EVERY(i) far |= !(fabs(x[i]) < SERIES);
-    if (!far) return;
-    EVERY(i) if (!(fabs(x[i]) < SERIES)) found[i] = leaning(x[i]);
+    EACH(i) far[i] = !(fabs(x[i]) < SERIES);
+    SOME(i, bits_of(far)) found[i] = leaning(x[i]);
 }
 
 /* moments of intervals in which no segment ends: of a parabola */
@@ -276,7 +274,7 @@ static void find_angles(const block *b, drives_of_lanes *d) {
         anew[i] = b->fresh[i] & !turned[i];
         d->turns[i] = anew[i] ? 0 : d->turns[i] + turned[i];
     }
-    const unsigned long long some = any(anew);
+    const int some = any(anew);
     for (long j = 0; j < TONES; j++) {
         column cosine, sine;
         BLEND(d->cosine[j], turned, d->last_cosine[j]);

@@ -81,7 +81,7 @@ static void find_kinks(const march *m, block *b) {
             }
         const double share = TURN * m->tolerance / weights[place];
         column changed, most;
-        long counts = 0;
+        flags_of_lanes counts, bends;
         EACH(i) changed[i] = 0.0;
         for (long k = at + 2; k < at + 4; k++)
             EACH(i) {
@@ -91,10 +91,16 @@ static void find_kinks(const march *m, block *b) {
                 changed[i] = larger(changed[i], sum);
             }
         EACH(i) most[i] = share * b->scale[parts[place]][i];
-        EVERY(i) counts |= changed[i] > most[i];
-        if (!counts) continue;
+        EACH(i) {
+            counts[i] = changed[i] > most[i];
+            bends[i] = 0;
+        }
+        if (!any(counts)) continue;
         EACH(i) b->kink[i] = smaller(find_turn(b, at, i, changed[i], most[i]), b->kink[i]);
-        EVERY(i) if (changed[i] > most[i])
-            b->kink[i] = smaller(find_bend(b, place, i, most[i]), b->kink[i]);
+        for (long k = at + 4; k < at + size_of_point[place]; k++)
+            EACH(i) bends[i] |= (b->points[k][i] > LEAST_FALL) &
+                                ((b->points_half[k][i] <= 0.0) | (b->points_full[k][i] <= 0.0));
+        EACH(i) bends[i] &= counts[i];
+        SOME(i, bits_of(bends)) b->kink[i] = smaller(find_bend(b, place, i, most[i]), b->kink[i]);
     }
 }

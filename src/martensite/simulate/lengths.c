@@ -89,10 +89,10 @@ static void plan_lengths(const march *m, block *b) {
         for (long k = start_of[place] + 4; k < start_of[place] + size_of_point[place]; k++)
             EACH(i) {
                 const double now = b->points[k][i], fallen = b->earlier_points[k][i] - now;
-                const int ahead = (now > LEAST_FALL) & (fallen > 0.0);
+                const long long ahead = (now > LEAST_FALL) & (fallen > 0.0);
                 const double there = SHORT * now / (ahead ? fallen : 1.0) * b->last_half[i];
-                const int late = (KINK_MARGIN * allowed[i] < there) & (m->shortest < there);
-                const int kink = ahead & late & (there < length[i]);
+                const long long late = (KINK_MARGIN * allowed[i] < there) & (m->shortest < there);
+                const long long kink = ahead & late & (there < length[i]);
                 length[i] = kink ? there : length[i];
             }
     if (FOLLOWS)
@@ -111,22 +111,22 @@ static void plan_lengths(const march *m, block *b) {
 /* lengths over which the mean of no drive leaves out too much, and what the halves bring */
 static void resolve_lengths(const march *m, block *b) {
     flags_of_lanes asked;
-    EVERY(i) asked[i] = 1;
+    EACH(i) asked[i] = 1;
     for (long k = 0; k < DRIVES; k++) {
         if (widths[k] == 1) continue;
-        long inside = 0;
-        EVERY(i) inside |= b->now[k].following[i] <= b->time[i] + (1.0 + STEP_TOLERANCE) * b->length[i];
-        if (!inside) continue;
+        flags_of_lanes inside;
+        EACH(i) inside[i] = b->now[k].following[i] <= b->time[i] + (1.0 + STEP_TOLERANCE) * b->length[i];
+        if (!any(inside)) continue;
         EVERY(i) if (b->live[i]) b->length[i] = before_few_edges(m, b, i);
         break;
     }
     do {
         bring_all(m, b, asked);
-        EVERY(i) {
-            asked[i] = 0;
+        EACH(i) {
             const double heat = JUDGED ? b->scale[0][i] : 1.0;
-            if (!b->live[i] || !(b->lapse[i] > 0.0) || b->power[i] * b->lapse[i] <= m->tolerance * heat)
-                continue;
+            asked[i] = b->live[i] & (b->lapse[i] > 0.0) & !(b->power[i] * b->lapse[i] <= m->tolerance * heat);
+        }
+        SOME(i, bits_of(asked)) {
             const double shorter = to_edge(m, b, i);
             asked[i] = shorter < b->length[i];
             if (asked[i]) b->length[i] = shorter;

@@ -126,8 +126,17 @@ static const drive *drive_of(const march *m, const drives_of_lanes *d, long k, l
     return m->drives + (OWN ? d->run[i] * DRIVES : 0) + k;
 }
 
-INLINE unsigned long long any(const flags_of_lanes flags) {
+/* whether a flag is set; compilers make vectors of this loop */
+INLINE int any(const flags_of_lanes flags) {
+    long long found = 0;
+    EVERY(i) found |= flags[i];
+    return found != 0;
+}
+
+/* the lanes whose flags are set, as bits */
+INLINE unsigned long long bits_of(const flags_of_lanes flags) {
     unsigned long long found = 0;
+    if (!any(flags)) return 0;
     EVERY(i) found |= (unsigned long long)(flags[i] != 0) << i;
     return found;
 }

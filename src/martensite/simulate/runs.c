@@ -26,8 +26,7 @@ static void record_piece(march *m, const block *b, long i, double part, double b
 }
 
 INLINE int is_inside(const block *b, const column *seen, long k, long i) {
-    return b->limits[k][i] <= seen[JUDGED + k][i] &&
-           seen[JUDGED + k][i] <= b->limits[ENVELOPE + k][i];
+    return (b->limits[k][i] <= seen[JUDGED + k][i]) & (seen[JUDGED + k][i] <= b->limits[ENVELOPE + k][i]);
 }
 
 /* whether states are within the envelope */
@@ -89,16 +88,16 @@ static void scale_ranges(block *b) {
 
 /* end runs that are outside of the envelope, complete, or not solved */
 static void end_runs(const march *m, block *b) {
-    long outside = 0, ends = 0;
-    for (long k = 0; k < ENVELOPE; k++) EVERY(i) outside |= !is_inside(b, b->seen, k, i);
-    for (long k = 0; k < ENVELOPE && outside; k++)
+    flags_of_lanes outside, ends;
+    EACH(i) outside[i] = 0;
+    for (long k = 0; k < ENVELOPE; k++) EACH(i) outside[i] |= !is_inside(b, b->seen, k, i);
+    for (long k = 0; k < ENVELOPE && any(outside); k++)
         EVERY(i) if (b->live[i] && b->status[i] < UNSOLVED && !is_inside(b, b->seen, k, i)) {
             b->status[i] = isfinite(b->seen[JUDGED + k][i]) ? OUT_OF_ENVELOPE : NOT_FINITE;
             b->place[i] = k;
         }
-    EVERY(i) ends |= b->live[i] && (b->status[i] >= UNSOLVED || !(b->time[i] < m->duration));
-    if (!ends) return;
-    EVERY(i) if (b->live[i] && (b->status[i] >= UNSOLVED || !(b->time[i] < m->duration))) tell(m, b, i);
+    EACH(i) ends[i] = b->live[i] & ((b->status[i] >= UNSOLVED) | !(b->time[i] < m->duration));
+    SOME(i, bits_of(ends)) tell(m, b, i);
 }
 
 /* go to the ends of steps that were taken; `seen` is judged there */
@@ -115,13 +114,13 @@ static void see(const march *m, block *b, const column *seen, const flags_of_lan
 
 /* outputs of the states in x2, for lanes that ask and are inside the envelope */
 static void keep_rows(const march *m, block *b, const column time, unsigned long long asked, long leaving) {
-    flags_of_lanes gone = {0};
+    flags_of_lanes gone;
     column signals[DRIVES + 1];
     if (OBSERVE_SIGNALS || (leaving && JUDGE_SIGNALS)) put_signals(m, b, time, 0, signals);
     if (leaving) find_gone(m, b->c, b->x2, signals, b->run, gone);
     if (OBSERVE_SIGNALS) memcpy(b->x2 + SIZE, signals, sizeof(column) * DRIVES);
     k_observe(LANES, *b->c, *b->x2, *b->row);
-    SOME(i, asked) if (!gone[i]) {
+    SOME(i, asked) if (!(leaving && gone[i])) {
         double *row = m->rows + (b->run[i] * m->samples + b->sample[i]) * OUTPUTS;
         for (long k = 0; k < OUTPUTS; k++) row[k] = b->row[k][i];
     }

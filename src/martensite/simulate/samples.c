@@ -90,15 +90,15 @@ static void interpolate(const block *b, const column time, const column *per, co
         w[4][i] = per[4][i] * early * t2 * t3;
     }
     for (long k = 0; k < SIZE; k++) {
-        const long counts = is_judged_state(k);
-        if (!(all || observed[k])) continue;
+        const long long ignored = !is_judged_state(k), asked = observed[k];
+        if (!(all || asked)) continue;
         EACH(i) {
             const double sum = w[0][i] * b->node_state[0][k][i] + w[1][i] * b->node_state[1][k][i] +
                                w[2][i] * b->state[k][i] + w[3][i] * b->half[k][i] + w[4][i] * b->full[k][i];
             const double least = low[k][i], most = high[k][i];
             const double hair = ROUNDING * (fabs(least) + fabs(most));
-            const long inside = (least - hair <= sum) & (sum <= most + hair);
-            smooth[i] = smooth[i] && (inside || !counts || !(observed[k] || whole[i]));
+            const long long inside = (least - hair <= sum) & (sum <= most + hair);
+            smooth[i] &= inside | ignored | !(asked | whole[i]);
             x[k][i] = smaller(larger(sum, least), most);
         }
     }
@@ -240,7 +240,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
         EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
         interpolate(b, time, per, low, high, good, b->x2, whole);
         EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
-        SOME(i, any(other)) {
+        SOME(i, bits_of(other)) {
             const column *node = find_node(b, i, time[i], end[i]);
             good[i] = node ? 1 : -1;
             if (node) {
@@ -252,7 +252,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
             }
         }
         EACH(i) other[i] = due[i] & (good[i] >= 0);
-        const unsigned long long shown = any(other);
+        const unsigned long long shown = bits_of(other);
         if (shown) keep_rows(m, b, time, shown, leaving);
         EACH(i) {
             b->sample[i] += due[i] & !waits[i];

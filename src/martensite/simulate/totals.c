@@ -122,7 +122,6 @@ static void begin_totals(block *b, const column *row, const long long *begins) {
 
 /* what steps that are taken add */
 static void add_totals(march *m, block *b, const long long *taken) {
-    if (!m->totals) return;
     column rows[3][OUTPUTS + 1], signals[3][DRIVES + 1], weight;
     const column *states[3] = {b->state, b->half, b->full};
     long long varied[LANES], smooth[LANES], any_varied = 0;
