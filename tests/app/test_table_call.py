@@ -134,6 +134,36 @@ def test_units_are_checked_when_columns_are_mapped(desk: Desk) -> None:
         records({"key": key, "columns": columns((8, "force", "N"))}, desk)
 
 
+def test_a_serial_monitor_with_labels_is_understood(desk: Desk) -> None:
+    """Every labelled number is a column under its name, and the monitor's clock is the time."""
+    rows = [(13.456 + 0.1 * k, 22.0 + k, 0.01 * k, 0.3) for k in range(30)]
+    lines = [f"10:12:{t:06.3f} -> temp={heat:.2f} pos={x:.3f} I=-{i:.3f}" for t, heat, x, i in rows]
+    key = put(desk, "\n".join(["Boot v1.3 SMA rig", *lines]), "monitor.txt")
+    found = table({"key": key}, desk)
+    assert [(one["heading"], one["name"], one["wrong"]) for one in found["columns"]] == [
+        ("time", "time", 0),
+        ("temp", "temperature", 0),
+        ("pos", "position", 0),
+        ("I", "current", 0),
+    ]
+    named = [{"at": at, "name": one["name"], "unit": one["unit"]} for at, one in enumerate(found["columns"])]
+    read = records({"key": key, "columns": named}, desk)
+    assert read["end"] - read["begin"] == pytest.approx(2.9)
+
+
+def test_a_column_takes_a_factor(desk: Desk) -> None:
+    """A sensor of 2 mm per volt: a reading of 1.5 V is 3 mm."""
+    lines = "".join(f"{k},{0.5 * k}\n" for k in range(10))
+    key = put(desk, f"Time (s),CH2 (V)\n{lines}")
+    named = columns((0, "time", "s"), (1, "position", "mm"))
+    named[1]["factor"] = 2.0
+    (position,) = records({"key": key, "columns": named}, desk)["columns"]
+    assert position["values"][3] == pytest.approx(3e-3)
+    named[1]["factor"] = 0.0
+    with pytest.raises(InputError, match="The factor of `position` is 0"):
+        records({"key": key, "columns": named}, desk)
+
+
 def test_rows_that_cannot_be_read_are_left_out_if_asked(desk: Desk) -> None:
     rows = "".join(f"{k},{20 + k}\n" for k in range(10))
     request = {

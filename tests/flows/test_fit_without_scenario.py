@@ -11,6 +11,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 from shlex import split
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from command import Command
 from rig_cases import draw_rig
 
 from martensite.base.errors import DataError, UnknownNameError
+from martensite.fit import cross_validation
 from martensite.fit.cross_validation import HeldOutError, pool_errors
 from martensite.fit.experiment_kinds.base import list_kinds, propose_scenarios, recognise_experiment
 from martensite.fit.experiment_kinds.values import make_pulses, make_record
@@ -147,6 +149,15 @@ def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: 
     command[command.index("--free") + 1] = "A_f"
     again = json.loads(FIT(*command[2:], "--hold-out", "none", "--json").stdout)
     assert again["scores"][0]["fit_percent"] > 85.0
+
+
+@pytest.mark.parametrize(("cycles", "kept"), [(1, False), (3, True)])
+def test_the_held_out_tail_of_a_log_contains_no_whole_transformation(cycles: int, kept: bool) -> None:
+    """One cycle cools in its last third: a model cannot learn A from heating alone and predict M."""
+    times = np.linspace(0.0, 1.0, 301)
+    strain = 1.0 - np.interp((times * cycles) % 1.0, [0.0, 0.5, 0.7, 0.95, 1.0], [0.0, 1.0, 1.0, 0.0, 0.0])
+    log = SimpleNamespace(times=times, measured=strain[:, None])
+    assert cross_validation._shows_both_ways(log) is kept  # pyright: ignore[reportPrivateUsage]
 
 
 def test_options_of_a_scenario_are_refused_without_one(rig_logs: list[str]) -> None:

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { dropMarks } from "../src/lib/refusal.ts";
 import { difference, digits, readComma, toShown } from "../src/lib/numbers.ts";
 
 test("numbers have so many digits, and no tail of zeros", () => {
@@ -26,4 +27,13 @@ test("a decimal comma is a point, one between thousands is left to be refused", 
   for (const [typed, read] of [["0,2", "0.2"], ["0,381 mm", "0.381 mm"], ["-1,5e-3", "-1.5e-3"], [",5", ".5"], ["1000,25", "1000.25"], ["0.2", "0.2"]] as const)
     assert.equal(readComma(typed), read);
   for (const typed of ["1,000", "1,000,000 Pa", "1,000.5"]) assert.equal(readComma(typed), typed);
+});
+
+test("a page shows no options of the command line and no marks", () => {
+  const told = [
+    ["Name the columns (`--as`), or write a scenario (--scenario).", "Name the columns, or write a scenario."],
+    ["Name one, for example `stress[MPa]` (`--as 3=stress[MPa]`; in Python `named={\"3\": \"stress[MPa]\"}`).", "Name one, for example stress[MPa]."],
+    ["Loss of heat (natural) of `wire`.", "Loss of heat (natural) of wire."],
+  ];
+  for (const [sentence, shown] of told) assert.equal(dropMarks(sentence!), shown);
 });

@@ -101,7 +101,10 @@ class UploadFolder:
 
     def _check_size(self, size: int) -> None:
         if size > MOST_BYTES:
-            raise Refusal(f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out first.", 413)
+            raise Refusal(
+                f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out, or fit it on the command line.",
+                413,
+            )
         if self.taken > MOST_IN_ALL:
             raise Refusal(
                 f"All files uploaded since the bench began have more than {MOST_IN_ALL // 2**20:,} MiB together; "

@@ -15,6 +15,7 @@ import numpy as np
 
 from martensite.fit.baselines import predict_naively
 from martensite.fit.descents import INTERRUPTED, OUT_OF_TIME
+from martensite.fit.experiment import Experiment
 from martensite.fit.experiment_kinds.base import AbstractExperimentKind
 from martensite.fit.fit import ComparedOutput, Fit, list_compared
 from martensite.fit.logs import ALL, AUTO, EACH, NONE, PARTS, choose_held_out
@@ -114,13 +115,26 @@ def list_folds(problem: Problem, kind: AbstractExperimentKind, hold_out: str = A
     if hold_out == EACH or (hold_out == AUTO and len(names) >= (3 if kind.axis else 2)):
         for name in names:
             yield _leave_out(problem, {name: ALL})
-    elif hold_out == AUTO and not kind.own_zero:
+    elif hold_out == AUTO and not kind.own_zero and _shows_both_ways(one):
         yield _leave_out(problem, {one.name: ((one.times[-1] - TAIL * (one.times[-1] - one.times[0]), math.inf),)})
     else:
         rows = [one.times.tolist() for one in problem.experiments]
         places = [measure_places(one) for one in problem.experiments]
         rule = PARTS if hold_out == AUTO else hold_out
         yield _leave_out(problem, dict(zip(names, choose_held_out(rule, names, rows, places), strict=True)))
+
+
+def _shows_both_ways(one: Experiment) -> bool:
+    """Return whether the first output rises and falls by half its range before the tail: both transformations."""
+    shown = one.measured[:, 0]
+    known = np.isfinite(shown)
+    before = shown[known & (one.times < one.times[-1] - TAIL * (one.times[-1] - one.times[0]))]
+    if not before.size:
+        return False
+    half = 0.5 * float(np.ptp(shown[known]))
+    rise = float(np.max(before - np.minimum.accumulate(before)))
+    fall = float(np.max(np.maximum.accumulate(before) - before))
+    return min(rise, fall) >= half
 
 
 def _leave_out(problem: Problem, held: Mapping[str, Any]) -> Problem:

@@ -351,6 +351,7 @@ def _explain_unknown(raw: RawTable, meant: list[Meaning]) -> str:
         )
     free = next((k for k in numbered if meant[k].name != "time"), numbered[0])
     return (
-        f"`{raw.name}`: what its columns are cannot be told from headings or values: column {', '.join(ranges)}. "
-        f'Say it, for example `--as {free + 1}=stress[MPa]` (in Python `named={{"{free + 1}": "stress[MPa]"}}`).'
+        f"`{raw.name}`: neither headings nor values tell what the columns are: column {', '.join(ranges)}. "
+        f"Name one, for example `stress[MPa]` (`--as {free + 1}=stress[MPa]`; in Python "
+        f'`named={{"{free + 1}": "stress[MPa]"}}`).'
     )

@@ -18,6 +18,7 @@ LONGEST = 2000
 """Largest length of a line that is searched for labels."""
 
 _SERIAL = re.compile(r"^(\d\d:\d\d:\d\d[.,:]\d+) -> ?")
+_CLOCK = re.compile(r"(\d\d:\d\d:\d\d[.,:]\d+)[\t;, ]")
 _LABEL = re.compile(
     r"\s*([A-Za-z_°][\w °/%.()\[\]-]*?)\s*[:=]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*([A-Za-z%°Ωµ]{0,6})\s*"
 )
@@ -60,9 +61,12 @@ def _split_clock(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 
 def _find_labels(line: str) -> list[tuple[str, str, str]]:
-    """Return the names, numbers and units of a line of labelled numbers; else empty."""
+    """Return the names, numbers and units of a line of labelled numbers, and its clock as `time`; else empty."""
     if len(line) > LONGEST:
         return []
+    if clock := _CLOCK.match(line):
+        labels = _find_labels(line[clock.end() :])
+        return [("time", clock[1], ""), *labels] if labels else []
     parts = [part for part in re.split(r"[,;\t]|\s{2,}|(?<=\d)\s+(?=[A-Za-z_]\w*\s*[:=])", line) if part.strip()]
     matches = [_LABEL.fullmatch(part) for part in parts]
     return [(m[1], m[2], m[3]) for m in matches if m is not None] if all(matches) else []

@@ -1,7 +1,7 @@
 // What each column of the file means: its name and unit, guessed from the heading, and its curve.
 
-import { digits } from "../lib/numbers.ts";
-import { put, state, table, type Column } from "./state.ts";
+import { digits, readComma } from "../lib/numbers.ts";
+import { proposeSoon, put, state, table, type Column } from "./state.ts";
 import type { TableColumn } from "./types.ts";
 
 const WIDTH = 120;
@@ -27,6 +27,7 @@ function Spark({ curve }: { curve: [number[], (number | null)[]] }) {
 }
 
 function change(at: number, patch: Partial<Column>): void {
+  proposeSoon();
   put({ columns: state.value.columns.map((one) => (one.at === at ? { ...one, ...patch, guessed: false } : one)), cuts: [], steps: [] });
 }
 
@@ -79,6 +80,24 @@ function Unit({ column, of }: { column: Column; of: TableColumn }) {
   );
 }
 
+/** What the numbers of a column are multiplied by: sensors give volts. */
+function Factor({ column, of }: { column: Column; of: TableColumn }) {
+  const set = (text: string): void => {
+    const factor = Number(readComma(text.trim() || "1"));
+    change(column.at, { factor: factor === 1 || !Number.isFinite(factor) ? null : factor });
+  };
+  return (
+    <input
+      size={5}
+      inputMode="decimal"
+      aria-label={`Factor of ${of.heading || `column ${column.at + 1}`}`}
+      disabled={!column.name || column.unit === "clock"}
+      value={String(column.factor ?? 1)}
+      onChange={(event) => set(event.currentTarget.value)}
+    />
+  );
+}
+
 function Content({ of }: { of: TableColumn }) {
   return (
     <>
@@ -103,7 +122,7 @@ export function ColumnRows() {
         <caption>Meaning and unit of each column</caption>
         <thead>
           <tr>
-            {["heading in the file", "means", "unit", "known by", "numbers as written", "curve"].map((name, k) => (
+            {["heading in the file", "means", "times", "unit", "known by", "numbers as written", "curve"].map((name, k) => (
               <th key={k} scope="col">
                 {name}
               </th>
@@ -119,6 +138,9 @@ export function ColumnRows() {
                   <th scope="row">{of.heading || `column ${column.at + 1}`}</th>
                   <td>
                     <Meaning column={column} of={of} />
+                  </td>
+                  <td>
+                    <Factor column={column} of={of} />
                   </td>
                   <td>
                     <Unit column={column} of={of} />

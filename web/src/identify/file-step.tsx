@@ -7,7 +7,7 @@ import { ColumnRows } from "./columns.tsx";
 import { NumberField, SECONDS } from "./number.tsx";
 import { LogList } from "./log-list.tsx";
 import { Said } from "./said.tsx";
-import { addFiles, fitProposed, goTo, isRunning, logs, put, readTable, state, table, takeFile } from "./state.ts";
+import { addFiles, fitProposed, goTo, isRunning, logs, put, readTable, state, table, takeFile, understood } from "./state.ts";
 
 const KINDS = ".csv,.txt,.tsv,.dat,.asc,.lvm,.xlsx,.mat,.nc,.parquet,.tdms,.mcap,.gz";
 const LOADS = [50, 100, 172, 200];
@@ -28,7 +28,7 @@ function Drop() {
     >
       <label>
         <strong>{state.value.file ? "Drop a log here to add it, or choose files" : "Drop logs here, or choose files"}</strong>
-        <span class="small soft">A table over time or a loop without times: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. The file stays on this machine.</span>
+        <span class="small soft">A table over time or a loop without times: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB; the command line reads larger files. The file stays on this machine.</span>
         <input type="file" multiple accept={KINDS} onChange={(event) => take(event.currentTarget.files)} />
       </label>
     </div>
@@ -116,6 +116,7 @@ export function FileStep() {
   const { file, columns } = state.value;
   const mapped = columns.some((one) => one.name);
   const found = table.value;
+  const { said, isKnown } = understood.value;
   return (
     <div class="stack">
       <Drop />
@@ -127,13 +128,13 @@ export function FileStep() {
           <h2>
             {file.name} <span class="soft small">{found.rows.toLocaleString("en")} rows</span>
           </h2>
-          {found.said && (
+          {said && (
             <p class="identify-said" role="status">
-              <Said>{found.said}</Said>
+              <Said>{said}</Said>
             </p>
           )}
           <div class="row">
-            <button type="button" class="main" disabled={!mapped || isRunning.value} onClick={() => void fitProposed()}>
+            <button type="button" class="main" disabled={!mapped || !isKnown || isRunning.value} onClick={() => void fitProposed()}>
               Fit a model to {logs.value.length > 1 ? `these ${logs.value.length} logs` : "it"}
             </button>
             <button type="button" disabled={!mapped} onClick={() => void goTo(1)}>

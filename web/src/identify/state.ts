@@ -15,6 +15,8 @@ export interface Column {
   at: number;
   name: string;
   unit: string;
+  /** The numbers of the file are multiplied by it, such as 2 for 2 mm per volt; null for 1. */
+  factor?: number | null;
   /** Whether name or unit are as guessed from the heading. */
   guessed: boolean;
 }
@@ -136,7 +138,7 @@ const asRequest = ({ file, separator, drop, interval, columns, steps, cuts, merg
   separator,
   drop,
   interval: columns.some((one) => one.name === "time") ? null : interval,
-  columns: columns.filter((one) => one.name).map(({ at, name, unit }) => ({ at, name, unit })),
+  columns: columns.filter((one) => one.name).map(({ at, name, unit, factor }) => ({ at, name, unit, ...(factor == null ? {} : { factor }) })),
   steps,
   cuts: cuts.map(({ name, from, to, every }) => ({ name, from, to, every })),
   merge,
@@ -326,6 +328,24 @@ export async function readProposal(): Promise<ProposalView | null> {
   if (found) proposal.value = found;
   return found;
 }
+
+let asking = 0;
+
+/** Look for a model of columns that the reader has changed, once the changes pause. */
+export function proposeSoon(): void {
+  proposal.value = null;
+  clearTimeout(asking);
+  asking = window.setTimeout(() => void readProposal(), 400);
+}
+
+/** What the page takes the logs for, and whether a model can be fitted. */
+export const understood = computed(() => {
+  const [found, now] = [table.value, proposal.value];
+  const isOwn = state.value.columns.some((one) => one.name && !one.guessed);
+  if (now) return { said: now.refused || now.said, isKnown: !now.refused };
+  if (isOwn) return { said: "", isKnown: false };
+  return { said: found?.said ?? "", isKnown: (found?.recognised ?? false) || logs.value.length > 1 };
+});
 
 /** The proposal with the fewest free numbers. */
 export const simplest = (of: ProposalView): ProposedModel | undefined => [...of.models].sort((a, b) => a.free.length - b.free.length)[0];

@@ -25,6 +25,8 @@ export interface TableView {
   name: string;
   /** How the file is written, what its columns are, what was left out, in one sentence. */
   said: string;
+  /** Whether its columns are those of a known experiment. */
+  recognised: boolean;
   rows: number;
   separator: string;
   headed: boolean;

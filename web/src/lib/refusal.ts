@@ -14,8 +14,14 @@ const SECTION = /^\[[^\]]*\] /;
 const NAMED = /^Parameter `?([^` ]+)`? of `?([^` ]+)`? /;
 const beginUpper = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
-/** A sentence of the library without the marks of names, which a page does not need. */
-export const dropMarks = (sentence: string): string => sentence.replaceAll("`", "");
+/** Options of the command line stand in parentheses at the end of a clause. */
+const OPTION = / \(`?--(?:`[^`]*`|[^)])*\)/g;
+
+/** A sentence of the library without options of the command line. */
+export const dropOptions = (sentence: string): string => sentence.replace(OPTION, "");
+
+/** A sentence of the library without the marks of names and options, which a page does not need. */
+export const dropMarks = (sentence: string): string => dropOptions(sentence).replaceAll("`", "");
 
 /** A refusal of the library for who sees a form, not a file: without the place in the text of the scenario. */
 export const tellRefusal = (sentence: string): string => {

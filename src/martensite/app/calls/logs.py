@@ -9,7 +9,7 @@ from pathlib import Path
 from martensite.app.documents import describe_scenarios, list_following
 from martensite.app.identify.fit_request import build_scenario, list_rows
 from martensite.app.identify.followed_columns import describe_drives, follow_column
-from martensite.app.identify.log_kinds import describe_proposal, describe_reading, propose_models
+from martensite.app.identify.log_kinds import describe_proposal, describe_reading, find_experiment, propose_models
 from martensite.app.identify.log_overlay import draw_overlay, interpolate_within
 from martensite.app.identify.mapped_table import describe_cuts, prepare_log, read_file, read_records
 from martensite.app.messages import JsonTable, Request, require_entry
@@ -63,8 +63,8 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     """Return the content of an uploaded table, and the possible meanings of its columns.
 
     {"key": …, "separator": "auto"}
-    -> {"name", "said", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit, min, max,
-    missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
+    -> {"name", "said", "recognised", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name,
+    unit, min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
 
     Cells are text. Numbers of columns are in the unit of the file.
     """
@@ -77,6 +77,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     return {
         "name": raw.name,
         "said": describe_reading(file, file.has_time) if file else "",
+        "recognised": file is not None and find_experiment([file.record]) is not None,
         "rows": raw.rows,
         "separator": raw.separator,
         "headed": raw.headed,

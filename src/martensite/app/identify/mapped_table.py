@@ -1,6 +1,7 @@
 """An uploaded table with the meaning of its columns: a record, cut into records.
 
-"columns": [{"at": 0, "name": "time", "unit": "s"}, …]   other columns are ignored
+"columns": [{"at": 0, "name": "time", "unit": "s", "factor": null}, …]   other columns are ignored; the numbers are
+    multiplied by the factor: a 2 mm per volt sensor has the unit mm and the factor 2
 "interval": 0.1      time between rows [s] without a time column; default 1 s
 "drop": true         non-numeric cells of these columns are missing values; else they are refused
 "steps": [{"kind": "median", …}]   preparation, as in `identify.preparation`
@@ -30,6 +31,8 @@ from martensite.signals.records import Record
 FEWEST_ROWS = 8
 """Smallest number of rows of a record for a fit."""
 MOST_RECORDS = 40
+MappedColumn = tuple[int, str, str, float | None]
+"""Place, name, unit and factor of a column."""
 
 
 def read_file(request: Request, desk: Desk) -> LabFile:
@@ -137,24 +140,32 @@ def _read_cuts(request: Request) -> list[JsonTable]:
     return cuts
 
 
-def _read_columns(request: Request) -> list[tuple[int, str, str]]:
+def _read_columns(request: Request) -> list[MappedColumn]:
     tables = [require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
     columns = [
-        (require_entry(x, "at", int), require_entry(x, "name", str).strip(), require_entry(x, "unit", str, "").strip())
+        (
+            require_entry(x, "at", int),
+            require_entry(x, "name", str).strip(),
+            require_entry(x, "unit", str, "").strip(),
+            read_optional(x, "factor", float),
+        )
         for x in tables
     ]
     if not columns:
         raise DataError("No column is used. Choose the meaning of at least two columns.")
+    wrong = next((name for _, name, _, factor in columns if factor == 0.0), None)
+    if wrong is not None:
+        raise DataError(f"The factor of `{wrong}` is 0. Give another number, for example the millimetres per volt.")
     return columns
 
 
 @lru_cache(maxsize=8)
 def _read_file(
-    path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool, separator: str
+    path: Path, columns: tuple[MappedColumn, ...], interval: float | None, drop: bool, separator: str
 ) -> LabFile:
     """Return a recorded file, cached."""
     raw = read_raw(path, separator)
-    headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
+    headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit, _ in columns}
     wrong = next((at for at in headings if not 0 <= at < len(raw.columns)), None)
     if wrong is not None:
         raise DataError(f"There is no column {wrong + 1}; the file has {len(raw.columns)}.")
@@ -165,10 +176,12 @@ def _read_file(
             raise DataError(f"`{path.name}`, row {row}, column `{column.name}`: `{text}` is not a number.")
     # an unchanged guess by values can be corrected by values
     guessed = {at: (one.name, one.unit) for at, one in enumerate(guess_meanings(raw, {}))}
-    table = {at: (name, unit) for at, name, unit in columns}
+    table = {at: (name, unit) for at, name, unit, _ in columns}
     named = {
         str(at + 1): headings.get(at, IGNORED) for at in range(len(raw.columns)) if table.get(at) != guessed.get(at)
     }
+    factors = {at: factor for at, _, _, factor in columns if factor is not None}
+    named |= {str(at + 1): f"{headings[at]}*{factor!r}" for at, factor in factors.items()}
     file = interpret_table(raw, path, named)
     return file if file.has_time else file.with_interval(interval or ASSUMED_INTERVAL)
 
