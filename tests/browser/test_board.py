@@ -39,3 +39,12 @@ def test_a_board_is_watched_armed_by_a_word_and_stopped(page: Page) -> None:
     assert "# scenario: " in text and "duty" in text and ",0.3" in text
     page.get_by_role("button", name="Open in Identify").click()
     expect(page.get_by_role("heading", name=re.compile("log_uno.csv"))).to_be_visible()
+
+
+@pytest.mark.skipif(find_missing() == "", reason="all tools of the emulator are installed")
+def test_an_emulator_without_its_tools_is_disabled_with_the_reason(page: Page) -> None:
+    page.evaluate("location.hash = '#/board'")
+    expect(page.get_by_text(find_missing())).to_be_visible()
+    emulator = page.get_by_label("Port").get_by_role("option", name=re.compile("emulator"))
+    expect(emulator).to_have_attribute("disabled", "")
+    expect(page.get_by_role("button", name="Dry run")).to_be_disabled()

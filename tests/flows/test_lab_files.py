@@ -204,7 +204,10 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     "back.csv": (f"time [s],T [degC]\n{ROWS}5,22\n6,23\n", "time runs backwards at row 22"),
     "one.csv": ("".join(f"{math.sin(k):.4f}\n" for k in range(30)), r"neither headings nor values.*--as 1="),
     "gaps.csv": ("time [s],T [degC]\n" + "0,NaN\n1,NaN\n2,\n", "holds no numbers but its times"),
-    "two.csv": ("".join(f"{math.sin(k):.4f};{math.cos(3 * k):.4f}\n" for k in range(30)), r"neither headings nor values.*--as 1="),
+    "two.csv": (
+        "".join(f"{math.sin(k):.4f};{math.cos(3 * k):.4f}\n" for k in range(30)),
+        r"neither headings nor values.*--as 1=",
+    ),
     "gone.csv": ("a\n", "no file"),
     "statistics.csv": (STATISTICS, "has 46 rows with several numbers, but only 6 of them, rows 2 to 7"),
 }

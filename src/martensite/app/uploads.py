@@ -102,8 +102,7 @@ class UploadFolder:
     def _check_size(self, size: int) -> None:
         if size > MOST_BYTES:
             raise Refusal(
-                f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out, or fit it on the command line.",
-                413,
+                f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out, or fit it on the command line.", 413
             )
         if self.taken > MOST_IN_ALL:
             raise Refusal(

@@ -3,7 +3,7 @@
 import { take } from "../lib/api.ts";
 import { text as onBench } from "../state/scenario.ts";
 import {
-  ARM, beginRun, BENCH, board, busy, calibration, document, duration, fetchFirmware, isRunning, kind, known, levels, port, readCalibration, scenario, word,
+  ARM, beginRun, BENCH, board, busy, calibration, document, duration, fetchFirmware, isRunning, kind, known, levels, port, readCalibration, scenario, unusable, word,
 } from "./state.ts";
 
 function Board() {
@@ -26,7 +26,7 @@ function Board() {
         Port
         <select value={port.value} onChange={(event) => (port.value = event.currentTarget.value)}>
           <option value={there?.emulator} disabled={!emulated || Boolean(there?.missing)}>
-            emulator{emulated ? "" : " (none for this board)"}
+            emulator{!emulated ? " (none for this board)" : there?.missing ? " (tools are missing)" : ""}
           </option>
           {there?.ports?.map((one) => (
             <option key={one.name} value={one.name}>
@@ -35,8 +35,8 @@ function Board() {
           ))}
         </select>
       </label>
-      {there?.missing && <p class="small soft">{there.missing}</p>}
-      {port.value === there?.emulator ? (
+      {unusable.value && <p class="small">{unusable.value}</p>}
+      {unusable.value ? null : port.value === there?.emulator ? (
         <p class="small soft">The processor is emulated and its wire simulated: nothing real is heated.</p>
       ) : (
         <Calibration />
@@ -51,7 +51,7 @@ function Calibration() {
     <label class="board-field">
       Calibration
       <input type="file" accept=".json" onChange={(event) => void readCalibration(event.currentTarget.files?.[0])} />
-      <span class="small soft">{calibration.value?.name ?? "calibration.json of `martensite hardware calibrate`; without it, the gains of the wiring list are taken as they are."}</span>
+      <span class="small soft">{calibration.value?.name ?? "calibration.json of a calibrated board; without it, the nominal gains of the wiring list are used."}</span>
     </label>
   );
 }
@@ -121,7 +121,7 @@ function Arming() {
       <p class="small soft">
         {typed && !heats ? `“${typed}” is not the word ARM.` : heats ? "The board will be armed, and disarmed when the run ends." : "Without the word this is a dry run: the board reports, and nothing is heated."}
       </p>
-      <button type="button" class="main" disabled={isRunning.value || !document.value || (typed !== "" && !heats)} onClick={() => void beginRun()}>
+      <button type="button" class="main" disabled={isRunning.value || unusable.value !== "" || !document.value || (typed !== "" && !heats)} onClick={() => void beginRun()}>
         {heats ? "Arm and run" : "Dry run"}
       </button>
     </fieldset>

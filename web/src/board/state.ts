@@ -64,10 +64,20 @@ export const columns = computed((): Columns => {
   return found;
 });
 
+/** Why the chosen board cannot run at the chosen port; empty if it can. */
+export const unusable = computed(() => {
+  const there = known.value;
+  if (!there || port.value !== there.emulator) return "";
+  if (!there.boards?.find((one) => one.name === board.value)?.emulated) return "This board has no emulator. Connect the board and choose its port.";
+  return there.missing ? `${there.missing} Install these packages, or connect a board and choose its port.` : "";
+});
+
 export async function readBoards(): Promise<void> {
   try {
     known.value = await call<Boards>("boards", {}, "boards");
     refused.value = "";
+    const first = known.value.ports?.[0];
+    if (unusable.value && first) port.value = first.name;
   } catch (error) {
     refused.value = sentence(error);
   }

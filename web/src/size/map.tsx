@@ -49,6 +49,9 @@ function Cells({ cells, axes }: { cells: Cell[]; axes: Axes }) {
   const [w, h] = [WIDE / axes.forces.length, HIGH / axes.strokes.length];
   return (
     <>
+      {axes.forces.map((_, column) =>
+        axes.strokes.map((_, row) => <rect key={`${column} ${row}`} class="map-field" x={LEFT + column * w} y={TOP + row * h} width={w - 1} height={h - 1} />),
+      )}
       {cells.map((cell) => {
         const [x, y] = [LEFT + cell.column * w, TOP + HIGH - (cell.row + 1) * h];
         const kind = !cell.best ? "none" : cell.robust ? "robust" : "frail";
@@ -156,7 +159,7 @@ export function WishMap() {
           </p>
         </>
       ) : (
-        !busy && <Message kind="note">The map simulates 63 pairs of force and stroke around the request, starting at the request. It takes one to two minutes.</Message>
+        !busy && <Message kind="note">The map simulates 45 pairs of force and stroke around the request, starting at the request. It takes about 20 s of computing time.</Message>
       )}
     </section>
   );

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -12,11 +13,13 @@ from martensite.app.messages import JsonTable, Request
 from martensite.app.worker import Desk
 from martensite.design.sizing.candidates import Candidate, judge_candidate, list_sizes, rank_candidates
 from martensite.design.sizing.request import WireRequest
-from martensite.physics.materials.wires import WireCatalogue, load_wires
+from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
 
 SPAN = 4.0
 """Largest ratio of forces and strokes to the request."""
-FORCES, STROKES = 9, 7
+FORCES, STROKES = 9, 5
+TOO_SLOW = 1.5
+"""Return time of a wire that is not simulated again, in periods."""
 
 
 def list_levels(middle: float, count: int) -> list[float]:
@@ -30,6 +33,36 @@ def list_cells() -> list[tuple[int, int]]:
     return sorted(product(range(FORCES), range(STROKES)), key=lambda cell: math.dist(cell, middle))
 
 
+@dataclass
+class _Jury:
+    """Judge of all wires, which uses the results of earlier cells.
+
+    Force and stroke hardly change the current of a strand and its time of return: the current is the next guess, and a
+    wire that is far too slow is not simulated again.
+    """
+
+    catalogue: WireCatalogue
+    currents: dict[tuple[str, str], float] = field(default_factory=dict[tuple[str, str], float])
+    slow: dict[tuple[str, str], Candidate] = field(default_factory=dict[tuple[str, str], Candidate])
+
+    def judge_all(self, asked: WireRequest) -> Iterator[Candidate]:
+        """Yield every size and alloy, judged."""
+        for alloy in asked.alloys():
+            for size in list_sizes(asked, self.catalogue):
+                yield self._judge(asked, size, alloy)
+
+    def _judge(self, asked: WireRequest, size: WireSize, alloy: str) -> Candidate:
+        key = size.name, alloy
+        if key in self.slow:
+            return self.slow[key]
+        found = judge_candidate(asked, size, alloy, self.currents.get(key))
+        if found.cycle is not None:
+            self.currents[key] = found.cycle.current
+            if found.cycle.cooling is None or found.cycle.cooling > TOO_SLOW * asked.period:
+                self.slow[key] = found
+        return found
+
+
 def map_wishes(request: Request, desk: Desk) -> JsonTable:
     """Assess all wires for forces and strokes around a request. Long work; after a stop it returns the finished cells.
 
@@ -41,19 +74,20 @@ def map_wishes(request: Request, desk: Desk) -> JsonTable:
     forces, strokes = list_levels(wish.force, FORCES), list_levels(wish.stroke, STROKES)
     places = list_cells()
     entries: list[JsonTable] = []
+    jury = _Jury(catalogue)
     desk.tell({"done": 0, "of": len(places), "cell": None, "forces": forces, "strokes": strokes})
     for column, row in places:
         if desk.stop.is_set():
             break
         asked = wish.with_values({"force": forces[column], "stroke": strokes[row]})
-        entries.append({"column": column, "row": row, **_describe_cell(asked, catalogue)})
+        entries.append({"column": column, "row": row, **_describe_cell(asked, jury)})
         desk.tell({"done": len(entries), "of": len(places), "cell": entries[-1], "forces": forces, "strokes": strokes})
     return {"asked": read_fields(request), "forces": forces, "strokes": strokes, "cells": entries, "of": len(places)}
 
 
-def _describe_cell(asked: WireRequest, catalogue: WireCatalogue) -> JsonTable:
+def _describe_cell(asked: WireRequest, jury: _Jury) -> JsonTable:
     """Return the numbers of feasible and robust wires, the best wire, or the reason against the nearest."""
-    candidates = sorted(_judge_all(asked, catalogue), key=rank_candidates)
+    candidates = sorted(jury.judge_all(asked), key=rank_candidates)
     good = [one for one in candidates if one.feasible]
     return {
         "does": len(good),
@@ -61,11 +95,6 @@ def _describe_cell(asked: WireRequest, catalogue: WireCatalogue) -> JsonTable:
         "best": _name_candidate(good[0]) if good else None,
         "reason": "" if good else f"{candidates[0].size.name}, {candidates[0].alloy} °C: {candidates[0].reasons[0]}",
     }
-
-
-def _judge_all(asked: WireRequest, catalogue: WireCatalogue) -> Iterator[Candidate]:
-    sizes = list_sizes(asked, catalogue)
-    return (judge_candidate(asked, size, alloy) for alloy in asked.alloys() for size in sizes)
 
 
 def _name_candidate(found: Candidate) -> dict[str, Any]:

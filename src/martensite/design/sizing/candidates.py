@@ -16,7 +16,14 @@ from typing import Any
 from martensite.actuators.assembly import System
 from martensite.control.faults.plant import Multiplied
 from martensite.design.sizing import remarks
-from martensite.design.sizing.cycle import PulseCycle, find_current, find_reach_time, repeat_pulse, simulate_cycle
+from martensite.design.sizing.cycle import (
+    FIRST_FACTOR,
+    PulseCycle,
+    find_current,
+    find_reach_time,
+    repeat_pulse,
+    simulate_cycle,
+)
 from martensite.design.sizing.request import ALLOYS, LIFE_STRESS, WireRequest, Wiring, choose_wiring
 from martensite.design.sizing.statics import HEAVIER, CoilStrand, Statics, compute_statics, list_alloy_numbers
 from martensite.physics.materials.base import DOUBTFUL
@@ -28,6 +35,8 @@ HASTE = 0.05
 """Shortest first pulse, as a fraction of the thermal time constant."""
 SPARE = 1.02
 """Margin on the cooling time for a shortened pulse."""
+CLOSE = 1.015
+"""Factor between a good guess of a current and its bounds."""
 SHORTEST = 0.02
 """Shortest pulse, as a fraction of the period."""
 WARMER = 10.0
@@ -188,11 +197,11 @@ def rank_candidates(candidate: Candidate) -> tuple[float, ...]:
     return 1.0, 0.0, math.inf if cooling is None else cooling, length
 
 
-def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candidate:
-    """Return a size and alloy judged for a request."""
+def judge_candidate(request: WireRequest, size: WireSize, alloy: str, guess: float | None = None) -> Candidate:
+    """Return a size and alloy judged for a request; `guess` is the approximate current of a strand [A], if known."""
     static = compute_statics(request, size, alloy)
     hopeless = [*remarks.list_static_reasons(request, static)]
-    wiring, driven = (None, None) if hopeless else _find_drive(request, static)
+    wiring, driven = (None, None) if hopeless else _find_drive(request, static, guess)
     limits = list_alloy_numbers(alloy)
     hot = static.strand.steady_current(limits["temperature_limit"])
     reasons = tuple(hopeless or remarks.list_reasons(request, static, wiring, driven, limits))
@@ -212,13 +221,13 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
     )
 
 
-def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCycle | None]:
+def _find_drive(request: WireRequest, static: Statics, guess: float | None) -> tuple[Wiring, PulseCycle | None]:
     """Return the wiring and the cycle of one strand; no cycle if the supply is too weak."""
     system = static.strand.system(static.mechanism(request.stroke, static.count))
     slowness = static.strand.time_constant()
     longest = max(PULSE, min(0.25 * request.period, 0.5 * slowness)) if request.element == "coil" else PULSE
     first = min(longest, max(0.5 * request.period, HASTE * slowness))
-    wiring, cycle = _find_pulse(request, static, system, first)
+    wiring, cycle = _find_pulse(request, static, system, first, guess)
     if cycle is not None and cycle.cooling is not None:
         left = request.period - SPARE * cycle.cooling
         if cycle.heating > left >= SHORTEST * request.period:
@@ -230,11 +239,12 @@ def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCyc
 
 
 def _find_pulse(
-    request: WireRequest, static: Statics, system: System, heating: float
+    request: WireRequest, static: Statics, system: System, heating: float, guess: float | None = None
 ) -> tuple[Wiring, PulseCycle | None]:
     """Return wiring and cycle for a heating time [s], or for the shortest time that the supply allows."""
     strand, count = static.strand, static.count
-    needed = find_current(system, request.stroke, heating, strand.size.current.value)
+    near = (strand.size.current.value, FIRST_FACTOR) if guess is None else (CLOSE * guess, CLOSE**2)
+    needed = find_current(system, request.stroke, heating, *near)
     wiring = choose_wiring(request, count, strand.resistance, needed or math.inf)
     current = min(needed or math.inf, wiring.most(request))
     if current != needed:

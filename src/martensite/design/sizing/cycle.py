@@ -32,6 +32,8 @@ RUNNING = 4
 TOLERANCE = 4e-4
 """Relative tolerance of a current; the result is within twice of it and reaches the stroke."""
 WIDENINGS = 12
+FIRST_FACTOR = 2.0
+"""Factor between the bounds of a current."""
 WINDOWS = (6.0, 16.0)
 """First and last time of the search for the return, in time constants."""
 
@@ -73,21 +75,24 @@ def simulate_pulse(system: System, current: float, time: float) -> float:
     return run.find_range("position")[1] if left else float(run["position"][-1])
 
 
-def find_current(system: System, position: float, time: float, guess: float) -> float | None:
+def find_current(
+    system: System, position: float, time: float, guess: float, factor: float = FIRST_FACTOR
+) -> float | None:
     """Return the smallest constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
 
-    It is None if no current up to some thousand times `guess` [A] suffices.
+    It is None if no current up to some thousand times `guess` [A] suffices. The search begins between the guess and the
+    guess divided by `factor`.
     """
     high = guess
     for _ in range(WIDENINGS):
         if simulate_pulse(system, high, time) >= position:
             break
-        high *= 2.0
+        high, factor = high * factor, FIRST_FACTOR
     else:
         return None
-    low = 0.5 * high
+    low = high / factor
     while simulate_pulse(system, low, time) >= position:
-        high, low = low, 0.5 * low
+        high, low = low, low / FIRST_FACTOR
     ends = math.log(low), math.log(high)
     root = find_root(lambda x: simulate_pulse(system, math.exp(x), time) - position, *ends, TOLERANCE)
     return math.exp(root + TOLERANCE)
