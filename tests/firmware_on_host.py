@@ -41,6 +41,10 @@ float board_channel(uint8_t channel) {
     }
     return levels[channel];
 }
+uint8_t board_pulse_channel(uint8_t channel, uint8_t drive, float *steps) {
+    *steps = board_channel(channel);
+    return duties[drive] > 0.0f ? BOARD_PULSE : BOARD_OPEN;
+}
 void board_guard(void) {}
 void board_feed(void) {}
 uint8_t board_reset_cause(void) { return 1; }

@@ -33,6 +33,7 @@ static uint16_t sent;
 static float settings[APP_SETTINGS - APP_FIXED]; /* set by the host; all others are constants in flash */
 static float inputs[loop_INPUTS > 0 ? loop_INPUTS : 1];
 static float channels[APP_CHANNELS];
+static uint16_t in_pulse; /* bit i: channel i was read while its switch was closed */
 static float outputs[loop_OUTPUTS > 0 ? loop_OUTPUTS : 1];
 static float ages[APP_READINGS > 0 ? APP_READINGS : 1];
 static float signals[APP_DRIVES], delivered[APP_DRIVES]; /* as wanted, and as the timer can */
@@ -194,10 +195,27 @@ static void disarm(uint8_t reason) {
 
 /* ------------------------------------------------------------------------------- a sample */
 
+/* A channel in SI. Those that a switch interrupts are read while it is closed; then the bit of the channel is set. */
+static void read_channel(uint8_t i) {
+    const uint8_t drive = APP_PULSED(i);
+    const uint16_t bit = (uint16_t)(1u << i);
+    uint8_t found = BOARD_OPEN;
+    float steps = 0.0f;
+    if (drive == APP_STEADY) {
+        steps = board_channel(i);
+    } else {
+        found = board_pulse_channel(i, drive, &steps);
+    }
+    in_pulse = (uint16_t)(found == BOARD_PULSE ? in_pulse | bit : in_pulse & ~(unsigned)bit);
+    if (found != BOARD_SHORT) {
+        channels[i] = setting(APP_GAIN(i)) * (steps - setting(APP_OFFSET(i)));
+    }
+}
+
 /* Channels in SI, and readings by them; a reading that cannot be made grows old. */
 static void read_all(void) {
     for (uint8_t i = 0; i < APP_CHANNELS; ++i) {
-        channels[i] = setting(APP_GAIN(i)) * (board_channel(i) - setting(APP_OFFSET(i)));
+        read_channel(i);
     }
     if (flags & FLAG_EMULATED) {
         return; /* the host sends the readings */
@@ -208,7 +226,8 @@ static void read_all(void) {
         uint8_t fresh = 1;
         if (one.kind == APP_RATIO) {
             const float current = channels[one.other];
-            fresh = current >= setting(APP_LEAST_CURRENT);
+            const uint8_t both = (uint8_t)(in_pulse >> one.channel & in_pulse >> one.other & 1u);
+            fresh = both && current >= setting(APP_LEAST_CURRENT);
             x = fresh ? x / current : inputs[APP_READING(i)];
         }
         ages[i] = fresh ? 0.0f : ages[i] + 1e-6f * (float)APP_PERIOD;

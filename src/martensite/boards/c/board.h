@@ -29,6 +29,13 @@ float board_drive(uint8_t drive, float duty);
 /* What a channel reads now: steps of a converter, or counts of an encoder. */
 float board_channel(uint8_t channel);
 
+/*
+ * What a channel reads while the switch of a drive is closed, APP_SETTLE_US after the switch closed or later. BOARD_OPEN
+ * if the switch is off: what the channel reads then. BOARD_SHORT if the pulse is too short: *steps stays.
+ */
+enum { BOARD_OPEN, BOARD_SHORT, BOARD_PULSE };
+uint8_t board_pulse_channel(uint8_t channel, uint8_t drive, float *steps);
+
 /* Start the watchdog; called once, after board_begin. */
 void board_guard(void);
 

@@ -7,7 +7,11 @@
 #include "board.h"
 #include "settings.h"
 
+#ifndef AT /* a test of this file has its own registers */
 #define AT(address) (*(volatile uint32_t *)(address))
+#define MASK_INTERRUPTS() __asm volatile("cpsid i")
+#define ALLOW_INTERRUPTS() __asm volatile("cpsie i")
+#endif
 #define RCC_AHB1ENR AT(0x40023830u)
 #define RCC_APB1ENR AT(0x40023840u)
 #define RCC_APB2ENR AT(0x40023844u)
@@ -25,6 +29,7 @@
 #define TIM3_CCMR1 AT(0x40000418u)
 #define TIM3_CCMR2 AT(0x4000041cu)
 #define TIM3_CCER AT(0x40000420u)
+#define TIM3_CNT AT(0x40000424u)
 #define TIM3_PSC AT(0x40000428u)
 #define TIM3_ARR AT(0x4000042cu)
 #define TIM3_CCR(k) AT(0x40000434u + 4u * (k))
@@ -32,6 +37,8 @@
 #define ADC_CR2 AT(0x40012008u)
 #define ADC_SMPR2 AT(0x40012010u)
 #define ADC_SQR3 AT(0x40012034u)
+#define ADC_DR AT(0x4001204cu)
+#define ADC_CCR AT(0x40012304u)
 #define SYST_CSR AT(0xe000e010u)
 #define SYST_RVR AT(0xe000e014u)
 #define SYST_CVR AT(0xe000e018u)
@@ -44,11 +51,15 @@ enum {
     CLOCK = 168000000, /* of the core */
     SLOW = CLOCK / 2,  /* of USART1 and of the timers */
     PER_MS = CLOCK / 1000,
-    PWM_STEPS = 1000,
+    PWM_DIVIDER = SLOW / APP_PWM_HZ / 65536u + 1u,
+    PWM_STEPS = SLOW / PWM_DIVIDER / APP_PWM_HZ, /* counts of a period; a pulse begins at 0 */
+    PWM_SETTLE = (SLOW / 1000000 * APP_SETTLE_US + PWM_DIVIDER - 1) / PWM_DIVIDER,
+    PWM_HOLD = (SLOW / 1000000 * APP_HOLD_US + PWM_DIVIDER - 1) / PWM_DIVIDER,
     KEPT = 256 /* bytes that wait to be sent; a power of 2 */
 };
 
 static volatile uint32_t milliseconds;
+static uint32_t pulses[4]; /* counts for which the switches are closed */
 static uint8_t waiting[KEPT];
 static uint16_t put, taken;
 static uint8_t received[KEPT];
@@ -63,10 +74,12 @@ void SysTick_Handler(void) {
     board_tick();
 }
 
+/* A byte, or an overrun (ORE) without one: reading the status and then the data clears both. */
 void USART1_IRQHandler(void) {
-    if (USART_SR & 0x20u) {
+    const uint32_t status = USART_SR;
+    const uint8_t byte = (uint8_t)USART_DR;
+    if (status & 0x20u) {
         const uint16_t next = (uint16_t)((got + 1u) % KEPT);
-        const uint8_t byte = (uint8_t)USART_DR;
         if (next != given) {
             received[got] = byte;
             got = next;
@@ -105,14 +118,15 @@ void board_begin(void) {
     GPIOA_AFRH = (GPIOA_AFRH & 0xfffff00fu) | 0x00000770u;
     GPIOB_MODER = (GPIOB_MODER & 0xfffffff0u) | 0xau;
     GPIOB_AFRL = (GPIOB_AFRL & 0xffffff00u) | 0x22u;
-    TIM3_PSC = SLOW / (PWM_STEPS * APP_PWM_HZ) - 1u;
+    TIM3_PSC = PWM_DIVIDER - 1u;
     TIM3_ARR = PWM_STEPS - 1u;
     TIM3_CCMR1 = TIM3_CCMR2 = 0x6868u; /* PWM mode 1, buffered */
     for (uint32_t k = 0; k < 4; ++k) TIM3_CCR(k) = 0;
     TIM3_CCER = 0x1111u;
     TIM3_EGR = 1u;
     TIM3_CR1 = 0x81u;
-    ADC_SMPR2 = 0x3ffffu; /* longest sampling */
+    ADC_CCR = 1u << 16;   /* 84 MHz / 4; at most 36 MHz are allowed */
+    ADC_SMPR2 = 0x24924u; /* 84 clocks of sampling for channels 0 to 5 */
     ADC_CR2 = 1u;
     USART_BRR = (SLOW + APP_BAUD / 2u) / APP_BAUD;
     USART_CR1 = 0x202cu; /* on, both ways, an interrupt for what comes */
@@ -156,15 +170,51 @@ void board_write(const uint8_t *bytes, uint16_t size) {
 
 float board_drive(uint8_t drive, float duty) {
     const uint32_t level = (uint32_t)(duty * (float)PWM_STEPS + 0.5f);
-    if (drive < 4) TIM3_CCR(drive) = level;
+    if (drive < 4) {
+        pulses[drive] = level;
+        TIM3_CCR(drive) = level;
+    }
     return (float)level / (float)PWM_STEPS;
 }
 
-float board_channel(uint8_t channel) {
+static void select_input(uint8_t channel) {
     static const uint8_t pins[APP_CHANNELS] = APP_CHANNEL_PINS;
     ADC_SQR3 = pins[channel];
-    ADC_CR2 |= 1u << 30;
-    for (uint32_t k = 0; k < 1000u && !(ADC_SR & 2u); ++k) {
+}
+
+static float finish_conversion(void) {
+    for (uint32_t k = 0; k < 10000u && !(ADC_SR & 2u); ++k) {
     }
-    return (float)AT(0x4001204cu);
+    return (float)ADC_DR;
+}
+
+float board_channel(uint8_t channel) {
+    select_input(channel);
+    ADC_CR2 |= 1u << 30;
+    return finish_conversion();
+}
+
+/* Start a conversion whose input is held within a pulse; 0 if two periods pass without. */
+static uint8_t convert_in_pulse(uint32_t pulse) {
+    const uint32_t begin = board_micros();
+    uint8_t inside = 0;
+    while (!inside && board_micros() - begin < 2000000u / APP_PWM_HZ + 10u) {
+        MASK_INTERRUPTS();
+        const uint32_t now = TIM3_CNT;
+        inside = now >= PWM_SETTLE && now + PWM_HOLD <= pulse;
+        if (inside) ADC_CR2 |= 1u << 30;
+        ALLOW_INTERRUPTS();
+    }
+    return inside;
+}
+
+uint8_t board_pulse_channel(uint8_t channel, uint8_t drive, float *steps) {
+    if (pulses[drive] == 0) {
+        *steps = board_channel(channel);
+        return BOARD_OPEN;
+    }
+    select_input(channel);
+    if (!convert_in_pulse(pulses[drive])) return BOARD_SHORT;
+    *steps = finish_conversion();
+    return BOARD_PULSE;
 }

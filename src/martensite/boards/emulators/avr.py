@@ -11,7 +11,7 @@ from martensite.base.errors import SolveError
 from martensite.boards.emulators.toolchains import MCUS, build_simavr_line
 from martensite.boards.firmware.boards import find_board
 
-ASKED, ANSWERED, MARKS = struct.Struct("<I8HH"), struct.Struct("<Q2HBH"), struct.Struct("<16I")
+ASKED, ANSWERED, MARKS = struct.Struct("<I8H8H8BH"), struct.Struct("<Q2HfBH"), struct.Struct("<16I")
 
 POWER = (1 << 32) - 1
 """Cycles that stand for switching off and on."""
@@ -28,17 +28,26 @@ class SimavrBoard:
     turn: float = 0.5e-3
     """Time that passes in a read [s]."""
     volts: list[float] = field(default_factory=lambda: [0.0] * 8)
-    """Voltages at A0 to A7 [V]."""
+    """Voltages at A0 to A7 while the switches are open [V]."""
+    pulses: list[float] = field(default_factory=lambda: [0.0] * 8)
+    """Voltages at A0 to A7 that a closed switch adds [V]."""
+    switches: list[int] = field(default_factory=lambda: [0] * 8)
+    """Switch, 0 or 1, that adds these voltages."""
+    lag: float = 1e-6
+    """Time constant of the amplifiers [s]."""
     cycles: int = 0
     duties: tuple[float, float] = (0.0, 0.0)
-    """Duty cycles of pins 9 and 10."""
+    """Duty cycles of the pins of timer 1."""
+    frequency: float = 0.0
+    """Frequency of timer 1 [Hz]."""
     marks: tuple[int, ...] = ()
     """Largest number of cycles between GPIOR0 = k and GPIOR0 = 0."""
     _waiting: bytearray = field(default_factory=bytearray)
 
     def __post_init__(self) -> None:
         program = build_simavr_line(self.folder)
-        words = [program, self.elf, MCUS[self.board][0], f"{self.clock:.0f}", str(self.baud)]
+        bits = (5, 6) if self.board == "mega2560" else (1, 2)
+        words = [program, self.elf, MCUS[self.board][0], f"{self.clock:.0f}", self.baud, *bits, self.lag * self.clock]
         self._process = subprocess.Popen(list(map(str, words)), stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     @property
@@ -70,16 +79,16 @@ class SimavrBoard:
             raise SolveError("simavr has no pipes.")
         data, self._waiting = bytes(self._waiting), bytearray()
         try:
-            full = find_board(self.board).volts
-            levels = [round(1e3 * min(max(one, 0.0), full)) for one in self.volts]
-            pipe_in.write(ASKED.pack(round(seconds * self.clock), *levels, len(data)) + data)
+            levels = [self._count_millivolts(one) for one in (*self.volts, *self.pulses)]
+            pipe_in.write(ASKED.pack(round(seconds * self.clock), *levels, *self.switches, len(data)) + data)
             pipe_in.flush()
-            self.cycles, first, second, crashed, count = ANSWERED.unpack(pipe_out.read(ANSWERED.size))
+            answer = ANSWERED.unpack(pipe_out.read(ANSWERED.size))
+            self.cycles, first, second, self.frequency, crashed, count = answer
             output = pipe_out.read(count)
             self.marks = MARKS.unpack(pipe_out.read(MARKS.size))
         except (OSError, struct.error):
             raise SolveError("simavr has ended; does the firmware fit the board?") from None
-        self.duties = first / 255.0, second / 255.0
+        self.duties = first / 65535.0, second / 65535.0
         if crashed:
             raise SolveError(f"The processor crashed {self.now():.6g} s after its reset.")
         return output
@@ -87,6 +96,9 @@ class SimavrBoard:
     def cycle_power(self) -> None:
         """Switch the board off and on again; only the EEPROM keeps its content."""
         self.run(POWER / self.clock)
+
+    def _count_millivolts(self, volts: float) -> int:
+        return round(1e3 * min(max(volts, 0.0), find_board(self.board).volts))
 
     def close(self) -> None:
         """End the emulator."""

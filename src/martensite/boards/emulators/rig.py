@@ -1,7 +1,8 @@
 """An emulated rig: a board under simavr with the plant of a scenario at its pins.
 
-The duty cycle at a pin heats the wire; the parts of the wiring list give the voltages of the converter in its steps.
-Board and plant advance together, independent of the speed of the host.
+The duty cycle at a pin heats the wire. The parts of the wiring list give the voltages at the converter: a channel of a
+switched wire has its voltage during the pulses only, and follows them with the lag of its amplifier. Board and plant
+advance together, independent of the speed of the host.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import numpy as np
 from martensite.base.errors import SolveError
 from martensite.boards.emulators.avr import SimavrBoard
 from martensite.boards.firmware.boards import find_board
-from martensite.boards.firmware.channels import BoardInputs, plan_inputs
+from martensite.boards.firmware.channels import BoardInputs, find_port, plan_inputs
+from martensite.boards.firmware.circuit import AMPLIFIER_LAG
 from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractSwitch
 from martensite.simulate.lanes import Lanes
@@ -82,7 +84,7 @@ class EmulatedRig:
         return self.board.duties[: len(self._plant.drives())]
 
     def _look(self) -> dict[str, float]:
-        """Return all true values; electrical outputs are means over the pulses, as behind the filters."""
+        """Return all true values; electrical outputs are rms values over the pulses."""
         values = self._lane.observe(np.array(self._duties())[:, None])
         return dict(zip(self._lane.names, values[:, 0].tolist(), strict=True))
 
@@ -91,11 +93,14 @@ class EmulatedRig:
         board = find_board(self.board.board)
         for k, one in enumerate(self._inputs.channels):
             if one.pin >= 0:
-                value = self._find_value(k) / one.gain + one.offset
-                self.board.volts[one.pin - (board.first_analog or 0)] = value * board.volts / board.steps
+                pin, step = one.pin - (board.first_analog or 0), board.volts / board.steps
+                value = self._find_value(k) * step / one.gain
+                self.board.volts[pin] = one.offset * step + (value if one.drive < 0 else 0.0)
+                self.board.pulses[pin] = value if one.drive >= 0 else 0.0
+                self.board.switches[pin] = max(one.drive, 0)
 
     def _find_value(self, k: int) -> float:
-        """Return the value of channel k in SI."""
+        """Return the value of channel k in SI, of a switched wire while its switch is closed."""
         reading = next((one for one in self._inputs.readings if k in (one.channel, one.other)), None)
         if reading is None:
             return self._inputs.supply
@@ -103,11 +108,12 @@ class EmulatedRig:
         noise = float(self._rng.standard_normal())
         if not reading.ratio:
             return self.truth[mounted.sees()[0]] + float(mounted.sensor.noise) * noise
-        (actuator,) = self._plant.actuators().values()
-        ohms = self.truth["resistance"]
-        if not isinstance(actuator.source, AbstractSwitch):
+        port = find_port(self._bench, reading.name)
+        ohms = self.truth[self._plant.label(port, "resistance")]
+        source = self._plant.actuators()[port].source
+        if not isinstance(source, AbstractSwitch):
             raise SolveError("The source of the plant is no switch.")
-        current = self._duties()[0] * actuator.source.closed_current(floats, ohms)
+        current = float(source.closed_current(floats, ohms))
         if k == reading.channel:
             return current * ohms * (1.0 + float(getattr(mounted.sensor, "relative_noise", 0.0)) * noise)
         return current
@@ -115,4 +121,4 @@ class EmulatedRig:
 
 def start_rig(scenario: Scenario, elf: Path, board: str, folder: Path) -> EmulatedRig:
     """Return a board of a firmware with the plant of its scenario; the emulator program is compiled in the folder."""
-    return EmulatedRig(scenario, SimavrBoard(elf, board, find_board(board).baud, folder))
+    return EmulatedRig(scenario, SimavrBoard(elf, board, find_board(board).baud, folder, lag=AMPLIFIER_LAG))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -148,9 +149,9 @@ def build_simavr_line(folder: Path) -> Path:
     cc = find_compiler()
     if cc is None or not SIMAVR.exists():
         raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
-    program = folder.resolve() / "simavr_line"
+    source = Path(__file__).with_name("simavr_line.c")
+    program = folder.resolve() / f"simavr_line_{zlib.crc32(source.read_bytes()):08x}"
     if not is_private_file(program):
-        source = Path(__file__).with_name("simavr_line.c")
-        run_tool([cc, "-O2", source, "-o", program, "-lsimavr"], folder)
+        run_tool([cc, "-O2", source, "-o", program, "-lsimavr", "-lm"], folder)
         program.chmod(0o700)
     return program

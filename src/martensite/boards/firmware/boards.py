@@ -29,6 +29,10 @@ class Board:
     """Steps of the converter."""
     volts: float
     """Full scale of the converter [V]."""
+    hold: float
+    """Longest time from the start of a conversion to the held input [s]; 0 if it cannot start in a pulse."""
+    pwm: tuple[float, float]
+    """Lowest and highest frequency of the pulses [Hz]."""
     baud: int
     drive_pins: tuple[int, ...]
     channel_pins: tuple[int, ...]

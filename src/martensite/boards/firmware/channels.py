@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base.errors import InputError
 from martensite.boards.firmware.boards import Board
+from martensite.boards.firmware.circuit import AMPLIFIER, HIGHEST_SUPPLY, Circuit, choose_divider, plan_circuit
+from martensite.control.controllers.base import SignalLimits
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import list_readings
 from martensite.control.loop.realtime import list_reads
@@ -20,16 +22,14 @@ from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractSwitch
 
-SHUNT, AMPLIFIER = 0.1, 20.0
-"""Assumed shunt [ohm] and gain of the current amplifier."""
-DIVIDERS = (1.0, 2.0, 3.0, 5.0, 11.0)
-"""Ratios of dividers of common resistors: none, 10k:10k, 20k:10k, 40k:10k, 100k:10k."""
 LEAST = 0.05
 """Current over the largest below which a resistance is not measured."""
 ROOM = 0.125
 """Margin of an analogue sensor at either end of the reference, over its span."""
-MARGIN = 1.25
-"""Current over the largest expected one at which the board disarms."""
+FREQUENCY = 1000.0
+"""Frequency of the pulses of a source without a frequency [Hz]."""
+PULSES = 4.0
+"""Least number of pulses in a sample."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,8 @@ class Channel:
     pin: int
     parts: str
     """Parts between the quantity and the pin, in words."""
+    drive: int = -1
+    """Drive in whose pulses the channel is read; -1 for a channel that no switch interrupts."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,20 @@ class BoardInputs:
     """Largest current at full signal over all resistances of the element [A]."""
     supply: float
     """[V]"""
+    frequency: float
+    """Frequency of the pulses [Hz]."""
+    circuit: Circuit
+    """Measurement of resistance, planned also for loops without it."""
+
+    @property
+    def measures_resistance(self) -> bool:
+        """Return whether a reading is a resistance."""
+        return any(one.ratio for one in self.readings)
+
+    @property
+    def least_duty(self) -> float:
+        """Return the least duty cycle at which resistance is measured."""
+        return self.circuit.pulse * self.frequency
 
     def told_channels(self) -> list[Channel]:
         """Return the channels that are no direct readings."""
@@ -79,13 +95,13 @@ class BoardInputs:
         return [one for k, one in enumerate(self.channels) if k not in direct]
 
 
-def find_supply(bench: Bench) -> tuple[float, float]:
-    """Return the supply voltage [V], and the largest current at full signal [A].
+def find_supply(bench: Bench) -> tuple[float, tuple[float, float]]:
+    """Return the supply voltage [V], and the lowest and highest current of a closed switch [A].
 
     Raises:
-        InputError: a source takes no duty cycle.
+        InputError: a source takes no duty cycle, or the supply is not an extra-low voltage.
     """
-    volts, most = 0.0, 0.0
+    volts, currents = 0.0, list[float]()
     for one in bench.plant.actuators().values():
         source, element = one.source, one.element
         if not isinstance(source, AbstractSwitch) or source.unit != "1":
@@ -98,8 +114,53 @@ def find_supply(bench: Bench) -> tuple[float, float]:
         if not isinstance(element, AbstractLumped):
             raise InputError("A board drives an element of one temperature, such as a wire or a coil.")
         for fraction in (0.0, 1.0):
-            most = max(most, abs(source.current(floats, 1.0, element.ohms(floats, fraction, 0.0, cold, 0.0))))
-    return volts, most
+            currents.append(float(source.closed_current(floats, element.ohms(floats, fraction, 0.0, cold, 0.0))))
+    if volts > HIGHEST_SUPPLY:
+        raise InputError(
+            f"The wiring is for extra-low voltage, at most {HIGHEST_SUPPLY:g} V, but `supply` is {volts:g} V: use an "
+            "isolated power supply."
+        )
+    return volts, (min(currents), max(currents))
+
+
+def find_frequency(bench: Bench, board: Board) -> float:
+    """Return the frequency of the pulses [Hz].
+
+    Raises:
+        InputError: the timer of the board cannot do it, or a sample has too few pulses.
+    """
+    found = {float(getattr(one.source, "frequency", FREQUENCY)) for one in bench.plant.actuators().values()}
+    least, most = max(board.pwm[0], PULSES / bench.period), board.pwm[1]
+    if len(found) > 1:
+        raise InputError(f"One timer switches all drives of {board.title}: write one `frequency` for all drivers.")
+    (frequency,) = found
+    if not least <= frequency <= most:
+        raise InputError(
+            f"`driver.frequency` is {frequency:g} Hz, but {board.title} switches at {least:g} to {most:g} Hz with "
+            f"samples of {1e3 * bench.period:g} ms: write a frequency in this range."
+        )
+    return frequency
+
+
+def check_pulses(bench: Bench, board: Board, inputs: BoardInputs) -> None:
+    """Raise `InputError` if the least signals of a loop give no readings of its resistance."""
+    if not inputs.measures_resistance:
+        return
+    if board.hold == 0.0:
+        raise InputError(
+            f"{board.title} cannot convert within a pulse, so it measures no resistance: use another board."
+        )
+    laws = [part for one in bench.controllers.members().values() for part in (one, getattr(one, "law", None))]
+    lows = [float(one.low) for one in laws if isinstance(one, SignalLimits)]
+    probes = [getattr(one, "calibration", None) for one in bench.observers.members().values()]
+    lows += [float(getattr(one, "probe", 0.0)) for one in probes]
+    low = min((one for one in lows if one > 0.0), default=1.0)
+    if low < inputs.least_duty:
+        raise InputError(
+            f"The loop measures with a duty cycle of {low:g}, pulses of {1e6 * low / inputs.frequency:.3g} us, but "
+            f"{board.title} needs {1e6 * inputs.circuit.pulse:.3g} us: write a `driver.frequency` of at most "
+            f"{low / inputs.circuit.pulse:.0f} Hz."
+        )
 
 
 def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
@@ -108,15 +169,17 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
     Raises:
         InputError: a source takes no duty cycle, a reading cannot be measured, or there are too few pins.
     """
-    volts, most = find_supply(bench)
+    volts, currents = find_supply(bench)
+    frequency, circuit = find_frequency(bench, board), plan_circuit(board, volts, currents)
+    drives = [one.name for one in bench.plant.drives()]
     outputs, mounted = list_readings(bench), bench.sensors.members()
     channels, readings = list[Channel](), list[BoardReading]()
     pins, encoders, current = list(board.channel_pins), list(board.encoder_pins), -1
 
-    def add_channel(name: str, unit: str, gain: float, offset: float, parts: str) -> int:
+    def add_channel(name: str, unit: str, gain: float, offset: float, parts: str, drive: int = -1) -> int:
         if not pins:
             raise InputError(f"{board.title} has {len(board.channel_pins)} analogue inputs, which are not enough.")
-        channels.append(Channel(name, unit, gain, offset, pins.pop(0), parts))
+        channels.append(Channel(name, unit, gain, offset, pins.pop(0), parts, drive))
         return len(channels) - 1
 
     for name in list_reads(bench):
@@ -126,12 +189,12 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
             )
         sensor, unit = mounted[name].sensor, outputs[name].unit
         if isinstance(sensor, ResistanceSensor):
-            ratio, gain = choose_divider(volts, board)
-            end = "" if name == "resistance" else f"_{name.removeprefix('resistance_')}"
-            voltage = add_channel(f"voltage{end}", "V", gain, 0.0, f"divider {ratio:g} : 1 across the wire")
-            amps = board.volts / board.steps / (SHUNT * AMPLIFIER)
-            words = f"shunt of {SHUNT:g} ohm in series, amplifier x {AMPLIFIER:g}"
-            current = add_channel(f"current{end}", "A", amps, 0.0, words)
+            step, (volt_name, amp_name) = board.volts / board.steps, mounted[name].sees()
+            drive = drives.index(bench.plant.drive_at(find_port(bench, name)))
+            words = f"difference amplifier {circuit.ratio:g} : 1, Kelvin leads at the ends of the wire"
+            voltage = add_channel(volt_name, "V", circuit.ratio * step, 0.0, words, drive)
+            words = f"amplifier x {AMPLIFIER:g}, Kelvin leads at a shunt of {circuit.shunt:g} ohm"
+            current = add_channel(amp_name, "A", step / (circuit.shunt * AMPLIFIER), 0.0, words, drive)
             readings.append(BoardReading(name, unit, voltage, current, True))
         elif isinstance(sensor, EncoderSensor):
             if not encoders:
@@ -148,23 +211,18 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
             readings.append(BoardReading(name, unit, place, place, False))
     supply = -1
     if pins:
-        ratio, gain = choose_divider(volts, board)
+        ratio = choose_divider(volts, board)
+        gain = ratio * board.volts / board.steps
         supply = add_channel("supply.voltage", "V", gain, 0.0, f"divider {ratio:g} : 1 across the supply")
-    return BoardInputs(tuple(channels), tuple(readings), supply, current, most, volts)
+    inputs = BoardInputs(tuple(channels), tuple(readings), supply, current, currents[1], volts, frequency, circuit)
+    check_pulses(bench, board, inputs)
+    return inputs
 
 
-def choose_divider(volts: float, board: Board) -> tuple[float, float]:
-    """Return the ratio of a divider for a voltage [V], and volts per step.
-
-    Raises:
-        InputError: the voltage is too high.
-    """
-    for ratio in DIVIDERS:
-        if volts <= ratio * board.volts:
-            return ratio, ratio * board.volts / board.steps
-    raise InputError(
-        f"A supply of {volts:g} V is more than the wiring here measures: {DIVIDERS[-1] * board.volts:g} V."
-    )
+def find_port(bench: Bench, name: str) -> str:
+    """Return the port of the element whose resistance a sensor measures."""
+    voltage = bench.sensors.members()[name].sees()[0]
+    return next(port for port in bench.plant.actuators() if bench.plant.label(port, "voltage") == voltage)
 
 
 def _find_range(bench: Bench, name: str) -> tuple[float, float]:

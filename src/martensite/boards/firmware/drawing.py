@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from martensite.boards.firmware.channels import MARGIN, SHUNT
+from martensite.boards.firmware.circuit import MARGIN
 from martensite.boards.firmware.settings import FirmwarePlan
 
 STEP, TOP = 64, 70
@@ -39,7 +39,7 @@ def draw_wiring(plan: FirmwarePlan, elements: list[str]) -> str:
         parts.append(_draw_box(SWITCH[0], y - 12, SWITCH[1], 48, ["element", elements[k].partition(",")[0]], "#b3261e"))
         parts.append(_draw_line([(middle, y + 36), (middle, y + 64)], "#b3261e"))
         parts.append(_draw_line([(SUPPLY[0], y + 18), (SWITCH[0] + SWITCH[1], y + 18)], "#b3261e"))
-        shunt = [f"shunt {SHUNT:g} ohm"] if measured else []
+        shunt = [f"shunt {inputs.circuit.shunt:g} ohm"] if measured else []
         parts.append(_draw_line([(middle, y + 108), (middle, ground)], "#222", shunt))
     fuse = MARGIN * inputs.largest_current * plan.drives
     parts.append(_draw_box(SUPPLY[0], TOP - 20, SUPPLY[1], 90, [f"supply {inputs.supply:g} V", f"fuse {fuse:.3g} A"]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from martensite.base.formats import write_quantity
-from martensite.boards.firmware.channels import AMPLIFIER, MARGIN, SHUNT
+from martensite.boards.firmware.circuit import AMPLIFIER, DIFFERENCES, DIVIDERS, MARGIN, choose_divider, choose_fuse
 from martensite.boards.firmware.settings import FirmwarePlan
 from martensite.control.loop.bench import Bench
 
@@ -38,14 +38,11 @@ def describe_elements(bench: Bench) -> list[str]:
 def list_wiring_parts(plan: FirmwarePlan, elements: list[str]) -> list[WiringPart]:
     """Return the parts of the wiring."""
     inputs, drives = plan.inputs, plan.drives
-    most, analog = inputs.largest_current, [one for one in inputs.channels if one.pin >= 0]
-    shunts = sum(one.name.startswith("current") for one in analog)
-    divided = [
-        one.parts for one in analog if one.parts.startswith("divider") and not one.parts.startswith("divider 1 :")
-    ]
+    most, circuit = inputs.largest_current, inputs.circuit
+    whole = MARGIN * most * drives
     parts = [
-        WiringPart(1, "supply", f"{inputs.supply:g} V, at least {MARGIN * most * drives:.3g} A"),
-        WiringPart(1, "fuse, behind the supply", f"{MARGIN * most * drives:.3g} A"),
+        WiringPart(1, "supply", f"{inputs.supply:g} V DC, at least {whole:.3g} A"),
+        WiringPart(1, "fuse, in the positive line of the supply", f"{choose_fuse(whole):g} A, fast"),
         *(WiringPart(1, "element", one) for one in elements),
         WiringPart(
             drives,
@@ -55,17 +52,23 @@ def list_wiring_parts(plan: FirmwarePlan, elements: list[str]) -> list[WiringPar
         WiringPart(drives, "resistor, in the line of the gate", "100 ohm"),
         WiringPart(drives, "resistor, from the gate to ground", "10 kilohm"),
     ]
-    if shunts:
-        heat = SPARE * SHUNT * most**2
-        parts.append(WiringPart(shunts, "shunt", f"{SHUNT:g} ohm, 1 %, at least {max(heat, 0.1):.2g} W"))
-        parts.append(WiringPart(shunts, "amplifier for a shunt", f"x {AMPLIFIER:g}"))
-    parts += [WiringPart(1, one.partition(" across")[0], "10 kilohm to ground, the rest above") for one in divided]
-    parts += [
-        WiringPart(1, "encoder" if one.pin < 0 else "sensor", f"{one.name}: {one.parts}")
-        for one in inputs.channels
-        if not one.name.startswith(("current", "voltage", "supply"))
-    ]
-    if analog:
-        parts.append(WiringPart(len(analog), "resistor, before an input", "1 kilohm"))
-        parts.append(WiringPart(len(analog), "capacitor, from an input to ground", "1 uF"))
+    if (wires := sum(one.ratio for one in inputs.readings)) > 0:
+        heat = max(SPARE * circuit.shunt * most**2, 0.1)
+        parts += [
+            WiringPart(wires, "shunt, with Kelvin terminals", f"{circuit.shunt:g} ohm, 1 %, at least {heat:.2g} W"),
+            WiringPart(wires, "current-sense amplifier", f"x {AMPLIFIER:g}, at least 200 kHz, such as INA180A2"),
+            WiringPart(wires, "operational amplifier, rail to rail", f"at least 1 MHz, on {plan.board.volts:g} V"),
+            WiringPart(2 * wires, "resistor, before the operational amplifier", "100 kilohm, 0.1 %"),
+            WiringPart(2 * wires, "resistor, feedback and to ground", f"{DIFFERENCES[circuit.ratio]}, 0.1 %"),
+        ]
+    for one in inputs.channels:
+        if one.pin < 0 or not one.name.endswith(("current", "voltage")):
+            parts.append(WiringPart(1, "encoder" if one.pin < 0 else "sensor", f"{one.name}: {one.parts}"))
+    if inputs.supply_channel >= 0 and (upper := DIVIDERS[choose_divider(inputs.supply, plan.board)]):
+        parts.append(WiringPart(1, "divider of the supply", f"10 kilohm to ground, {upper} above"))
+    pulsed = sum(one.drive >= 0 for one in inputs.channels)
+    steady = sum(one.pin >= 0 for one in inputs.channels) - pulsed
+    parts.append(WiringPart(pulsed + steady, "resistor, before an input", "1 kilohm"))
+    parts += [WiringPart(steady, "capacitor, from an input to ground", "1 uF")] if steady else []
+    parts += [WiringPart(pulsed, "capacitor, from an input to ground", "1 nF, at the amplifiers")] if pulsed else []
     return parts

@@ -51,6 +51,8 @@ TRIED_SAMPLES = 400
 
 AROUND, PER_LETTER = 8000.0, 1.2
 """Flash on an AVR [bytes] of a firmware without its loop, and per letter of its C code; from four examples."""
+TOO_LARGE = 1.25
+"""Approximate flash over the flash of a board above which the firmware is refused."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,13 @@ def build_firmware(
         isinstance(bench.supervisor, Guard) and bench.supervisor.answer != "limit",
         digest,
     )
-    return Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
+    firmware = Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
+    if firmware.flash > TOO_LARGE * chosen.flash:
+        raise InputError(
+            f"This loop takes about {1e-3 * firmware.flash:.2g} kB of flash, but {chosen.title} has "
+            f"{1e-3 * chosen.flash:.2g} kB: use a larger board, such as mega2560 or stm32f405."
+        )
+    return firmware
 
 
 def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: list[str]) -> dict[str, str]:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError
 from martensite.boards.firmware.boards import Board
 from martensite.boards.firmware.bounds import NEAR, FirmwareBound
-from martensite.boards.firmware.channels import LEAST, MARGIN, BoardInputs
+from martensite.boards.firmware.channels import LEAST, BoardInputs
+from martensite.boards.firmware.circuit import MARGIN
 from martensite.boards.firmware.ranges import Range, find_gain_range, find_offset_range
 from martensite.boards.firmware.watchdog import choose_watchdog
 from martensite.boards.link.messages import MOST
@@ -191,7 +193,9 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_LONGEST {count_ticks('`--longest`', plan.limits.longest, 1e3)}UL /* ms armed */",
         f"#define APP_WATCHDOG {watchdog.milliseconds}UL /* ms after a sample, then the board resets */",
         f"#define APP_WATCHDOG_CODE {watchdog.code} /* this time on AVR */",
-        "#define APP_PWM_HZ 1000UL",
+        f"#define APP_PWM_HZ {round(inputs.frequency)}UL",
+        f"#define APP_SETTLE_US {ceil(1e6 * inputs.circuit.settle)}UL /* until an amplifier has settled */",
+        f"#define APP_HOLD_US {ceil(1e6 * board.hold)}UL /* from a start to a held input */",
         f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
         f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",
         f"#define APP_ENCODERS {encoders}",
@@ -226,6 +230,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         "#define APP_AGE(i) (APP_READINGS + (i))",
         "#define APP_REFERENCE(i) (2 * APP_READINGS + (i))",
         "#define APP_SIGNAL(i) (i)",
+        "#define APP_STEADY 255 /* no switch interrupts the channel */",
         "",
         "/* A reading: a channel, or one over another. */",
         "enum { APP_DIRECT, APP_RATIO };",
@@ -268,6 +273,8 @@ def print_settings(plan: FirmwarePlan) -> str:
         *(f"    {_print_bound(one)}" for one in plan.bounds),
         "};",
         "#endif",
+        f"static const uint8_t app_pulsed[] = {{{', '.join(str(one.drive % 256) for one in channels)}}};",
+        "#define APP_PULSED(i) (app_pulsed[i])",
         "#define APP_SOURCE(i) (app_source[i])",
         "#define APP_TELL(i) (app_told[i])",
         "#define APP_TELL_CHANNEL(i) (app_told_channel[i])",

@@ -77,6 +77,8 @@ def firmware(
 
 
 def _summarise_firmware(found: Firmware) -> Summary:
+    from martensite.boards.firmware.wiring import describe_measurement
+
     plan = found.plan
     count = sum(plan.core.operations["step"].values())
     rows = [[one.name, f"{one.value:.4g}", one.unit, _write_range(one), one.about] for one in plan.settings]
@@ -87,6 +89,7 @@ def _summarise_firmware(found: Firmware) -> Summary:
         Sentence(found.tried),
         DataTable(("setting", "value", "unit", "host may set", "about"), rows, right=(1,)),
         *_warn_of_room(found),
+        Sentence(describe_measurement(plan)),
         Sentence(_describe_limits(plan)),
         Sentence("Gains and offsets are nominal: calibrate the board before it arms on its own readings.", "caution"),
     ]
@@ -102,7 +105,7 @@ def _warn_of_room(found: Firmware) -> list[Block]:
     if found.flash <= board.flash:
         return []
     words = (
-        f"It hardly fits: by the length of its C it takes about {1e-3 * found.flash:.2g} kB of flash, and the board "
+        f"It may not fit: by the length of its C it takes about {1e-3 * found.flash:.2g} kB of flash, and the board "
         f"has {1e-3 * board.flash:.2g} kB. Take a larger board, such as mega2560 or stm32f405."
     )
     return [Sentence(words, "bad")]
