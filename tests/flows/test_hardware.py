@@ -184,7 +184,7 @@ def test_a_firmware_says_its_parts_its_limits_and_whether_it_fits(tmp_path: Path
     assert "The switches close at 250 Hz." in said and "The standard deviation of a reading is 0.33 %" in said
     drawing = ElementTree.parse(out / "wiring.svg").getroot()
     words = {one.text for one in drawing.iter("{http://www.w3.org/2000/svg}text")}
-    assert {"MOSFET", "A0", "A1", "shunt 0.1 ohm"} <= words
+    assert {"fuse 0.63 A", "A0", "A1", "shunt 0.1 ohm", "current-sense amplifier x 50", "100 ohm", "+"} <= words
     parts = (out / "WIRING.md").read_text("utf-8")
     assert "| 1 | element | wire, diameter 0.15 mm, length 250 mm |" in parts and "| 1 | shunt, with" in parts
     overflow = "firmware.elf section `.text' will not fit in region `text'; region `text' overflowed by 40892 bytes"
