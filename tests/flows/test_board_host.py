@@ -1,12 +1,17 @@
-"""Hosts of a board: they notice a board that is lost.
+"""Hosts of a board, in Python and in C: they run it, and notice a board that is lost.
 
 Source of truth: the emulated board, and the time at which its line is cut on purpose.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import shutil
+import subprocess
+import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +22,10 @@ from typer.testing import CliRunner
 import martensite as ms
 from martensite.boards.calibration import accept_nominal
 from martensite.boards.emulators.avr import SimavrBoard
+from martensite.boards.emulators.rig import start_rig
 from martensite.boards.emulators.toolchains import compile_sketch
 from martensite.boards.firmware.project import build_firmware
+from martensite.boards.firmware.settings import Limits
 from martensite.boards.link.host import BoardLink
 from martensite.boards.session import BoardStopped, Session
 from martensite.cli import app
@@ -93,3 +100,60 @@ def test_a_run_without_a_board_fails_and_its_log_remains(uno: Path, line: CutLin
         done.exit_code == 1 and "telemetry is" in done.stderr and "samples until then" in " ".join(done.stderr.split())
     )
     assert len(ms.read_table(tmp_path / "log.csv").times) > 40
+
+
+def run_c_host(
+    project: Path, calibration: Path, seconds: float, lasts: float
+) -> tuple[subprocess.CompletedProcess[str], float]:
+    """Run the example in C on a pseudo-terminal to an emulated rig that stops after some time; its duration [s]."""
+    subprocess.run(
+        ["make", "-s", "CFLAGS=-std=c99 -O1 -Wall -Wextra -Wconversion -Wshadow -Werror"],
+        cwd=project / "host",
+        check=True,
+    )
+    rig = start_rig(ms.load(EXAMPLES / "closed_loop.toml"), project / "firmware.elf", "uno", project)
+    rig.run(0.1)
+    near, far = os.openpty()
+    os.set_blocking(near, False)
+    begin, over = time.monotonic(), threading.Event()
+
+    def pump() -> None:
+        """Advance the rig with the clock of the wall, not faster."""
+        while not over.is_set() and (passed := time.monotonic() - begin) < lasts:
+            if rig.now() - 0.1 > passed:
+                time.sleep(0.001)
+                continue
+            with contextlib.suppress(BlockingIOError):
+                rig.write(os.read(near, 4096))
+            os.write(near, rig.run(0.002))
+
+    worker = threading.Thread(target=pump)
+    worker.start()
+    try:
+        words = [project / "host" / "example", os.ttyname(far), calibration, "reference", "0.003", f"{seconds:g}"]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+        return done, time.monotonic() - begin
+    finally:
+        over.set()
+        worker.join()
+        rig.close()
+        os.close(near)
+        os.close(far)
+
+
+@needs_avr
+def test_a_host_in_c_calibrates_arms_runs_and_notices(tmp_path: Path) -> None:
+    project, stored = tmp_path / "uno", tmp_path / "calibration.json"
+    build_firmware(ms.load(EXAMPLES / "closed_loop.toml"), "uno", name="uno", limits=Limits(silence=2.0)).write(project)
+    compile_sketch(project, "uno")
+    done, _ = run_c_host(project, stored, 1.0, 60.0)
+    assert done.returncode == 1 and "run `martensite hardware calibrate`" in done.stdout
+    stored.write_text(json.dumps({"points": {}, "settings": {}}), "utf-8")
+    done, _ = run_c_host(project, stored, 1.0, 60.0)
+    assert done.returncode == 1 and "refused" in done.stdout  # it is not calibrated
+    stored.write_text(json.dumps({"points": {}, "settings": {"gain position": 5e-6, "calibrated": 1.0}}), "utf-8")
+    done, _ = run_c_host(project, stored, 2.0, 60.0)
+    values = dict(line.rsplit(" ", 1) for line in done.stdout.splitlines() if "samples" not in line)
+    assert done.returncode == 0 and float(values["duty"]) > 0.2
+    done, passed = run_c_host(project, stored, 30.0, 3.0)
+    assert done.returncode == 1 and "newest telemetry is too old" in done.stdout and passed < 20.0

@@ -20,7 +20,7 @@ from martensite.base.errors import DataError, InputError, SolveError, suggest_na
 from martensite.base.files import read_text_file
 from martensite.boards.board_log import BoardLog
 from martensite.boards.firmware.boards import find_board
-from martensite.boards.link.host import BoardLink, Port, open_port
+from martensite.boards.link.host import BoardLink, Port, find_stale, open_port
 from martensite.boards.link.messages import DisarmReason
 
 if TYPE_CHECKING:
@@ -31,8 +31,6 @@ EMULATOR = "emulator"
 """Name of the emulator instead of a port."""
 HEARTBEAT = 0.01
 """Time between messages to an armed board [s]."""
-STALE, STALE_PERIODS = 0.5, 3.0
-"""Age [s] of the newest telemetry above which a board counts as lost, and additional periods of its loop."""
 CALIBRATION = "calibration.json"
 """File next to `firmware.json` with gains and offsets of this board."""
 
@@ -144,7 +142,7 @@ class Session:
     @property
     def stale(self) -> float:
         """Return the age of the newest telemetry above which the board counts as lost [s]."""
-        return STALE + STALE_PERIODS * float(self.firmware["period"])
+        return find_stale(float(self.firmware["period"]))
 
     def _collect(
         self,

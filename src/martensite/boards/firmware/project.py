@@ -21,6 +21,7 @@ from martensite.boards.firmware.boards import Board, find_board
 from martensite.boards.firmware.bounds import list_bounds
 from martensite.boards.firmware.channels import plan_inputs
 from martensite.boards.firmware.drawing import draw_wiring
+from martensite.boards.firmware.host_library import print_host_library
 from martensite.boards.firmware.parts_list import describe_elements
 from martensite.boards.firmware.ranges import choose_tuned, find_input_ranges, list_tunable, parse_range
 from martensite.boards.firmware.settings import (
@@ -79,7 +80,8 @@ class Firmware:
             DataError: the folder cannot be written.
         """
         home = Path(folder)
-        make_folder(home)
+        for one in {(home / name).parent for name in self.texts}:
+            make_folder(one)
         with replace_together():
             for name, text in self.texts.items():
                 write_file(home / name, text)
@@ -173,6 +175,7 @@ def build_firmware(
 def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: list[str]) -> dict[str, str]:
     home, board = files("martensite.boards") / "c", plan.board
     texts = {one: (home / one).read_text("utf-8") for one in (*SHARED, *LAYERS[board.layer])}
+    texts |= print_host_library(plan)
     texts |= plan.core.files | {"settings.h": print_settings(plan), "messages.h": print_header()}
     texts["firmware.json"] = json.dumps(describe_firmware(name, plan, scenario.text), indent=1) + "\n"
     texts["WIRING.md"] = describe_wiring(name, plan, elements)

@@ -20,6 +20,8 @@ LONGEST_WRITE = 0.5
 """Time limit of a blocked write [s]."""
 TRIES, WAIT = 5, 0.2
 """Attempts of a command, and time limit of each answer [s]."""
+STALE, STALE_PERIODS = 0.5, 3.0
+"""Age [s] of the newest telemetry above which a board counts as lost, and additional periods of its loop."""
 ARM = "ARM"
 """Word of a person that is required for arming."""
 
@@ -38,6 +40,11 @@ class Port(Protocol):
     def close(self) -> None:
         """Close the line."""
         ...
+
+
+def find_stale(period: float) -> float:
+    """Return the age of the newest telemetry above which a board counts as lost [s]."""
+    return STALE + STALE_PERIODS * period
 
 
 def open_port(address: str, baud: int = 500_000) -> Port:
