@@ -72,8 +72,9 @@ float set_pulse(uint8_t drive, float duty) {
     return static_cast<float>(level) / static_cast<float>(PERIOD);
 }
 
-/* Start a conversion whose input is held within a pulse; 0 if two periods pass without. */
+/* Start a conversion whose input is held within a pulse; 0 if the pulse is too short. */
 uint8_t convert_in_pulse(uint32_t pulse) {
+    if (pulse < count(APP_SETTLE_US) + count(APP_HOLD_US)) return 0;
     for (uint32_t left = 2 * 1000000UL / APP_PWM_HZ + 200; left; --left) { /* a turn takes more than 1 us */
         noInterrupts();
         const uint16_t now = TCNT1;

@@ -194,8 +194,9 @@ float board_channel(uint8_t channel) {
     return finish_conversion();
 }
 
-/* Start a conversion whose input is held within a pulse; 0 if two periods pass without. */
+/* Start a conversion whose input is held within a pulse; 0 if the pulse is too short. */
 static uint8_t convert_in_pulse(uint32_t pulse) {
+    if (pulse < PWM_SETTLE + PWM_HOLD) return 0;
     const uint32_t begin = board_micros();
     uint8_t inside = 0;
     while (!inside && board_micros() - begin < 2000000u / APP_PWM_HZ + 10u) {

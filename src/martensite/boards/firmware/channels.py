@@ -29,7 +29,7 @@ ROOM = 0.125
 FREQUENCY = 1000.0
 """Frequency of the pulses of a source without a frequency [Hz]."""
 PULSES = 4.0
-"""Least number of pulses in a sample."""
+"""Least number of pulses in a sample, per measured wire: the firmware waits for at most two."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,9 @@ def find_frequency(bench: Bench, board: Board) -> float:
         InputError: the timer of the board cannot do it, or a sample has too few pulses.
     """
     found = {float(getattr(one.source, "frequency", FREQUENCY)) for one in bench.plant.actuators().values()}
-    least, most = max(board.pwm[0], PULSES / bench.period), board.pwm[1]
+    sensors = [one.sensor for name, one in bench.sensors.members().items() if name in list_reads(bench)]
+    wires = sum(isinstance(one, ResistanceSensor) for one in sensors)
+    least, most = max(board.pwm[0], PULSES * max(wires, 1) / bench.period), board.pwm[1]
     if len(found) > 1:
         raise InputError(f"One timer switches all drives of {board.title}: write one `frequency` for all drivers.")
     (frequency,) = found
