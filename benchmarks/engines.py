@@ -56,6 +56,7 @@ PEERS = {
     "odeint-beyond": "benchmarks.peers.ode",
     "odeint-unaware": "benchmarks.peers.ode",
     "lsoda": "benchmarks.peers.ode",
+    "lsoda-c": "benchmarks.peers.lsoda_c",
     "rk45": "benchmarks.peers.ode",
     "dop853": "benchmarks.peers.ode",
     "radau": "benchmarks.peers.ode",

@@ -29,6 +29,7 @@ NAMES = {
     "ours": "martensite, floats",
     "ours-march": BASE,
     "ours-c": "martensite, C, equal steps",
+    "lsoda-c": "numbalsoda (LSODA in C)",
     "odeint": "SciPy odeint (LSODA)",
     "lsoda": "SciPy solve_ivp (LSODA)",
     "rk45": "SciPy solve_ivp (RK45)",
@@ -99,7 +100,7 @@ def wire_contender(engine: Engine, p: Wire, drive: Drive) -> Contender:
 @part
 def wire(choice: Choice) -> list[Table]:
     """Single runs of problem A."""
-    names = ["ours-march", "ours-c", "ours", "odeint", "lsoda", "rk45", "dop853"]
+    names = ["ours-march", "ours-c", "ours", "lsoda-c", "odeint", "lsoda", "rk45", "dop853"]
     names += ["cvode", "diffrax"]
     engines = available(names if choice.quick else [*names, "radau"])
     contenders = [wire_contender(e, Wire(), sine()) for e in engines]

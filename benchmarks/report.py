@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-PACKAGES = ("martensite", "numpy", "diffrax", "numba", "scipy", "scikit-sundae")
+PACKAGES = ("martensite", "numpy", "diffrax", "numba", "numbalsoda", "scipy", "scikit-sundae")
 
 
 class Table(NamedTuple):

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks import throughput_runs as runs
+from benchmarks.engines import available
 from benchmarks.harness import Candidate, Timing, measure
-from benchmarks.peers import ode
 from benchmarks.problem_a import Wire, first_sets, rms_error
 from benchmarks.process import run_process
 from benchmarks.references import batch_reference
@@ -28,7 +28,7 @@ from benchmarks.throughput_runs import Case, Kept
 
 SIMD = "C lanes"
 RTOLS = ("rtol 1e-5", "rtol 1e-6")
-LSODA = {"odeint": "LSODA, odeint", "lsoda": "LSODA, solve_ivp"}
+LSODA = {"lsoda-c": "LSODA in C", "odeint": "LSODA, odeint", "lsoda": "LSODA, solve_ivp"}
 LEAST = 1024  # runs from which the cost of one is judged
 SAMPLE = 8  # bytes of a number
 
@@ -87,7 +87,7 @@ def peers(sets: Wire, count: int, effort: Effort) -> list[Candidate]:
         return max(rms_error(a, b) for a, b in zip(x, exact, strict=True))
 
     found: list[Candidate] = []
-    for engine in (e for e in ode.ENGINES if e.name in LSODA and e.batch):
+    for engine in available(list(LSODA)):
         assert engine.batch is not None
         for label in RTOLS:
             run = engine.batch(some, runs.sine(), engine.settings[label])

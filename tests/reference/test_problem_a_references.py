@@ -5,11 +5,14 @@ the return map with re-anchored memories (rule R again) stand behind every error
 tables; here they are held to the printed digits, to each other and to their order.
 """
 
+import ctypes
+
 import numpy as np
 import pytest
 from benchmarks.inputs import aligned, level, pulses, pwm, random_steps, sine, split, uniform
 from benchmarks.objective import differences, objective
-from benchmarks.peers import ode, return_map, return_map_numpy
+from benchmarks.peers import lsoda_c, ode, return_map, return_map_numpy
+from benchmarks.peers.rate_form import make_rates
 from benchmarks.problem_a import (
     GRADIENT_P,
     OBJECTIVE_P,
@@ -26,10 +29,26 @@ from benchmarks.problem_a import (
     thin_wire,
 )
 
+from martensite.kernels.compiler import find_compiler, load_library
+
 
 def rate_form(drive, setting):
     """x [mm] by LSODA on the rate form."""
     return ode.record(ode.by_odeint, Wire(), drive, setting)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+def test_rates_in_c_are_those_in_python():
+    """The source of truth is the rate form in Python, in both zones, before, in and behind them."""
+    rates, rng, count = load_library(lsoda_c.SOURCE).rates, np.random.default_rng(1), 200
+    wire = one_set(parameter_sets(1), 0)
+    python, numbers = make_rates(wire), np.array(lsoda_c.list_numbers(wire))
+    states = np.column_stack([rng.uniform(20.0, 120.0, count), rng.random(count)])
+    found = np.empty(2)
+    for state, numbers[-1] in zip(states, rng.uniform(0.0, 25.0, count), strict=True):
+        arrays = (ctypes.c_void_p(one.ctypes.data) for one in (state, found, numbers))
+        rates(ctypes.c_double(0.0), *arrays)
+        assert found == pytest.approx(python(*state.tolist(), numbers[-1]), rel=1e-9)
 
 
 @pytest.fixture(scope="module")
