@@ -21,7 +21,8 @@ from martensite.app.static_site.flat_inputs import list_waveforms
 from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.run_module import RunSource, write_source
 from martensite.app.static_site.scenario_table import describe_static
-from martensite.app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest, write_studies
+from martensite.app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest
+from martensite.app.static_site.study_pages import write_studies
 
 MODULES = Path(__file__).parent / "app" / "modules"
 CONTROLS = (
@@ -57,7 +58,7 @@ def write_wire(folder: Path, page: bool = False, table: bool = False) -> None:
     write_manifest(folder, entries)
     if page:
         copy_page(folder)
-        write_studies(folder)
+        write_studies(folder, folder / RUNS)
 
 
 def _write_runs(runs: Path, name: str, text: str, controls: Sequence[str]) -> dict[str, Any]:

@@ -39,12 +39,21 @@ def test_a_model_goes_out_with_its_module_and_the_number_of_its_handle(monkeypat
     ]
 
 
+def test_a_loop_goes_out_with_its_reference_and_the_load_that_pulls_at_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RunSource, "compile", lambda source: source.march.encode())
+    monkeypatch.setattr(stepped_model, "find_wasm_compiler", list)
+    found = ask("closed_loop", "mechanism.preload")
+    assert base64.b64decode(str(found["module"])) == b"given"
+    scenario = found["scenario"]
+    assert isinstance(scenario, dict)
+    assert [one["path"] for one in scenario["controls"]] == ["mechanism.preload"]
+    assert scenario["places"]["drives"][0]["name"] == "reference"
+
+
 def test_what_does_not_run_by_hand_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "find_zig", lambda: None)
     with pytest.raises(InputError, match=r"pip install .*\[cc\]'"):
         ask("dead_weight", "mechanism.mass", more="# without a compiler\n")
-    with pytest.raises(InputError, match="A controller in discrete time"):
-        ask("closed_loop")
     with pytest.raises(InputError, match="sets its initial state"):
         ask("dead_weight", more='\n[initial]\ntemperature = "40 degC"\n')
 

@@ -18,8 +18,11 @@ const { all, duration } = readInputs(scenario, {});
 const stepping = beginStepping(scenario, module, {});
 const count = Math.round(duration / Number(span));
 const every = Math.round(Number(span) / (duration / (run.samples - 1)));
-const middles = Float64Array.from({ length: count }, (_, k) => (k + 0.5) * Number(span));
-const levels = scenario.places.drives.map((drive) => readSignal(scenario, drive, all, middles));
+const given = scenario.layout.march === "given";
+/** A loop reads its reference at the end of a period. */
+const middles = Float64Array.from({ length: count }, (_, k) => (k + (given ? 1 + 1e-9 : 0.5)) * Number(span));
+const held = (name: string): boolean => !given || name.startsWith("reference");
+const levels = scenario.places.drives.map((drive) => (held(drive.name) ? readSignal(scenario, drive, all, middles) : middles.map(() => NaN)));
 const width = scenario.names.length;
 const rows: number[][] = [];
 const took: number[] = [];

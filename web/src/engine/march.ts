@@ -68,6 +68,8 @@ export interface Given {
   rows: Float64Array;
   worst: Float64Array;
   left: number;
+  /** At the end. */
+  state: Float64Array;
 }
 
 export const OK = 0;
@@ -278,8 +280,8 @@ export class RunModule {
     };
   }
 
-  /** One run of a system in discrete time. */
-  marchGiven(parameters: Float64Array, grid: Grid, low: Float64Array, high: Float64Array): Given {
+  /** One run of a system in discrete time, from rest or from a state. */
+  marchGiven(parameters: Float64Array, grid: Grid, low: Float64Array, high: Float64Array, state: Float64Array | null = null): Given {
     const { layout, calls } = this;
     const samples = grid.counts.length + 1;
     this.clear();
@@ -296,8 +298,13 @@ export class RunModule {
     bounds.set(high, low.length);
     const limits = this.put(bounds);
     const left = this.fill(1, Infinity);
-    const states = this.fill(Math.max(1, layout.size), NaN);
+    const states = state ? this.put(state) : this.fill(Math.max(1, layout.size), NaN);
     calls.march!(1, grid.counts.length, p, first, sampled, counts, drives, lengths, rows, worst, limits, left, states);
-    return { rows: this.get(rows, samples * layout.outputs), worst: this.get(worst, layout.reports), left: this.get(left, 1)[0]! };
+    return {
+      rows: this.get(rows, samples * layout.outputs),
+      worst: this.get(worst, layout.reports),
+      left: this.get(left, 1)[0]!,
+      state: this.get(states, layout.size),
+    };
   }
 }

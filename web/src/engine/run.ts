@@ -5,7 +5,7 @@ import { hasFailed, marchTo, planMarch, type Base } from "./accuracy.ts";
 import { readSignal, tableOf } from "./drives.ts";
 import { listSaid, predictInputs, type Changes } from "./inputs.ts";
 import { listTrackRows, weighTrapezoids } from "./track.ts";
-import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Grid, type Marched, type RunModule } from "./march.ts";
+import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Given, type Grid, type Marched, type RunModule } from "./march.ts";
 import { formatGeneral } from "../views/formulas.ts";
 import type { RunCore, Scenario, Track } from "./types.ts";
 
@@ -146,10 +146,8 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
   const { grid, rows, samples } = gridOf(scenario, inputs, interval);
   const times = samples.map((k) => k * interval);
   const found = module.marchGiven(inputs.parameters, grid, inputs.low, inputs.high);
-  const [residual = 0, crossing = 0] = found.worst;
-  const status = !found.rows.every(Number.isFinite) || !Number.isFinite(residual)
-    ? NOT_FINITE
-    : residual > SOLVED ? UNSOLVED : crossing > COARSE ? LONG_STEP : OK;
+  const residual = found.worst[0] ?? 0;
+  const status = judgeGiven(found);
   if (found.left < Infinity) {
     const when = formatGeneral(found.left, 6);
     throw new Refusal(`The run stopped at t = ${when} s: ${scenario.statuses[OUT_OF_ENVELOPE]}`, "solve", 400);
@@ -180,6 +178,13 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
     exit: null,
     warnings,
   };
+}
+
+/** Status of steps in discrete time. */
+export function judgeGiven({ rows, worst }: Given): number {
+  const [residual = 0, crossing = 0] = worst;
+  if (!rows.every(Number.isFinite) || !Number.isFinite(residual)) return NOT_FINITE;
+  return residual > SOLVED ? UNSOLVED : crossing > COARSE ? LONG_STEP : OK;
 }
 
 function trackSteps(rows: Float64Array, interval: number): { times: Float64Array; weights: Float64Array } {

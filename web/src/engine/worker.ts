@@ -4,7 +4,7 @@ import { Refusal } from "../lib/refusal.ts";
 import { fetchModule } from "./files.ts";
 import { RunModule } from "./march.ts";
 import { runScenario } from "./run.ts";
-import { beginStepping, type Span, type Stepping } from "./stepping.ts";
+import { beginStepping, type Span, type Steps } from "./stepping.ts";
 import type { RunCore, Scenario } from "./types.ts";
 
 export interface Asked {
@@ -64,7 +64,7 @@ async function answer(asked: Asked): Promise<Answered> {
   }
 }
 
-let stepping: Stepping | null = null;
+let stepping: Steps | null = null;
 
 async function step(asked: AskedStep): Promise<Stepped> {
   const begun = performance.now();

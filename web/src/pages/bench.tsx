@@ -20,6 +20,7 @@ import { computing, followDocument, followWaiting, refused, run } from "../state
 import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
 import { hand } from "../touch/live.ts";
 import { LivePanel } from "../touch/panel.tsx";
+import { ChallengeResult } from "../touch/result.tsx";
 import { BrokenLink } from "../ui/broken-link.tsx";
 import { Message } from "../ui/message.tsx";
 
@@ -92,6 +93,7 @@ export function Page() {
           <LivePanel />
         ) : (
           <>
+            <ChallengeResult />
             <Measures />
             <Danger />
             <Insight />

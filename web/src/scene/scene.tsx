@@ -5,6 +5,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import type { Run } from "../lib/types.ts";
 import { palette } from "../lib/theme.ts";
+import { Share } from "../share/share.tsx";
 import { cursor, pinned, run } from "../state/run.ts";
 import { Message } from "../ui/message.tsx";
 import { findCuts } from "./cuts.ts";
@@ -13,6 +14,7 @@ import { Motion, valueAt } from "./motion.ts";
 import { choosePaints, makeReader } from "./reading.ts";
 import { toggle } from "./playing.ts";
 import { Saving } from "./saving.tsx";
+import { shownStage } from "./shown.ts";
 import { Side } from "./side.tsx";
 import { Toggles } from "./toggles.tsx";
 import type { Reading, Stage, View } from "./stage.ts";
@@ -79,6 +81,7 @@ function Shown({ now }: { now: Run }) {
       <div class="row scene-below">
         {!flat.value && <Toggles stage={stage} broken={broken} whole={whole.value} choose={(one) => (whole.value = one)} />}
         {!flat.value && <Saving run={now} ghost={ghostOf(now)} whole={whole.value} read={read} stage={stage} />}
+        {!hand.value && <Share />}
         {motion.data.shapes.some((shape) => shape.port) && <Colours now={now} quantity={quantity.value} choose={(one) => (quantity.value = one)} />}
         <AtCursor now={now} motion={motion} />
       </div>
@@ -188,7 +191,7 @@ function made(
     ({ Stage }) => {
       if (over || !host) return;
       try {
-        stage.current = new Stage(host);
+        shownStage.current = stage.current = new Stage(host);
       } catch {
         return lost();
       }
@@ -202,6 +205,6 @@ function made(
     over = true;
     watch.disconnect();
     stage.current?.dispose();
-    stage.current = null;
+    shownStage.current = stage.current = null;
   };
 }

@@ -17,6 +17,8 @@ import { Recording } from "./recording.ts";
 /** A drive as it is held: its level while it is [SI], and the most that its slider gives. */
 export interface Source {
   drive: DriveAt;
+  /** Heat while it is held, the set point of a controller, or a signal of the document, such as noise. */
+  kind: "heat" | "setpoint" | "document";
   strength: number;
   most: number;
   /** Share of its strength that it gives now. */
@@ -39,6 +41,11 @@ export const said = signal("");
 /** Counts what the panel shows again. */
 export const turned = signal(0);
 
+/** Whether the model keeps to the clock, whatever the speed that is chosen. */
+export const inRealTime = signal(false);
+/** Those who look at a recording after each span. */
+export const watchers = new Set<(now: Hand) => void>();
+
 /** Longest step of the clock that counts [s]. */
 const LONGEST = 0.1;
 /** Samples in the time of the packaged run, at least. */
@@ -46,6 +53,8 @@ const FINE = 800;
 const MOST_PARTS = 20;
 /** The slider of a drive goes up to so many times the most of the document. */
 const ROOM = 2;
+/** Share of the largest set point of the document with which a controller begins. */
+const BEGUN = 0.75;
 /** Between pictures where motion is to be reduced [ms]. */
 const CALM = 500;
 /** Sentences of a refused step stand so long [ms]. */
@@ -88,11 +97,15 @@ function mostOf(scenario: Scenario, drive: DriveAt, inputs: Float64Array): numbe
 function listDrives({ scenario, changes }: Model): Source[] {
   const inputs = predictInputs(scenario, changes);
   const all = scenario.places.drives.map((drive) => mostOf(scenario, drive, inputs));
-  return scenario.places.drives.map((drive, k) => {
-    const strength = all[k]! || Math.max(...all) || 1;
-    return { drive, strength, most: ROOM * strength, share: 0 };
+  return scenario.places.drives.map((drive, k): Source => {
+    const most = all[k]! || Math.max(...all) || 1;
+    if (scenario.layout.march !== "given") return { drive, kind: "heat", strength: most, most: ROOM * most, share: 0 };
+    return { drive, kind: /^reference\b/.test(drive.name) ? "setpoint" : "document", strength: BEGUN * most, most, share: 0 };
   });
 }
+
+/** Level of a drive now; none (NaN) of a signal of the document. */
+const levelOf = ({ kind, strength, share }: Source): number => (kind === "heat" ? strength * share : kind === "setpoint" ? strength : NaN);
 
 export const changesOf = ({ model, load }: Hand): Changes => (load && moved ? { ...model.changes, [load.path]: load.value } : model.changes);
 
@@ -154,9 +167,9 @@ async function step(now: Hand, seconds: number): Promise<void> {
   busy = true;
   pull(now, seconds);
   const { recording, model, load } = now;
-  const length = seconds * rate();
+  const length = seconds * (inRealTime.peek() ? 1 : rate());
   const parts = Math.min(Math.max(Math.ceil((length * FINE) / model.duration), 1), MOST_PARTS);
-  const levels = now.drives.map(({ strength, share }) => strength * share);
+  const levels = now.drives.map(levelOf);
   const value = load?.value;
   const changes = changed ? changesOf(now) : null;
   changed = false;
@@ -168,6 +181,7 @@ async function step(now: Hand, seconds: number): Promise<void> {
   if (changes) parameters = parametersOf(now);
   recording.add({ times: found.times, rows: found.rows, levels, seconds: found.took / 1000 });
   draw(now);
+  for (const watch of watchers) watch(now);
 }
 
 /** The load with which the model went on last. */
@@ -248,7 +262,7 @@ effect(() => {
 /** Give a share of a drive's strength. */
 export function giveShare(k: number, share: number): void {
   const one = hand.peek()?.drives[k];
-  if (!one || one.share === share) return;
+  if (!one || one.kind !== "heat" || one.share === share) return;
   one.share = share;
   turned.value++;
 }

@@ -3,9 +3,13 @@
 import { useEffect, useLayoutEffect } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import { printed } from "../plots/drawn.ts";
+import { run } from "../state/run.ts";
 import { Message } from "../ui/message.tsx";
+import { beginChallenge, canChallenge, challenge, GRACE, LENGTH } from "./challenge.ts";
 import type { Load } from "./handles.ts";
-import { beginLive, giveShare, hand, preparing, said, setLoad, stopLive, setStrength, turned, type Source } from "./live.ts";
+import { beginLive, giveShare, hand, preparing, said, setLoad, stopLive, setStrength, turned, type Hand, type Source } from "./live.ts";
+import { chooseTarget } from "./score.ts";
+import { Strip } from "./strip.tsx";
 
 /** A hundred places are enough for a slider. */
 const PLACES = 100;
@@ -56,16 +60,55 @@ export function LivePanel() {
   return (
     <section class="panel live" aria-label="Running by hand">
       <div class="live-row">
-        {now.drives.map((one, k) => (
-          <Drive key={one.drive.name} one={one} k={k} alone={now.drives.length === 1} turn={turned.value} />
-        ))}
+        {now.drives.map((one, k) =>
+          one.kind === "heat" ? (
+            <Drive key={one.drive.name} one={one} k={k} alone={now.drives.length === 1} turn={turned.value} />
+          ) : (
+            one.kind === "setpoint" && <SetPoint key={one.drive.name} one={one} k={k} turn={turned.value} />
+          ),
+        )}
         {now.load && <LoadSlider load={now.load} turn={turned.value} />}
+        {canChallenge(now) && <ChallengeButton />}
       </div>
-      <p class="soft small">
-        Hold to heat, release to cool. {now.load ? `Drag the ${now.load.shapes[0]} in the picture to change the load, or drag` : "Drag"} the point of the phase diagram.
-      </p>
+      <Goal now={now} turn={turned.value} />
+      <p class="soft small">{describeHand(now)}</p>
       {said.value && <Message kind="caution">{said.value}</Message>}
     </section>
+  );
+}
+
+/** What can be done with what is run. */
+function describeHand({ drives, load }: Hand): string {
+  if (drives.some(({ kind }) => kind === "setpoint")) {
+    return `The controller holds the set point. ${load ? `Drag the ${load.shapes[0]} in the picture to pull at the wire: the controller changes its heat.` : ""}`;
+  }
+  return `Hold to heat, release to cool. ${load ? `Drag the ${load.shapes[0]} in the picture to change the load, or drag` : "Drag"} the point of the phase diagram.`;
+}
+
+/** The position that a controller or a hand should hold, over the last seconds. */
+function Goal({ now }: { now: Hand; turn: number }) {
+  const shown = run.value;
+  const own = challenge.value;
+  const wish = now.drives.find(({ kind, drive }) => kind === "setpoint" && drive.how.unit === shown?.outputs[shown.coordinate]?.unit);
+  if (!shown || (!own && !wish)) return null;
+  return <Strip recording={now.recording} now={shown} target={own ? own.target.at : wish!.strength} band={own?.target.band ?? 0} />;
+}
+
+function ChallengeButton() {
+  const own = challenge.value;
+  if (own) {
+    const words = own.gone < 0 ? `Reach ${own.target.words}: ${Math.ceil(-own.gone)} s` : `Hold ${own.target.words}: ${Math.ceil(LENGTH - own.gone)} s`;
+    return (
+      <output class="live-countdown">
+        <strong>{words}</strong>
+      </output>
+    );
+  }
+  const target = chooseTarget(hand.value!.recording.before);
+  return (
+    <button type="button" title={`${GRACE} s to get there, then ${LENGTH} s count`} onClick={beginChallenge}>
+      Challenge: hold {target?.words} by hand
+    </button>
   );
 }
 
@@ -117,6 +160,25 @@ function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn
         />
       </label>
     </div>
+  );
+}
+
+function SetPoint({ one, k }: { one: Source; k: number; turn: number }) {
+  const { strength, most, drive } = one;
+  return (
+    <label class="small live-load">
+      Set point: {spell(strength, drive.how)}
+      <input
+        type="range"
+        aria-label="Set point"
+        aria-valuetext={spell(strength, drive.how)}
+        min={0}
+        max={most}
+        step={most / PLACES}
+        value={strength}
+        onInput={(event) => setStrength(k, event.currentTarget.valueAsNumber)}
+      />
+    </label>
   );
 }
 

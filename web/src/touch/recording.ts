@@ -47,12 +47,18 @@ export class Recording {
     this.seconds += seconds;
     const width = this.samples.length;
     const last = this.levels.at(-1)?.[1];
-    if (times.length && !(last && levels.every((level, k) => level === last[k]))) this.levels.push([this.end, levels]);
+    if (times.length && !(last && levels.every((level, k) => Object.is(level, last[k])))) this.levels.push([this.end, levels]);
     for (let k = 0; k < times.length; k++) {
       this.times.push(times[k]!);
       for (let i = 0; i < width; i++) this.samples[i]!.push(rows[k * width + i]!);
     }
     if (this.times.length > MOST) for (const all of [this.times, ...this.samples]) halve(all);
+  }
+
+  /** The last seconds of a column. */
+  last(name: string, seconds: number): { times: number[]; values: number[] } {
+    const from = this.times.findIndex((time) => time >= this.end - seconds);
+    return { times: this.times.slice(from), values: (this.samples[this.scenario.names.indexOf(name)] ?? []).slice(from) };
   }
 
   /** A number now. */

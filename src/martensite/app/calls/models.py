@@ -22,9 +22,4 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
     scenario = read_request_scenario(request, desk)
     if scenario.initial or scenario.restart_at:
         raise InputError("This scenario sets its initial state, so it cannot run by hand.")
-    if scenario.whole.sample_time():
-        raise InputError(
-            "A controller in discrete time drives this mechanism: it does not run by hand. "
-            "Open one without, such as `Wire and dead weight`."
-        )
     return describe_stepped(scenario.text, tuple(paths))
