@@ -1,8 +1,8 @@
-"""Draws the devices of the first page and the bench of the README: `python docs/_ext/device_pictures.py`.
+"""Draws the devices of the first page, the bench and the film of the README: `python docs/_ext/device_pictures.py`.
 
-The real page runs each scenario of the directive `devices` in a headless Chromium, and its scene is
-photographed where the actuator has moved most. It needs Chromium and the extra `test`; pictures are kept
-with the pages, since builds have no browser.
+With `--film` it makes only the film. The real page runs each scenario of the directive `devices` in a headless
+Chromium, and its scene is photographed where the actuator has moved most. The film is the animation that the page
+saves. It needs Chromium and the extra `test`; pictures are kept with the pages, since builds have no browser.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ MOST = 60_000
 """Bytes of a picture."""
 BENCH, SCREEN = "finger", 1440
 """What the whole page shows, and how wide it is [px]."""
+FILMED, SPEED, FILM_MOST = "dead_weight", "2", 1_500_000
+"""Scenario of the film, its speed (20 s in 10 s), and bytes of the film."""
 MOVE = """(range, share) => {
   range.value = Number(range.min) + share * (range.max - range.min);
   range.dispatchEvent(new Event("input", { bubbles: true }));
@@ -93,6 +95,28 @@ def take_page(page: Page, address: str, text: str) -> bytes:
     return page.screenshot()
 
 
+def take_film(page: Page, address: str, text: str) -> bytes:
+    """The animation that the page saves, GIF."""
+    page.goto("about:blank")
+    page.goto(build_address(address, text))
+    page.locator(".scene-view canvas").wait_for(timeout=PATIENCE)
+    page.locator(".bench[aria-busy=false]").wait_for(timeout=PATIENCE)
+    page.locator(".player-speed select").select_option(SPEED)
+    page.locator(".scene summary", has_text="Save").click()
+    with page.expect_download(timeout=10 * PATIENCE) as saved:
+        page.get_by_role("button", name="GIF").click()
+    return saved.value.path().read_bytes()
+
+
+def draw_film(page: Page, address: str) -> None:
+    """Make the film of the README."""
+    film = take_film(page, address, list_standalone()[FILMED])
+    if len(film) > FILM_MOST:
+        sys.exit(f"the film has {len(film)} bytes, more than {FILM_MOST}")
+    (FOLDER.parent / "film.gif").write_bytes(film)
+    print(f"the film: {len(film) / 1e3:.0f} kB")
+
+
 def write_picture(shot: bytes, path: Path, width: int = WIDTH, most: int = MOST) -> int:
     """Keep a picture, as good as it may be heavy; its bytes."""
     image = Image.open(io.BytesIO(shot)).convert("RGB")
@@ -104,23 +128,24 @@ def write_picture(shot: bytes, path: Path, width: int = WIDTH, most: int = MOST)
     return path.stat().st_size
 
 
-def draw_devices() -> None:
-    """Draw all of them."""
+def draw_all(film_only: bool) -> None:
+    """Draw all of them, or make only the film."""
     FOLDER.mkdir(exist_ok=True)
     found = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
     with serve_bench() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
         page = browser.new_page(viewport={"width": 1440, "height": 1000}, reduced_motion="reduce", color_scheme="light")
-        for name in list_devices():
+        draw_film(page, address)
+        for name in () if film_only else list_devices():
             size = write_picture(take_picture(page, address, list_standalone()[name]), FOLDER / f"{name}.webp")
             print(f"{name}: {size / 1e3:.0f} kB")
-        page.set_viewport_size({"width": SCREEN, "height": 900})
-        size = write_picture(
-            take_page(page, address, list_standalone()[BENCH]), FOLDER.parent / "bench.webp", SCREEN, 2 * MOST
-        )
-        print(f"the bench: {size / 1e3:.0f} kB")
+        if not film_only:
+            page.set_viewport_size({"width": SCREEN, "height": 900})
+            shot = take_page(page, address, list_standalone()[BENCH])
+            size = write_picture(shot, FOLDER.parent / "bench.webp", SCREEN, 2 * MOST)
+            print(f"the bench: {size / 1e3:.0f} kB")
         browser.close()
 
 
 if __name__ == "__main__":
-    draw_devices()
+    draw_all("--film" in sys.argv)

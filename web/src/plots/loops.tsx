@@ -41,7 +41,7 @@ function pinnedPaths(one: Beside, loop: Loop, units: string): Curve[] {
 
 const unitsOf = (of: Run, pair: string[]): string => pair.map((name) => of.outputs[name]?.shown).join();
 
-function pictureOf(of: Run, loop: Loop, ports: string[], pins: Beside[]): Picture | null {
+export function pictureOf(of: Run, loop: Loop, ports: string[], pins: Beside[]): Picture | null {
   const pairs = ports.flatMap((port) => (loop.ports[port] ? [{ port, pair: loop.ports[port] }] : []));
   const first = pairs[0];
   if (!first) return null;
@@ -92,7 +92,7 @@ export function Key({ of }: { of: Run }) {
 }
 
 /** Whether something happens along both axes: at one temperature there is no loop over it. */
-function isOpen(of: Run, loop: Loop): boolean {
+export function isOpen(of: Run, loop: Loop): boolean {
   const varies = (name: string): boolean => {
     const column = of.columns[name] ?? [];
     const [low, high] = [column.reduce((a, b) => Math.min(a, b), Infinity), column.reduce((a, b) => Math.max(a, b), -Infinity)];

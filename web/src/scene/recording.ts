@@ -4,6 +4,8 @@ import { startWorker } from "../lib/host.ts";
 import type { Palette } from "../lib/theme.ts";
 import type { Run } from "../lib/types.ts";
 import type { Asked } from "./gif.worker.ts";
+import type { Picture } from "../plots/picture.ts";
+import { chooseLoop, drawLoop } from "./film-loop.ts";
 import { paintWords } from "./labels.ts";
 import { choosePaints } from "./reading.ts";
 import { Stage, type Reading } from "./stage.ts";
@@ -30,6 +32,8 @@ const FINE = { gif: 1.5, video: 1 };
 const RATE = 10;
 /** Width of the page's picture that words in a file are as large as in [px]. */
 const WIDE = 720;
+/** Share of the width that the mechanism has beside a loop, and of the height above and below the loop. */
+const [MECHANISM, TOP] = [0.56, 0.12];
 const VIDEOS = ["video/mp4;codecs=avc1.42E01F", "video/mp4", "video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
 /** The kind of video that this browser can make; none if it cannot. */
@@ -42,6 +46,9 @@ class Painter {
   readonly context: CanvasRenderingContext2D;
   private readonly host = document.createElement("div");
   private readonly stage: Stage;
+  /** The loop beside the mechanism, and the width of the latter [px]. */
+  private readonly loop: Picture | null;
+  private readonly across: number;
 
   constructor(
     private readonly asked: Recorded,
@@ -52,8 +59,10 @@ class Painter {
     Object.assign(this.canvas, { width, height });
     this.context = this.canvas.getContext("2d", { willReadFrequently: true }) as CanvasRenderingContext2D;
     // words are as large as on the page whatever the size of the file
+    this.loop = chooseLoop(asked.run);
+    this.across = this.loop ? MECHANISM * width : width;
     const scale = width / WIDE;
-    Object.assign(this.host.style, { position: "fixed", left: "-9999px", width: `${width / scale}px`, height: `${height / scale}px` });
+    Object.assign(this.host.style, { position: "fixed", left: "-9999px", width: `${this.across / scale}px`, height: `${height / scale}px` });
     document.body.append(this.host);
     this.stage = new Stage(this.host, fine * scale);
     this.stage.paint(choosePaints(asked.palette));
@@ -71,10 +80,24 @@ class Painter {
     const scale = width / WIDE;
     context.fillStyle = palette.panel;
     context.fillRect(0, 0, width, height);
-    context.drawImage(canvas, 0, 0, width, height);
+    context.drawImage(canvas, 0, 0, this.across, height);
     paintWords(context, words, palette.ink, palette.panel, scale);
     const clock = { text: `${time.toFixed(last < 10 ? 2 : 1)} s`, x: 34, y: height / scale - 16, kind: "name" as const };
     paintWords(context, [clock], palette.soft, palette.panel, scale);
+    if (this.loop) this.drawLoop(this.loop, time, scale);
+  }
+
+  private drawLoop(loop: Picture, time: number, scale: number): void {
+    const { context, across, width, height } = this;
+    const { run, palette } = this.asked;
+    const after = run.times.findIndex((one) => one > time);
+    const row = after < 0 ? run.times.length - 1 : Math.max(after - 1, 0);
+    context.save();
+    context.translate(across, TOP * height);
+    context.scale(scale, scale);
+    context.textAlign = "left";
+    drawLoop(context, loop, row, (width - across) / scale - 8, ((1 - 2 * TOP) * height) / scale, palette);
+    context.restore();
   }
 
   get picture(): Uint8ClampedArray {
