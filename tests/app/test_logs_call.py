@@ -185,7 +185,7 @@ def test_loops_lead_to_a_material_with_a_verdict_and_a_command(desk: Desk) -> No
     found = run_fit({**request, "text": model["text"], "proposed": model["name"], "free": free, "each": each}, desk)
     check_answer(found, "identify", "Outcome")
     verdict = found["verdict"]
-    assert verdict["word"] == "not usable" and verdict["untold"] == [] and len(verdict["told"]) == 7
+    assert verdict["word"] == "usable" and verdict["untold"] == [] and len(verdict["told"]) == 7
     assert "for the naive baseline (neighbouring loads)" in verdict["headline"]
     assert verdict["next"] == ["A loop at 150 MPa, in the widest gap between the loads."]
     assert "median of 3 rows" in found["prepared"][0]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from martensite.fit.loop_rivals import LoopColumns, average_neighbours, find_branches, has_reversals, repeat_branches
+from martensite.search.rivals import FAILS, PREDICTS, RIVALLED, Prediction
 
 WAY = np.linspace(0.0, 1.0, 400)
 
@@ -49,3 +50,20 @@ def test_descent_after_a_reversal_is_the_scaled_major_descent() -> None:
     assert found[-1] == pytest.approx(4.0, abs=0.05)
     half = np.interp(47.5, (drive[1200:])[::-1], found[1200:][::-1])
     assert half == pytest.approx(3.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("rms", "rival", "verdict"),
+    [
+        (0.05, 0.1, PREDICTS),
+        (0.09, 0.1, RIVALLED),
+        (0.09, 0.01, RIVALLED),
+        (0.2, 0.3, PREDICTS),
+        (0.22, 0.1, FAILS),
+        (0.3, 1.0, FAILS),
+    ],
+)
+def test_one_rule_of_prediction(rms: float, rival: float, verdict: str) -> None:
+    """Better than 0.8 of every rival and 75 % explained; usable from 80 % on although a rival is as good."""
+    found = Prediction(rms, 1.0, {"mean": 1.0, "neighbours": rival})
+    assert found.verdict == verdict and found.predicts == (verdict == PREDICTS)

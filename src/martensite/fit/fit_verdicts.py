@@ -16,6 +16,7 @@ from martensite.fit.baselines import BaselineScore, pool_baselines, score_baseli
 from martensite.fit.drive_lag import find_period
 from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_rms, list_compared, list_held_out
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
+from martensite.search.rivals import EXPLAINED, FAILS, RIVALLED, Prediction
 
 WORSE = 1.5
 """Ratio of held-out to training error above which predictions are reported as worse than the fit."""
@@ -56,6 +57,7 @@ def list_fit_warnings(fit: Fit) -> list[str]:
         *warn_of_predictions(fit),
         *warn_of_misses(fit),
         *warn_of_baselines(fit),
+        *warn_of_rivals(fit),
         *_warn_of_cadence(fit),
         *warn_of_directions(fit),
         *_warn_of_residuals(fit),
@@ -112,19 +114,47 @@ def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> 
     return ", ".join(f"{format_error(output, rms, unit)} ({name})" for name, rms in found.items())
 
 
-def warn_of_baselines(fit: Fit) -> Iterator[str]:
-    """Yield the outputs that a baseline predicts equally well."""
+def list_predictions(fit: Fit) -> dict[str, tuple[Prediction, str]]:
+    """Return the held-out error of every output beside its baselines, and its unit."""
     scores, rows = score_baselines(fit), _list_predicted(fit)
+    found: dict[str, tuple[Prediction, str]] = {}
     for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
-        found = pool_baselines(scores, name)
-        best = min(found, key=lambda one: found[one])
-        error = compute_rms([one for one in rows if one.output == name], HELD_OUT)
-        if error >= found[best]:
+        own = [one for one in rows if one.output == name]
+        squares = np.concatenate([(one.measured[one.held] - np.mean(one.measured[one.held])) ** 2 for one in own])
+        spread = math.sqrt(float(np.mean(squares)))
+        found[name] = Prediction(compute_rms(own, HELD_OUT), spread, pool_baselines(scores, name)), unit
+    return found
+
+
+def warn_of_baselines(fit: Fit) -> Iterator[str]:
+    """Yield the outputs that are not predicted, by the rule of `martensite.search.rivals`."""
+    for name, (one, unit) in list_predictions(fit).items():
+        if one.verdict == FAILS and not one.beats_rivals:
             yield (
-                f"`{name}` of the held-out data is not predicted better than without a model: rms error "
-                f"{format_error(name, error, unit)}, and {format_error(name, found[best], unit)} for the naive "
-                f"baseline ({best}). Do not use the fit for predictions."
+                f"`{name}` of the held-out data is not predicted better than without a model: "
+                f"{_compare_errors(name, one, unit)}. Do not use the fit for predictions."
             )
+        elif one.verdict == FAILS:
+            yield (
+                f"The model explains {one.fit_percent:.0f} % of the variation of `{name}` in the held-out data, less "
+                f"than {100.0 * EXPLAINED:.0f} %. Do not use the fit for predictions."
+            )
+
+
+def warn_of_rivals(fit: Fit) -> Iterator[str]:
+    """Yield the outputs that are predicted well, but as well or better by a baseline."""
+    for name, (one, unit) in list_predictions(fit).items():
+        if one.verdict == RIVALLED:
+            yield (
+                f"The model explains {one.fit_percent:.0f} % of the variation of `{name}` in the held-out data and is "
+                f"usable, but a baseline is as good or better: {_compare_errors(name, one, unit)}. Between "
+                "your records, prefer this baseline."
+            )
+
+
+def _compare_errors(name: str, one: Prediction, unit: str) -> str:
+    rival = format_error(name, one.rivals[one.best_rival], unit)
+    return f"rms error {format_error(name, one.rms, unit)}, and {rival} for the naive baseline ({one.best_rival})"
 
 
 def _describe_spreads(fit: Fit) -> Iterator[str]:

@@ -3,6 +3,8 @@
 The held-out error must be clearly below the error of every baseline, and most of the variation must be explained:
 
     error < BETTER · least error of a rival,    1 - error/spread ≥ EXPLAINED
+
+A model that explains at least USABLE of the variation can be used, even if a rival predicts the held-out data as well.
 """
 
 from __future__ import annotations
@@ -15,6 +17,11 @@ BETTER = 0.8
 """Error over the least error of a rival below which a model is better."""
 EXPLAINED = 0.75
 """Least explained fraction of the variation, 1 - error/standard deviation."""
+USABLE = 0.8
+"""Least explained fraction of the variation of a model that can be used although a rival is as good: 96 % of the
+variance."""
+PREDICTS, RIVALLED, FAILS = "predicts", "is usable, but a rival predicts as well or better", "does not predict"
+"""Verdicts on a prediction."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,13 @@ class Prediction:
     def beats_rivals(self) -> bool:
         """Return whether the error is clearly below the error of every baseline."""
         return all(self.rms < BETTER * error for error in self.rivals.values())
+
+    @property
+    def verdict(self) -> str:
+        """Return `PREDICTS`, `RIVALLED` or `FAILS`."""
+        if self.predicts:
+            return PREDICTS
+        return RIVALLED if self.fit_percent >= 100.0 * USABLE else FAILS
 
     @property
     def predicts(self) -> bool:

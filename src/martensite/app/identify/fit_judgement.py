@@ -18,6 +18,7 @@ from martensite.fit.fit_verdicts import (
     warn_of_directions,
     warn_of_misses,
     warn_of_predictions,
+    warn_of_rivals,
     warn_of_search,
 )
 from martensite.fit.free_parameters import is_nuisance
@@ -44,7 +45,8 @@ class FitJudgement:
 def judge_fit(fit: Fit) -> FitJudgement:
     """Return the warnings of a fit, sorted by their consequence."""
     against = [*warn_of_baselines(fit), *warn_of_misses(fit)]
-    return FitJudgement(against, [*warn_of_search(fit), *warn_of_predictions(fit), *warn_of_directions(fit)])
+    care = [*warn_of_rivals(fit), *warn_of_search(fit), *warn_of_predictions(fit), *warn_of_directions(fit)]
+    return FitJudgement(against, care)
 
 
 def describe_judgement(fit: Fit, proposal: Proposal | None) -> JsonTable:

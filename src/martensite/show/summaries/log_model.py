@@ -56,8 +56,7 @@ def _make_verdict(model: LogModel) -> Notice:
     items = [_describe_output(one, model.chosen.errors) for one in model.chosen.pooled]
     if not model.chosen.pooled:
         return Notice("The model was not tested", ["No held-out data were predicted."], True)
-    word = "predicts" if model.predicts else "does not predict"
-    return Notice(f"On held-out data the model {word}", items, not model.predicts)
+    return Notice(f"On held-out data the model {model.chosen.pooled[0].verdict}", items, not model.predicts)
 
 
 def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
