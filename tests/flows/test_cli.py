@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 
 from martensite.base.errors import DataError, SolveError
 from martensite.cli import app
+from martensite.fit.experiment_kinds.base import list_kinds
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import Scenario
 
@@ -444,3 +445,11 @@ def test_debug_shows_the_error_itself(order: tuple[str, ...]) -> None:
 
 def test_version() -> None:
     assert fine("--version").startswith("martensite ")
+
+
+def test_kinds_of_experiment_are_listed_in_the_order_of_recognition() -> None:
+    found = parsed("list", "experiment")
+    assert [one["name"] for one in found] == [one.registered_name for one in list_kinds()]
+    assert {one["name"]: one["command"] for one in found}["dsc"] == "fit dsc"
+    assert parsed("list")["experiment"] == sorted(one["name"] for one in found)
+    assert "Did you mean `isobaric`" in refused("list", "experiment", "isobarik")

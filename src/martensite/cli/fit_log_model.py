@@ -35,8 +35,8 @@ class ModelOptions:
         Option(
             metavar="KIND",
             help=(
-                "Experiment if there is no --scenario: stroke, blocked-force, heating, resistance, isobaric, "
-                "isothermal or cooling [default: recognised from the columns]."
+                "Experiment if there is no --scenario, e.g. isobaric; `martensite list experiment` lists all "
+                "[default: recognised from the columns]."
             ),
         ),
     ] = None

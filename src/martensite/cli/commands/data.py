@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -109,7 +109,21 @@ def show_data(
         tables = [merge_by_clock(tables, offsets or None)]
     if out is not None and len(tables) > 1:
         raise InputError(f"`{out}` takes one table, but there are {len(tables)} files; join them by --merge.")
-    Outputs(out, None).answer(summarise_lab_files(tables), json, tables[0].to_csv)
+    Outputs(out, None).answer(_name_experiment(summarise_lab_files(tables), tables), json, tables[0].to_csv)
+
+
+def _name_experiment(summary: Summary, tables: Sequence[LabFile]) -> Summary:
+    """Return the summary with the kind of experiment in the tables, if it is recognised."""
+    from martensite.base.errors import DataError
+    from martensite.fit.experiment_kinds.base import recognise_experiment
+
+    try:
+        found = recognise_experiment([one.record for one in tables])
+    except DataError:
+        return summary
+    command = f"martensite fit {found.kind.command}".strip()
+    text = f"Experiment `{found.name}`: {found.kind.meaning}. `{command} FILE` evaluates it."
+    return replace(summary, blocks=[*summary.blocks, Sentence(text)])
 
 
 def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:

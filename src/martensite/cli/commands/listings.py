@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Argument
@@ -15,21 +15,26 @@ from martensite.cli.options import Imports, Json, Settings, Text, import_modules
 
 if TYPE_CHECKING:
     from martensite.app.forms.form_types import GroupNode, SingleNode
+    from martensite.base.registry import Registry
     from martensite.identify.blocks.base import AbstractBlock
 
 
 def complete_kind(incomplete: str) -> list[str]:
     """Return the kinds that begin with a text."""
+    return [kind for kind in _find_registries() if kind.startswith(incomplete)]
+
+
+def _find_registries() -> dict[str, Registry[Any]]:
+    """Return every registry by the word for one of its entries, with kinds of experiment."""
+    from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS
     from martensite.scenario import catalogue
 
-    return [kind for kind in catalogue.list_registries(blocks=True) if kind.startswith(incomplete)]
+    return catalogue.list_registries(blocks=True) | {EXPERIMENT_KINDS.kind: EXPERIMENT_KINDS}
 
 
 def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the parts of the chosen kind that begin with a text."""
-    from martensite.scenario import catalogue
-
-    registry = catalogue.list_registries(blocks=True).get(ctx.params.get("kind") or "")
+    registry = _find_registries().get(ctx.params.get("kind") or "")
     names = registry.names() if registry is not None else []
     return [name for name in names if name.startswith(incomplete)]
 
@@ -54,6 +59,9 @@ def list_parts(
     if kind is None:
         _list_kinds(json)
         return
+    if kind.removesuffix("s") == "experiment":
+        _list_experiments(name, json)
+        return
     from martensite.scenario import catalogue
     from martensite.show.summaries.parts import describe_part, tabulate_parts
     from martensite.show.terminal import print_summary
@@ -70,11 +78,33 @@ def list_parts(
     print_summary(Summary("", list(describe_part(part)), part), json)
 
 
-def _list_kinds(json: bool) -> None:
-    from martensite.scenario import catalogue
+def _list_experiments(name: str | None, json: bool) -> None:
+    """List the kinds of experiment in the order of recognition, or one kind."""
+    from martensite.base.errors import require_known
+    from martensite.fit.experiment_kinds.base import list_kinds
     from martensite.show.terminal import print_summary
 
-    kinds = {kind: r.names() for kind, r in catalogue.list_registries(blocks=True).items()}
+    found = {one.registered_name: one for one in list_kinds()}
+    if name is not None:
+        require_known("experiment", name, found)
+        found = {name: found[name]}
+    rows = [
+        {
+            "name": one.registered_name,
+            "meaning": one.meaning,
+            "needs": one.needs,
+            "command": f"fit {one.command}".strip(),
+        }
+        for one in found.values()
+    ]
+    table = DataTable(("experiment", "meaning", "needs", "command"), [tuple(row.values()) for row in rows])
+    print_summary(Summary("", [table], rows), json)
+
+
+def _list_kinds(json: bool) -> None:
+    from martensite.show.terminal import print_summary
+
+    kinds = {kind: r.names() for kind, r in _find_registries().items()}
     table = DataTable(("kind of part", "names"), [(k, ", ".join(v)) for k, v in kinds.items()])
     print_summary(Summary("", [table], kinds), json)
 
