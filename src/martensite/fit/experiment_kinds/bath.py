@@ -1,0 +1,132 @@
+"""Bath experiment: an element at a given temperature moves a weight or a spring."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+import numpy as np
+
+from martensite.characterise.isobaric_cycles import find_named_stress
+from martensite.fit.experiment_kinds.base import (
+    EXPERIMENT_KINDS,
+    LENGTH,
+    AbstractExperimentKind,
+    Assumptions,
+    FitEvidence,
+    Proposal,
+    RecognisedExperiment,
+)
+from martensite.fit.experiment_kinds.driven import A_F
+from martensite.fit.experiment_kinds.loops import find_column, read_loop
+from martensite.fit.experiment_kinds.stroke import read_spring
+from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
+from martensite.fit.experiment_kinds.values import EPS, SIGMA, SLOPE, Document, make_loop, make_record, write_values
+from martensite.signals.records import Record
+
+STRAIGHT = 0.98
+"""Least squared correlation of a load with the shape that makes it the load of a spring."""
+RATES = "stiffness={:.4g}..{:.4g} N/m log"
+
+
+@EXPERIMENT_KINDS.register("bath")
+class BathTest(AbstractExperimentKind):
+    """Stroke over a given temperature, under a weight or against a spring."""
+
+    order = 45.0
+    meaning = "heated and cooled, as in a bath, under a weight or against a spring"
+    needs = "a temperature that varies by more than 15 K and a position, without a constant stress"
+    axis = "temperature"
+    own_zero = True
+
+    def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
+        """Return the experiment if shape and temperature vary, with no load on record or that of a spring."""
+        if survey.drives or not survey.is_heated or not survey.shapes:
+            return None
+        shape = survey.shapes[0]
+        loads = [name for one in survey.records for name in ("stress", "force") if name in one.columns]
+        if not loads and not any(find_named_stress(one) for one in survey.records):
+            why = f"`{shape}` and `temperature` vary, and no load is on record"
+            return RecognisedExperiment(self, why, "temperature", (shape,))
+        if survey.loads and all(_is_spring(one, shape, survey.loads[0]) for one in survey.records):
+            why = f"`temperature` varies, and `{survey.loads[0]}` is straight over `{shape}`, as of a spring"
+            return RecognisedExperiment(self, why, "temperature", (shape, survey.loads[0]))
+        return None
+
+    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+        """Yield a weight and a bias spring; the spring alone if force and position are measured."""
+        shape = found.measured[0]
+        rows = [read_loop(one, "temperature", find_column(one, shape, DEFORMATIONS), known) for one in records]
+        stroke = max(float(np.ptp(one[shape])) for one in rows)
+        whole = shape == "strain"
+        length = known.take(LENGTH, "m", 0.1 if whole else stroke / (0.8 * EPS), "the transformation strain absorbs it")
+        width = known.take("element.diameter", "m", 1e-3, "the load absorbs it")
+        section = math.pi / 4.0 * width**2
+        up = np.corrcoef(*(np.concatenate([one[name] for one in rows]) for name in (shape, "temperature")))[0, 1] > 0.0
+        if not up and not whole:
+            known.sentences.append(f"`{shape}` falls on heating: its sign is turned.")
+        output = "strain" if whole else "position"
+        flip = not up and not whole
+        columns = [f"{output}={shape}*{-1 if flip else 1}" if flip or shape != output else output]
+        base = _describe_bath(rows, width, length)
+        free = ("A_f=-20..200 degC", "A_s-A_f=-100..-0.5 K", "M_s-A_f=-100..-0.5 K", "M_f-M_s=-100..-0.5 K")
+        free += ("eps_L=0.002..0.19",)
+        if len(found.measured) > 1:
+            spring, more = read_spring(found, rows, section, known)
+            document = base | {"mechanism": spring}
+            yield Proposal("a bias spring", document, (*free, *more), columns, rows, (f"offset.{output}",))
+            return
+        force = SIGMA * section
+        given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
+        mass = known.take("mechanism.mass", "kg", force / 9.80665, "temperatures at zero stress absorb it")
+        weight = {"kind": "dead-weight", "mass": f"{mass:.6g} kg"}
+        if not given & {"stiffness", "preload"}:
+            yield Proposal("a weight", base | {"mechanism": weight}, free, columns, rows, (f"offset.{output}",))
+        if "mass" not in given:
+            rate = 0.6 * force / (stroke if not whole else 0.03 * length)
+            spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
+            more = () if "stiffness" in given else (RATES.format(rate / 20.0, 10.0 * rate),)
+            yield Proposal(
+                "a bias spring", base | {"mechanism": spring}, (*free, *more), columns, rows, (f"offset.{output}",)
+            )
+
+    def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
+        """Yield another load, and the load itself."""
+        yield "The same under a second load, with the load in the log: it tells C_A, C_M and zero-stress temperatures."
+
+    def make_example(self) -> list[Record]:
+        """Return a position that rises on heating."""
+        loop = make_loop()
+        late = np.where(np.arange(len(loop)) < len(loop) // 2, 0.5, 0.3)
+        return [
+            make_record({"temperature": 290.0 + 100.0 * loop, "position": 0.004 * np.clip((loop - late) / 0.2, 0, 1)})
+        ]
+
+
+def _is_spring(record: Record, shape: str, load: str) -> bool:
+    """Return whether a load is straight over a shape."""
+    x, y = (np.asarray(record.columns.get(name, [0.0, 0.0]), float) for name in (shape, load))
+    good = np.isfinite(x) & np.isfinite(y) if len(x) == len(y) else np.zeros(0, bool)
+    if good.sum() < 3 or not np.ptp(x[good]) or not np.ptp(y[good]):
+        return False
+    return float(np.corrcoef(x[good], y[good])[0, 1]) ** 2 > STRAIGHT
+
+
+def _describe_bath(rows: Sequence[Record], width: float, length: float) -> Document:
+    """Return an element at the logged temperature, from martensite or, if it begins hot, from austenite."""
+    kelvin = list(chain.from_iterable(one["temperature"] for one in rows))
+    middle = 0.5 * (min(kelvin) + max(kelvin)) if kelvin else A_F + 273.15
+    zero = middle - SIGMA / SLOPE
+    law = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": EPS, "Theta": "0 Pa/K"}
+    law |= write_values("Pa", E_A=70e9, E_M=28e9) | write_values("Pa/K", C_A=SLOPE, C_M=SLOPE)
+    law |= write_values("K", A_f=zero + 14.0, A_s=zero + 2.0, M_s=zero - 2.0, M_f=zero - 14.0)
+    cold = float(np.mean([one["temperature"][0] for one in rows])) <= middle
+    element = {"kind": "wire", "material": "flexinol-90", "initial_fraction": 1.0 if cold else 0.0, "law": law}
+    element |= write_values("m", diameter=width, length=length)
+    return {
+        "title": "Stroke over temperature",
+        "element": element,
+        "drive": {"kind": "temperature", "waveform": {"kind": "log"}},
+        "run": {"step": "1e3 s"},
+    }

@@ -1,0 +1,87 @@
+"""Logs over a given temperature, fitted without a scenario: a bath with weight or spring, and constrained recovery.
+
+Source of truth: the cosine law of Liang and Rogers and the equilibrium of the wire with its load, solved here by
+bisection.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from martensite.fit.experiment_kinds.base import recognise_experiment
+from martensite.fit.log_models import model_logs
+from martensite.signals.records import Record
+
+LAW = {"A_s": 55.0, "A_f": 68.0, "M_s": 50.0, "M_f": 36.0, "C_A": 7.5e6, "C_M": 7.5e6}
+"""[degC] and [Pa/K]"""
+E_A, E_M, EPS = 70e9, 28e9, 0.042
+LENGTH, AREA = 0.2, math.pi / 4.0 * 0.5e-3**2
+
+
+def find_fraction(celsius: float, stress: float, xi: float, heats: bool) -> float:
+    """Martensite fraction after a step of the temperature, from the fraction at the last reversal."""
+    if heats:
+        share = (celsius - LAW["A_s"] - stress / LAW["C_A"]) / (LAW["A_f"] - LAW["A_s"])
+        return xi * 0.5 * (1.0 + math.cos(math.pi * min(max(share, 0.0), 1.0)))
+    share = (LAW["M_s"] + stress / LAW["C_M"] - celsius) / (LAW["M_s"] - LAW["M_f"])
+    return xi + (1.0 - xi) * 0.5 * (1.0 - math.cos(math.pi * min(max(share, 0.0), 1.0)))
+
+
+def solve_path(celsius: Any, stiffness: float, preload: float) -> tuple[Any, Any]:
+    """Stress and contraction of a wire against a spring [Pa, m]; infinite stiffness holds its length."""
+    begin = preload / (AREA * E_M) + EPS
+    turn, xi, stresses, contractions = 1.0, 1.0, [], []
+    for k, T in enumerate(celsius):
+        heats = k <= int(np.argmax(celsius))
+        turn = xi if k == int(np.argmax(celsius)) + 1 else turn
+        low, high = 0.0, 3e9
+        for _ in range(60):
+            stress = 0.5 * (low + high)
+            xi = find_fraction(float(T), stress, turn, heats)
+            strain = stress / (E_A + xi * (E_M - E_A)) + EPS * xi
+            shorter = (begin - strain) * LENGTH
+            pull = math.inf if math.isinf(stiffness) else preload + stiffness * shorter
+            over = strain > begin if math.isinf(stiffness) else stress * AREA > pull
+            low, high = (low, stress) if over else (stress, high)
+        stresses.append(stress)
+        contractions.append(shorter)
+    return np.array(stresses), np.array(contractions)
+
+
+def make_record(kind: str, seed: int = 1) -> Record:
+    """A heating and a cooling over 100 K of 300 rows, with noise."""
+    chance = np.random.default_rng(seed)
+    celsius = np.concatenate([np.linspace(25.0, 125.0, 150), np.linspace(125.0, 25.0, 150)])
+    stiffness = {"weight": 0.0, "spring": 600.0, "recovery": math.inf}[kind]
+    stress, contraction = solve_path(celsius, stiffness, (20e6 if kind == "recovery" else 100e6) * AREA)
+    columns = {"time": np.arange(300.0), "temperature": celsius + 273.15}
+    units = {"time": "s", "temperature": "K", "position": "m", "force": "N", "stress": "Pa"}
+    if kind == "recovery":
+        columns["stress"] = stress + 0.5e6 * chance.standard_normal(300)
+    else:
+        columns["position"] = contraction + 1e-5 * chance.standard_normal(300)
+    if kind == "spring":
+        columns["force"] = stress * AREA + 0.01 * chance.standard_normal(300)
+    return Record(kind, {n: x.tolist() for n, x in columns.items()}, {n: units[n] for n in columns})
+
+
+@pytest.mark.parametrize(("kind", "name"), [("weight", "bath"), ("spring", "bath"), ("recovery", "recovery")])
+def test_given_temperatures_are_recognised_and_the_law_is_found(kind: str, name: str) -> None:
+    record = make_record(kind)
+    assert recognise_experiment([record]).name == name
+    sizes = {
+        "element.length": "200 mm",
+        "element.diameter": "0.5 mm",
+        **({"element.law.eps_L": f"{EPS}"} if kind == "recovery" else {}),
+    }
+    load = {"mechanism.mass": f"{100e6 * AREA / 9.80665} kg"} if kind == "weight" else {}
+    found = model_logs(record, overrides=sizes | load)
+    assert found.predicts and found.chosen.pooled[0].fit_percent > 98.0
+    ends = {one.name: one.value - 273.15 for one in found.temperatures if one.stress == 0.0}
+    assert ends == pytest.approx({n: LAW[n] for n in ("A_s", "A_f", "M_s", "M_f")}, abs=1.0)
+    if kind == "recovery":
+        assert [found.fit.numbers[n] for n in ("C_A", "C_M")] == pytest.approx([7.5e6, 7.5e6], rel=0.03)
