@@ -234,7 +234,7 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
         break;
     }
 #if LEDGER
-    keep_ledger(m, b);
+    if (m->recording) keep_ledger(m, b);
 #endif
     keep_samples(m, b, taken, end, edge);
     EVERY(i) if (m->recording && taken[i] && b->live[i]) {

@@ -449,7 +449,8 @@ class AdaptiveMarch(AbstractMarch):
         self.found.accounts = tuple(self.ledger.accounts)
 
     def _accept(self, trial: StepTrial, most: float, planned: float) -> None:
-        self._keep_ledger(trial)
+        if self.plan.recorded:
+            self._keep_ledger(trial)
         found, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration

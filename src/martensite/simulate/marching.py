@@ -66,7 +66,7 @@ class MarchPlan:
     ranges: tuple[float, ...] = ()
     """Known ranges of judged outputs, if any."""
     recorded: bool = True
-    """True if the accepted steps are recorded (`martensite.simulate.track`)."""
+    """True if accepted steps are recorded (`martensite.simulate.track`) and heat and work are summed."""
     totalled: bool = False
     """True if C keeps the minimum, maximum and integral of every output (`totals.c`)."""
     step: float | None = None
