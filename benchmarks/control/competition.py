@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -35,7 +38,7 @@ class Competitor(Protocol):
     title: str
     plants: tuple[str, ...]
 
-    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool) -> PlantRuns:
+    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, seed: int = SEED) -> PlantRuns:
         """Its runs on one plant."""
         ...
 
@@ -65,6 +68,12 @@ class BenchmarkRow:
     """Share of the wires whose guard cut."""
     failed: float
     """Share of the wires whose run has no result."""
+    itae: float = math.nan
+    """Median of ∫ t |e| dt from each jump on, over the span [s²]."""
+    activity: float = math.nan
+    """Median of the mean change of a duty from period to period."""
+    cost: float = math.nan
+    """Computing time of a period of one wire, plant included [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +86,8 @@ class BenchmarkTable:
     version: str
     digest: str
     """Of all that defines the benchmark."""
+    seed: int = SEED
+    """Seed of the wires and of the noise."""
 
     @property
     def entries(self) -> list[str]:
@@ -92,6 +103,7 @@ class BenchmarkTable:
         return {
             "version": self.version,
             "digest": self.digest,
+            "seed": self.seed,
             "ranking": [{"entry": name, "score": score} for name, score in rank_entries(self)],
             "rows": [asdict(one) for one in self.rows],
         }
@@ -102,7 +114,7 @@ def read_table(path: Path) -> BenchmarkTable:
     try:
         given = json.loads(path.read_text(encoding="utf-8"))
         rows = tuple(BenchmarkRow(**row) for row in given["rows"])
-        return BenchmarkTable(rows, {}, given["version"], given["digest"])
+        return BenchmarkTable(rows, {}, given["version"], given["digest"], given.get("seed", SEED))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(f"`{path}` is no table of the benchmark: {error}.") from None
 
@@ -141,6 +153,7 @@ def run_benchmark(
     faults: Sequence[str] = (),
     wires: int = COUNT,
     *,
+    seed: int = SEED,
     workers: int = 2,
     tell: Callable[[int, int], None] | None = None,
 ) -> BenchmarkTable:
@@ -151,6 +164,7 @@ def run_benchmark(
         tasks: of any plants.
         faults: names of faults, besides the run without one.
         wires: how many; the first ones of the benchmark if fewer, a power of 2.
+        seed: of the wires and of the noise; another seed than that of the benchmark gives a held-out set.
         workers: threads; what is compiled and what runs in C goes on side by side.
         tell: called after every run with the number done and the total.
     """
@@ -158,24 +172,27 @@ def run_benchmark(
     done, total = 0, len(heats) * len(names)
     found: dict[tuple[str, str, str], dict[str, Numbers]] = {}
     with ThreadPoolExecutor(max(1, workers)) as pool:
-        for batch in pool.map(lambda heat: dict(_run_heat(heat, names, wires)), heats):
+        for batch in pool.map(lambda heat: dict(_run_heat(heat, names, wires, seed)), heats):
             found |= batch
             done += len(names)
             if tell is not None:
                 tell(done, total)
     rows = tuple(_make_row(key, one) for key, one in found.items())
-    return BenchmarkTable(rows, found, version("martensite"), make_digest())
+    return BenchmarkTable(rows, found, version("martensite"), make_digest(), seed)
 
 
 def _run_heat(
-    heat: BenchmarkHeat, faults: Sequence[str], wires: int
+    heat: BenchmarkHeat, faults: Sequence[str], wires: int, seed: int
 ) -> Iterator[tuple[tuple[str, str, str], dict[str, Numbers]]]:
     few = min(getattr(heat.competitor, "fault_wires", None) or wires, wires)
-    runs = heat.competitor.prepare_runs(heat.tasks, wires, len(faults) > 1)
+    runs = heat.competitor.prepare_runs(heat.tasks, wires, len(faults) > 1, seed=seed)
     for fault in faults:
         if fault != NO_FAULT and runs.wires > few:
-            runs = heat.competitor.prepare_runs(heat.tasks, few, True)
+            runs = heat.competitor.prepare_runs(heat.tasks, few, True, seed=seed)
+        begun = time.thread_time()
         found, count = runs.run(fault), runs.wires
+        cost = (time.thread_time() - begun) / (runs.steps * runs.lanes.lanes)
+        found["cost"] = np.full(runs.lanes.lanes, cost)
         for k, task in enumerate(heat.tasks):
             own = slice(k * count, (k + 1) * count)
             yield (heat.competitor.name, task.name, fault), {name: found[name][own] for name in MEASURES}
@@ -196,6 +213,9 @@ def _make_row(key: tuple[str, str, str], one: Mapping[str, Numbers]) -> Benchmar
         above=float(np.mean(one["above"])),
         alarms=float(np.mean(one["alarm"])),
         failed=float(np.mean(one["failed"])),
+        itae=float(np.median(one["itae"])),
+        activity=float(np.median(one["activity"])),
+        cost=float(np.median(one["cost"])),
     )
 
 
@@ -216,6 +236,25 @@ def rank_entries(table: BenchmarkTable) -> list[tuple[str, float]]:
     return [(name, score) for name, (_, score) in sorted(scores.items(), key=lambda row: row[1])]
 
 
+def compare_pairs(table: BenchmarkTable) -> list[tuple[str, str, float, float]]:
+    """Paired differences of neighbours in the ranking, wire by wire, without a fault.
+
+    Returns:
+        Entry, next entry, mean difference of their rms errors over common tasks and wires, in shares of the span and
+        at most 1 for each run, and half the width of its 95 % interval over the wires.
+    """
+    names, found = table.entries, list[tuple[str, str, float, float]]()
+    errors = {(e, task): one["error"] for (e, task, fault), one in table.measures.items() if fault == NO_FAULT}
+    tasks = dict.fromkeys(task for _, task in errors)
+    for one, other in pairwise(names):
+        both = [task for task in tasks if (one, task) in errors and (other, task) in errors]
+        rows = [np.minimum(errors[other, t], 1.0) - np.minimum(errors[one, t], 1.0) for t in both]
+        if rows and len(rows[0]) > 1:
+            wires = np.mean(rows, axis=0)
+            found.append((one, other, float(wires.mean()), 1.96 * float(wires.std(ddof=1)) / math.sqrt(len(wires))))
+    return found
+
+
 class EntryRuns:
     """An entry of the package, or a kernel of one's own, as a competitor."""
 
@@ -223,12 +262,15 @@ class EntryRuns:
         self.entry, self.name, self.title, self.plants = entry, entry.name, entry.title, entry.plants
         self.fault_wires = entry.fault_wires
 
-    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, guard: str = SENSORS) -> PlantRuns:
+    def prepare_runs(
+        self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, guard: str = SENSORS, seed: int = SEED
+    ) -> PlantRuns:
         """Its runs on one plant, all in one program."""
         plant = tasks[0].plant
         bench: Bench = self.entry.build_bench(plant)
         values = self.entry.list_repetitions(tasks, wires)
-        runs = PlantRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty, guard=guard, values=values)
+        drawn = draw_wires(bench, wires, seed)
+        runs = PlantRuns(bench, tasks, drawn, faulty=faulty, guard=guard, values=values, seed=seed)
         runs.set_references(*find_scale(self.entry.list_numbers(plant)))
         return runs
 

@@ -7,6 +7,8 @@ is measured of a lane is made while it runs, from the true output without noise:
     settling    mean over all jumps of the time until |r - y| stays within 5 % of the span, until the next jump
     overshoot   how far y goes beyond r after a jump, from the side where it was, over the span
     energy      ∫ P dt of all elements              hottest    highest temperature of any element
+    itae        ∫ t |r - y| dt over the span, t from the last jump on
+    activity    mean change of a duty from period to period
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from numpy.typing import NDArray
 from benchmarks.control.faults import build_faults
 from benchmarks.control.guards import GUARDS, SENSORS
 from benchmarks.control.tasks import DISTURBANCE, FOLLOWED, SETTLED, BenchmarkTask, draw_noise
+from benchmarks.control.wires import SEED
 from martensite.control.checks.base import LIMITED
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import ALARM, JITTER, NOISE, list_previews, list_references
@@ -34,8 +37,20 @@ NEVER = 1e9
 CHUNK = 200
 """Periods whose outputs are kept at a time."""
 NO_FAULT = "none"
-MEASURES = ("error", "settling", "overshoot", "energy", "hottest", "above", "alarm", "failed")
-"""What is kept of a run: shares of the span, s, shares, J, K, and 1 where it is so."""
+MEASURES = (
+    "error",
+    "settling",
+    "overshoot",
+    "energy",
+    "hottest",
+    "above",
+    "alarm",
+    "failed",
+    "itae",
+    "activity",
+    "cost",
+)
+"""Measures of a run: shares of the span, s, shares, J, K, 1 if true, s², change of the duty, s."""
 
 
 def add_faults(bench: Bench, tasks: Sequence[BenchmarkTask]) -> Bench:
@@ -75,6 +90,7 @@ class PlantRuns:
         guard: str = SENSORS,
         values: Mapping[str, Any] | None = None,
         native: bool | None = None,
+        seed: int = SEED,
     ) -> None:
         """Compile a program and make its lanes.
 
@@ -86,10 +102,12 @@ class PlantRuns:
             guard: which one it shall have, of `GUARDS`.
             values: parameters by path that differ from lane to lane otherwise.
             native: whether to run in C; by default if there is a compiler.
+            seed: of the noise.
         """
         bench = bench.with_parts(supervisor=GUARDS[guard](bench))
         self.bench = add_faults(bench, tasks) if faulty else bench
         self.tasks, self.wires = list(tasks), len(next(iter(wires.values())))
+        self.seed = seed
         self.steps = round(tasks[0].duration / bench.period)
         repeated = {path: np.tile(row, len(tasks)) for path, row in wires.items()}
         self.lanes = Lanes(self.bench, len(tasks) * self.wires, {**repeated, **(values or {})}, native)
@@ -101,6 +119,7 @@ class PlantRuns:
         ports = list(plant.actuators())
         self._output = seen(self.tasks[0].output)
         self._hottest, self._power = ([seen(plant.label(p, n)) for p in ports] for n in ("hottest", "power"))
+        self._drives = [seen(plant.drive_at(port)) for port in ports]
         limits = [one.element.limits.temperature_limit for one in plant.actuators().values()]
         self.limits = np.array(limits)[:, None]
         self._alarm = seen(ALARM) if ALARM in self.lanes.names else None
@@ -114,7 +133,7 @@ class PlantRuns:
         noisy = [k for k, name in enumerate(drives) if name.startswith((NOISE, JITTER))]
         for k, task in enumerate(self.tasks):
             own = slice(k * self.wires, (k + 1) * self.wires)
-            _, self.signals[:, noisy, own] = draw_noise(self.bench, task.name, self.wires, self.steps + 1)
+            _, self.signals[:, noisy, own] = draw_noise(self.bench, task.name, self.wires, self.steps + 1, self.seed)
         self.set_references()
 
     def set_references(self, gain: Any = 1.0, offset: Any = 0.0) -> None:
@@ -155,6 +174,7 @@ class PlantRuns:
             "excess": (hot - self.limits).max(axis=1),
             "power": rows[:, self._power].sum(axis=1),
             "alarm": alarm.copy(),
+            **{f"duty {k}": rows[:, place].copy() for k, place in enumerate(self._drives)},
         }
 
     def judge(self, kept: Mapping[str, Numbers]) -> dict[str, Numbers]:
@@ -168,6 +188,8 @@ class PlantRuns:
             for name, row in rows.items():
                 found[name][own] = row
         found["energy"] = kept["power"].sum(axis=0) * self.bench.period
+        duties = [row for name, row in kept.items() if name.startswith("duty")]
+        found["activity"] = np.mean([np.abs(np.diff(row, axis=0)).mean(axis=0) for row in duties], axis=0)
         found["hottest"] = kept["hottest"].max(axis=0)
         found["above"] = (kept["excess"].max(axis=0) > 0.0).astype(float)
         found["alarm"] = ((kept["alarm"] > 0.0) & (kept["alarm"] < LIMITED)).any(axis=0).astype(float)
@@ -178,7 +200,7 @@ class PlantRuns:
 
 
 def measure_errors(task: BenchmarkTask, reference: Numbers, error: Numbers, period: float) -> dict[str, Numbers]:
-    """Error, settling and overshoot of runs.
+    """Error, settling, overshoot and ITAE of runs.
 
     Args:
         task: what was asked for.
@@ -196,8 +218,10 @@ def measure_errors(task: BenchmarkTask, reference: Numbers, error: Numbers, peri
         inside = np.flatnonzero((times > begin - 1e-9) & (times < end - 1e-9))
         waits.append(_find_settling(error[inside], period))
         beyond.append(_find_overshoot(error[inside]))
+    since = times - np.array([0.0, *events])[np.searchsorted(events, times + 1e-9)]
+    itae = period * (since @ np.abs(error))
     over = np.max(beyond, axis=0) if task.overshoots else np.zeros(error.shape[1])
-    return {"error": rms, "settling": np.mean(waits, axis=0), "overshoot": over}
+    return {"error": rms, "settling": np.mean(waits, axis=0), "overshoot": over, "itae": itae}
 
 
 def _find_overshoot(error: Numbers) -> Numbers:

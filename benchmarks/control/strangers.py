@@ -7,7 +7,8 @@
         void control_step(double *memory, double reference, const double *readings, double dt, double *signals);
 
 Readings of a function come in the order of the sensors of the plant (`list_readings`), `memory` has `MEMORY` numbers
-that are 0 at first, `signals` is one duty per drive. It is compiled, and called once per period and wire.
+that are 0 at first, `signals` is one duty per drive. It is compiled, and called once per period and wire. A comment
+`plants: wire, finger` in the file limits the plants, else the function runs on all plants.
 
 Observations of an agent are `[reading, reference, reference in 0.5 s]`, with -1 at the lower and 1 at the upper end of
 what is asked for on the plant, cut at ±2; actions from -1 to 1 are duties from 0 to 1, one per drive. That is what
@@ -18,6 +19,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -30,7 +32,7 @@ from benchmarks.control.competition import EntryRuns
 from benchmarks.control.entries import read_entry
 from benchmarks.control.runs import NO_FAULT, PlantRuns
 from benchmarks.control.tasks import FOLLOWED, ORDER, BenchmarkTask, list_plant_drives, load_plant, load_tasks
-from benchmarks.control.wires import draw_wires
+from benchmarks.control.wires import SEED, draw_wires
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
@@ -106,12 +108,14 @@ class CompiledStranger:
         if "control_step" not in source:
             raise InputError(f"`{path}` has no function `control_step`.")
         self.name, self.title = path.stem, f"C: {path.name}"
+        named = re.search(r"plants: *([a-z, ]+)", source)
+        self.plants = tuple(one for one in ORDER if named is None or one in named[1])
         self._library = load_library(source + WRAPPER % {"memory": MEMORY})
 
-    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool) -> PlantRuns:
+    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, seed: int = SEED) -> PlantRuns:
         """Its runs on one plant."""
         bench = load_plant(tasks[0].plant)
-        runs = OutsideRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty)
+        runs = OutsideRuns(bench, tasks, draw_wires(bench, wires, seed), faulty=faulty, seed=seed)
         lanes, drives = runs.lanes.lanes, len(list_plant_drives(tasks[0].plant))
         memory, signals, dt = np.zeros((lanes, MEMORY)), np.zeros((lanes, drives)), np.zeros(1)
 
@@ -139,11 +143,11 @@ class AgentStranger:
         self.agent, self.name, self.title = agent, name, f"agent: {name}"
         self.plants = tuple(getattr(agent, "plants", ORDER))
 
-    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool) -> PlantRuns:
+    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, seed: int = SEED) -> PlantRuns:
         """Its runs on one plant."""
         plant = tasks[0].plant
         bench, (low, high) = load_plant(plant), find_range(plant)
-        runs = OutsideRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty)
+        runs = OutsideRuns(bench, tasks, draw_wires(bench, wires, seed), faulty=faulty, seed=seed)
         followed, ahead = list_readings(plant).index(FOLLOWED), round(AHEAD / bench.period)
         later = np.repeat(runs.reference[:, np.minimum(np.arange(runs.steps) + ahead, runs.steps)], wires, axis=0).T
 
@@ -164,7 +168,7 @@ class KernelStranger:
         self.controller, self.name, self.title = controller, name, f"Python: {name}"
         self.plants = tuple(getattr(controller, "plants", ("wire", "finger")))
 
-    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool) -> PlantRuns:
+    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, seed: int = SEED) -> PlantRuns:
         """Its runs on one plant."""
         plant = tasks[0].plant
         kind = self.controller if isinstance(self.controller, type) else None
@@ -172,7 +176,7 @@ class KernelStranger:
         bench = load_plant(plant)
         made = {name: build(measured=FOLLOWED, **_follow_nothing()) for name in list_plant_drives(plant)}
         bench = bench.with_parts(controllers=type(bench.controllers)(**made))
-        return PlantRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty)
+        return PlantRuns(bench, tasks, draw_wires(bench, wires, seed), faulty=faulty, seed=seed)
 
 
 def _follow_nothing() -> Mapping[str, Any]:

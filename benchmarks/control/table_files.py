@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.control.competition import COLUMNS, BenchmarkTable
 from benchmarks.control.runs import MEASURES
 
-UNITS = {"settling": "s", "energy": "J", "hottest": "K"}
+UNITS = {"settling": "s", "energy": "J", "hottest": "K", "itae": "s^2", "cost": "s"}
 
 
 def format_table(table: BenchmarkTable, ending: str) -> Any:

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
-from benchmarks.control.competition import BenchmarkRow, BenchmarkTable, list_faults, make_digest, rank_entries
+from benchmarks.control.competition import (
+    BenchmarkRow,
+    BenchmarkTable,
+    compare_pairs,
+    list_faults,
+    make_digest,
+    rank_entries,
+)
 from benchmarks.control.entries import list_missing, load_entries
 from benchmarks.control.guards import MARGIN
 from benchmarks.control.runs import NO_FAULT
 from benchmarks.control.tasks import load_tasks
+from benchmarks.control.wires import SEED
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.control.controllers.base import CONTROLLERS
 
 KELVIN, HOUR = 273.15, 3600.0
 HOT = 140.0
 """Temperature limit of the wires [degC]."""
-HEAD = ("entry", "task", "median", "90 %", "settling", "overshoot", "energy", "hottest", "above", "alarms")
+HEAD = (
+    *("entry", "task", "median", "90 %", "settling", "overshoot", "ITAE", "activity", "energy", "hottest", "above"),
+    *("alarms", "µs"),
+)
 
 
 def summarise_benchmark(table: BenchmarkTable, title: str = "Benchmark of control") -> Summary:
@@ -26,12 +38,19 @@ def summarise_benchmark(table: BenchmarkTable, title: str = "Benchmark of contro
 def _list_blocks(table: BenchmarkTable) -> Iterator[Block]:
     sound = table.select(fault=NO_FAULT)
     tasks, wires = list(dict.fromkeys(one.task for one in sound)), sound[0].wires
-    yield Sentence(f"martensite {table.version}, benchmark {table.digest}, {wires} wires.")
+    held = "" if table.seed == SEED else f" of the held-out seed {table.seed}"
+    yield Sentence(f"martensite {table.version}, benchmark {table.digest}, {wires} wires{held}.")
     yield _make_ranking(table, tasks)
     yield Sentence(
         "Ranked by the score: the mean over the tasks of the rms error that 90 % of the wires keep, in % of the span "
         "asked for; a task that an entry does not run counts as 100 %, and a wire above its limit puts it last."
     )
+    pairs = [
+        (one, other, f"{100.0 * mean:.2f} ± {100.0 * half:.2f}") for one, other, mean, half in compare_pairs(table)
+    ]
+    if pairs:
+        yield DataTable(("entry", "next entry", "less error"), pairs, right=(2,))
+        yield Sentence("Paired differences of the rms error over common tasks, in % of the span, with 95 % intervals.")
     yield Sentence(_describe_cuts(sound))
     yield Heading("Without a fault", detail=True)
     order = {name: k for k, name in enumerate(table.entries)}
@@ -75,11 +94,18 @@ def _write_row(one: BenchmarkRow) -> list[str]:
         _write_share(one.error_90),
         f"{one.settling:.2f} s",
         f"{100.0 * one.overshoot:.1f}",
+        _write_known(one.itae),
+        _write_known(one.activity),
         f"{one.energy:.1f} J",
         f"{one.hottest - KELVIN:.0f} °C",
         f"{100.0 * one.above:.0f} %",
         f"{100.0 * one.alarms:.0f} %",
+        _write_known(1e6 * one.cost),
     ]
+
+
+def _write_known(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.3g}"
 
 
 def _make_fault_table(table: BenchmarkTable) -> DataTable:

@@ -16,6 +16,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.control.wires import SEED
 from martensite.base import units
 from martensite.base.errors import UnknownNameError
 from martensite.control.faults.base import AbstractFault
@@ -162,12 +163,13 @@ def _read_task(path: Path) -> BenchmarkTask:
     )
 
 
-def draw_noise(bench: Bench, task: str, wires: int, steps: int) -> tuple[list[str], Numbers]:
+def draw_noise(bench: Bench, task: str, wires: int, steps: int, seed: int = SEED) -> tuple[list[str], Numbers]:
     """Drives of a bench that are noise, and standard normal numbers for them, shape (steps, drives, wires).
 
     Those of a wire are the same however many there are, and whoever controls it.
     """
     names = [drive.name for drive in bench.drives() if drive.name.startswith((NOISE, JITTER))]
     label = int.from_bytes(task.encode()[:6].ljust(6), "big")
-    rows = [np.random.default_rng([label, k]).standard_normal((steps, len(names))) for k in range(wires)]
+    held = [] if seed == SEED else [seed]
+    rows = [np.random.default_rng([label, k, *held]).standard_normal((steps, len(names))) for k in range(wires)]
     return names, np.stack(rows, axis=-1)

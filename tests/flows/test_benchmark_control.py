@@ -16,6 +16,7 @@ from benchmarks.control.competition import (
     BenchmarkRow,
     BenchmarkTable,
     EntryRuns,
+    compare_pairs,
     make_digest,
     rank_entries,
     read_table,
@@ -25,7 +26,7 @@ from benchmarks.control.entries import find_entry, load_entries, load_gains
 from benchmarks.control.guard_runs import run_guards
 from benchmarks.control.strangers import read_stranger
 from benchmarks.control.tasks import find_task, load_plant, load_tasks
-from benchmarks.control.wires import draw_wires
+from benchmarks.control.wires import SEED, draw_wires
 from typer.testing import CliRunner
 
 STORED = Path(__file__).parents[2] / "docs" / "reference" / "benchmarks" / "control.json"
@@ -89,6 +90,20 @@ def test_controllers_of_three_kinds_do_the_same(tmp_path: Path) -> None:
     in_c, kernel, agent = (one["error"] for one in table.measures.values())
     np.testing.assert_allclose(in_c, kernel, rtol=2e-3)
     np.testing.assert_allclose(in_c, agent, rtol=2e-3)
+
+
+def test_another_seed_gives_other_wires_and_noise_and_pairs_are_compared_wire_by_wire() -> None:
+    """The truth of the difference is the mean of the errors of all wires; its interval is that of paired samples."""
+    entries, tasks = [EntryRuns(find_entry(name)) for name in ("direct", "two-level")], [find_task("hold")]
+    known, other = (run_benchmark(entries, tasks, [], 4, seed=seed) for seed in (SEED, 7))
+    key = ("direct", "hold", "none")
+    assert not np.allclose(known.measures[key]["error"], other.measures[key]["error"])
+    ((one, second, mean, half),) = compare_pairs(known)
+    errors = [np.minimum(known.measures[name, "hold", "none"]["error"], 1.0) for name in (one, second)]
+    difference = errors[1] - errors[0]
+    assert mean == pytest.approx(difference.mean())
+    assert half == pytest.approx(1.96 * difference.std(ddof=1) / 2.0)
+    assert all(row.activity >= 0.0 and row.itae > 0.0 and row.cost > 0.0 for row in known.rows)
 
 
 def test_a_wire_above_its_limit_puts_an_entry_last() -> None:
