@@ -125,6 +125,11 @@ def test_its_numbers_can_be_changed() -> None:
     assert any(words in one for one in result.warnings)
 
 
+def test_a_guard_can_expect_more_cooling_than_the_wire_has_and_then_promises_nothing() -> None:
+    believing = shorten(supervisor__from_plant={"least_cooling": 2.0})
+    assert (collect_guard(believing) or {})["worst"][0]["check"] == ""
+
+
 def test_what_cannot_be_guarded_is_said() -> None:
     platform = EXAMPLES / "closed_loop_platform.toml"
     assert any("No guard: the element at `first` has no `temperature_limit`" in one for one in load(platform).cautions)

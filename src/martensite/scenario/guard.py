@@ -47,7 +47,11 @@ class FromPlant(Parametrised):
     )
     hottest: Number = param("K", "hottest surroundings; by default those of [environment]", above=0.0, default=math.inf)
     least_cooling: Number = param(
-        "1", "least film coefficient over that of [environment]", above=0.0, high=1.0, default=1.0
+        "1",
+        "least film coefficient over that of [environment]; above 1 for a guard that expects more",
+        above=0.0,
+        high=100.0,
+        default=1.0,
     )
     full: Number = param(
         DRIVE, "largest signal; by default 1, for sources that take a duty", above=0.0, default=math.inf

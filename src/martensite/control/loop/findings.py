@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from martensite.actuators.elements.limits import MELTING
 from martensite.base.formats import write_quantity
 from martensite.control.supervisors.from_sensors import find_known_limit
 from martensite.control.supervisors.guard import Guard
@@ -67,7 +68,7 @@ def _judge_span(where: str, limits: Mapping[str, float]) -> Iterator[LoopFinding
 
 
 def check_guard(bench: Bench) -> list[LoopFinding]:
-    """Return a fault for every limit of the guard above the limit of its element."""
+    """Return a fault for every limit of the guard above the limit of its element, or above its melting point."""
     checks = bench.supervisor.checks.members() if isinstance(bench.supervisor, Guard) else {}
     return [
         finding
@@ -77,15 +78,17 @@ def check_guard(bench: Bench) -> list[LoopFinding]:
 
 
 def _judge_guard(bench: Bench, where: str, check: AbstractCheck) -> Iterator[LoopFinding]:
-    most = find_known_limit(bench, check.registered_name, vars(check))
+    most, whose = find_known_limit(bench, check.registered_name, vars(check)), "limit of the element"
+    unit = check.declarations["limit"].unit if "limit" in check.declarations else ""
+    if most is None and unit == "K":
+        most, whose = MELTING, "melting point of NiTi"
     if most is None or check.value_of("limit") <= most * (1.0 + ROUNDING):
         return
-    limit, unit = check.value_of("limit"), check.declarations["limit"].unit
-    own = write_quantity(most, unit, 4)
-    sentence = (
-        f"`{where}` is {write_quantity(limit, unit, 4)}, above the limit of the element, {own}: it is not protected."
-    )
+    limit, own = check.value_of("limit"), write_quantity(most, unit, 4)
+    sentence = f"`{where}` is {write_quantity(limit, unit, 4)}, above the {whose}, {own}: it is not protected."
     remedy = f'Try `limit = "{own}"`, or change the `limits` of the element.'
+    if most == MELTING:
+        remedy = "Try the temperature that the element bears."
     yield LoopFinding("guard", where, sentence, limit, most, unit, remedy, fault=True)
 
 
