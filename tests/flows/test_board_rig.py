@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from firmware_on_host import HostBoard
 from typer.testing import CliRunner
 
 import martensite as ms
@@ -21,6 +22,9 @@ from martensite.boards.emulators.toolchains import compile_sketch
 from martensite.boards.firmware.boards import find_board
 from martensite.boards.firmware.channels import plan_inputs
 from martensite.boards.firmware.project import Firmware, build_firmware
+from martensite.boards.firmware.settings import Limits
+from martensite.boards.link.host import BoardLink
+from martensite.boards.link.messages import DisarmReason
 from martensite.boards.session import Session
 from martensite.cli import app
 from martensite.kernels.compiler import find_compiler
@@ -187,3 +191,51 @@ def test_readings_of_the_calibration_count() -> None:
     plan = build_firmware(ms.load(EXAMPLES / "self_sensing.toml"), "stm32f405").plan
     least = next(one.value for one in plan.settings if one.name == "least_current")
     assert plan.inputs.least_duty < 0.01 and least < 0.5 * plan.inputs.largest_current  # it probes with 0.01 and 0.02
+
+
+TWO_WIRES = """
+[sensors.left]
+kind = "resistance"
+of = ["protagonist.voltage", "protagonist.current"]
+[sensors.right]
+kind = "resistance"
+of = ["antagonist.voltage", "antagonist.current"]
+[controllers.protagonist]
+kind = "pid"
+measured = "left"
+Kp = -0.01
+[controllers.antagonist]
+kind = "pid"
+measured = "right"
+Kp = -0.01
+[references]
+protagonist = { kind = "constant", level = "45 ohm" }
+antagonist = { kind = "constant", level = "45 ohm" }
+"""
+
+
+@needs_cc
+@pytest.mark.parametrize("channel", [1, 3])
+def test_too_large_a_current_in_any_wire_disarms(tmp_path: Path, channel: int) -> None:
+    text = (EXAMPLES / "closed_loop_antagonistic.toml").read_text("utf-8")
+    text = text.replace('kind = "power"', 'kind = "mosfet"\nsupply = "12 V"\nfrequency = "500 Hz"')
+    text = re.sub(r"\[sensor\].*(?=\[supervisor\])", lambda _: TWO_WIRES, text, flags=re.DOTALL)
+    text = re.sub(r"\[supervisor\].*(?=\[bench\])", "", text, flags=re.DOTALL)
+    (tmp_path / "two.toml").write_text(text, "utf-8")
+    scenario = ms.load(tmp_path / "two.toml")
+    board = HostBoard(build_firmware(scenario, "uno", limits=Limits(silence=20.0)), tmp_path)
+    board.set_channel(4, 1023.0)  # the supply
+    link = BoardLink(board, now=board.now)
+    link.greet()
+    link.command("set", place=4, value=1.0)  # calibrated
+    link.choose_mode("waveform")
+    link.arm("ARM")
+    for drive in (0, 1):
+        link.command("level", drive=drive, micros=10_000_000, value=0.5)
+    board.run(0.2)
+    assert not [m for m in link.receive() if m.name == "disarmed"]
+    board.set_channel(channel, 1023.0)
+    reasons = [m.values["reason"] for _ in range(200) for m in link.receive() if m.name == "disarmed"]
+    assert reasons == [DisarmReason.CURRENT] and board.duty(0) == board.duty(1) == 0.0
+    with pytest.raises(ms.InputError, match="the wiring measures at most"):
+        build_firmware(scenario, "uno", limits=Limits(current=20.0))

@@ -308,11 +308,12 @@ static void watch_channels(void) {
     if (flags & FLAG_BROWN_OUT) {
         disarm(REASON_BROWN_OUT);
     }
-#if APP_CURRENT_CHANNEL >= 0
-    if (channels[APP_CURRENT_CHANNEL] > setting(APP_MOST_CURRENT)) {
-        disarm(REASON_CURRENT);
+    for (uint8_t i = 0; i < APP_READINGS; ++i) {
+        const app_reading one = APP_SOURCE(i);
+        if (one.kind == APP_RATIO && channels[one.other] > setting(APP_MOST_CURRENT)) {
+            disarm(REASON_CURRENT);
+        }
     }
-#endif
 }
 
 static void sample(uint32_t now) {

@@ -68,8 +68,6 @@ class BoardInputs:
     readings: tuple[BoardReading, ...]
     supply_channel: int
     """Channel of the supply voltage; -1 without a free pin."""
-    current_channel: int
-    """Channel of the current of the only wire; -1 if not measured."""
     largest_current: float
     """Largest current at full signal over all resistances of the element [A]."""
     supply: float
@@ -176,7 +174,7 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
     drives = [one.name for one in bench.plant.drives()]
     outputs, mounted = list_readings(bench), bench.sensors.members()
     channels, readings = list[Channel](), list[BoardReading]()
-    pins, encoders, current = list(board.channel_pins), list(board.encoder_pins), -1
+    pins, encoders = list(board.channel_pins), list(board.encoder_pins)
 
     def add_channel(name: str, unit: str, gain: float, offset: float, parts: str, drive: int = -1) -> int:
         if not pins:
@@ -216,7 +214,7 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
         ratio = choose_divider(volts, board)
         gain = ratio * board.volts / board.steps
         supply = add_channel("supply.voltage", "V", gain, 0.0, f"divider {ratio:g} : 1 across the supply")
-    inputs = BoardInputs(tuple(channels), tuple(readings), supply, current, currents[1], volts, frequency, circuit)
+    inputs = BoardInputs(tuple(channels), tuple(readings), supply, currents[1], volts, frequency, circuit)
     check_pulses(bench, board, inputs)
     return inputs
 

@@ -117,9 +117,12 @@ def list_settings(
         tuned: tunable gains.
 
     Raises:
-        InputError: there are too many for a message.
+        InputError: there are too many for a message, or the board cannot measure the largest current.
     """
     current = MARGIN * inputs.largest_current if limits.current is None else limits.current
+    ranges = [inputs.channels[one.other].gain * steps for one in inputs.readings if one.ratio]
+    if ranges and current > min(ranges):
+        raise InputError(f"`--most-current` is {current:.3g} A, but the wiring measures at most {min(ranges):.3g} A.")
     settings = [
         Setting("most_duty", "1", limits.most_duty, None, "maximum duty cycle"),
         Setting("least_supply", "V", LOW_SUPPLY * inputs.supply, None, "the board disarms below it"),
@@ -197,7 +200,6 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_SETTLE_US {ceil(1e6 * inputs.circuit.settle)}UL /* until an amplifier has settled */",
         f"#define APP_HOLD_US {ceil(1e6 * board.hold)}UL /* from a start to a held input */",
         f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
-        f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",
         f"#define APP_ENCODERS {encoders}",
         f"#define APP_BOUNDS {len(plan.bounds)} /* temperature bounds in the loop */",
         f"#define APP_WARM {_print_float(NEAR)} /* K above the ambient temperature, below which a bound is cold */",

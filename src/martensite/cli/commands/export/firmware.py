@@ -123,7 +123,7 @@ def _describe_limits(plan: FirmwarePlan) -> str:
     ]
     if plan.inputs.supply_channel >= 0:
         words.append(f"below {fixed['least_supply']:.3g} V of supply")
-    if plan.inputs.current_channel >= 0:
+    if plan.inputs.measures_resistance:
         words.append(f"above {fixed['most_current']:.3g} A")
     own = "The scenario has no guard of its own."
     if any(one.name == "alarm" for one in plan.core.outputs):
