@@ -183,7 +183,7 @@ static void select_input(uint8_t channel) {
 }
 
 static float finish_conversion(void) {
-    for (uint32_t k = 0; k < 10000u && !(ADC_SR & 2u); ++k) {
+    for (uint32_t k = 0; k < 1000u && !(ADC_SR & 2u); ++k) {
     }
     return (float)ADC_DR;
 }

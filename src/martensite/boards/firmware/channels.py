@@ -130,7 +130,7 @@ def find_frequency(bench: Bench, board: Board) -> float:
     found = {float(getattr(one.source, "frequency", FREQUENCY)) for one in bench.plant.actuators().values()}
     sensors = [one.sensor for name, one in bench.sensors.members().items() if name in list_reads(bench)]
     wires = sum(isinstance(one, ResistanceSensor) for one in sensors)
-    least, most = max(board.pwm[0], PULSES * max(wires, 1) / bench.period), board.pwm[1]
+    least, most = max(board.pwm[0], max(PULSES * wires, 1.0) / bench.period), board.pwm[1]
     if len(found) > 1:
         raise InputError(f"One timer switches all drives of {board.title}: write one `frequency` for all drivers.")
     (frequency,) = found
