@@ -14,6 +14,9 @@ import pytest
 from app_server import Bench, running
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
+from martensite.app.documents import list_standalone
+from martensite.cli.commands.web_bench import pack_text
+
 FLAGS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -28,6 +31,8 @@ FLAGS = (
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 DRAWN_BY_PROCESSOR = "GPU stall due to ReadPixels"
 """What Chromium notes where it draws without a graphics processor; nothing that a page can do."""
+OPENED = pack_text(list_standalone()["constant_power"])
+"""Scenario on the bench of each test."""
 PATIENCE = 30_000
 """For processes that start on a busy machine [ms]."""
 LOCAL = ("127.0.0.1", "")
@@ -65,7 +70,7 @@ def page(chromium: Browser, bench: Bench, tmp_path: Path) -> Iterator[Page]:
     made.on("pageerror", lambda error: said.append(str(error)))
     made.on("request", lambda request: asked.append(request.url))
     made.set_default_timeout(PATIENCE)
-    made.goto(f"{bench.address}#/bench")
+    made.goto(f"{bench.address}#/bench?scenario={OPENED}")
     yield made
     context.close()
     assert [text for text in said if DRAWN_BY_PROCESSOR not in text] == []

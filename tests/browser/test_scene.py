@@ -225,6 +225,11 @@ def test_without_webgl_it_is_drawn_from_the_side(page: Page, bench: Bench) -> No
     side = page.locator("svg.scene-side")
     expect(side).to_be_visible(timeout=SLOW)
     expect(page.get_by_text("no WebGL")).to_be_visible()
+    frame = page.locator(".scene-flat").bounding_box()
+    for shape in side.locator("rect, circle, polyline").all():
+        box = shape.bounding_box()
+        assert frame and box and box["y"] >= frame["y"] - 1
+        assert box["y"] + box["height"] <= frame["y"] + frame["height"] + 1
     before = side.inner_html()
     scrub(page, 1.0)
     expect(side).to_have_attribute("aria-label", re.compile("at 6 s"))

@@ -115,7 +115,7 @@ def test_a_map_is_made_and_a_run_opens_in_the_bench(page: Page, bench: Bench) ->
     picture.press("Enter")
     expect(page).to_have_url(re.compile(r"#/bench\?scenario="))
     page.wait_for_function("() => location.hash.length > 100")
-    expect(page.get_by_text("steps in")).to_be_visible()
+    expect(page.locator(".measures")).to_be_visible()
     letters = re.search(r"scenario=([\w-]+)", page.url)
     scenario = read_scenario(unpack_link(letters[1] if letters else ""))
     spread = (0.08 + 0.04 * 2 / 5) * 1e-3

@@ -1,6 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { dropMarks } from "../src/lib/refusal.ts";
+import { typed } from "../src/form/scale.ts";
+import type { NumberNode } from "../src/form/types.ts";
+import { dropMarks, tellBesideField, tellRefusal } from "../src/lib/refusal.ts";
 import { difference, digits, readComma, toShown } from "../src/lib/numbers.ts";
 
 test("numbers have so many digits, and no tail of zeros", () => {
@@ -24,7 +26,7 @@ test("temperatures are shown with their offset, differences without", () => {
 });
 
 test("a decimal comma is a point, one between thousands is left to be refused", () => {
-  for (const [typed, read] of [["0,2", "0.2"], ["0,381 mm", "0.381 mm"], ["-1,5e-3", "-1.5e-3"], [",5", ".5"], ["1000,25", "1000.25"], ["0.2", "0.2"]] as const)
+  for (const [typed, read] of [["0,2", "0.2"], ["0,381 mm", "0.381 mm"], ["-1,5e-3", "-1.5e-3"], [",5", ".5"], ["1000,25", "1000.25"], ["0.2", "0.2"], ["１２，５ mm", "12.5 mm"]] as const)
     assert.equal(readComma(typed), read);
   for (const typed of ["1,000", "1,000,000 Pa", "1,000.5"]) assert.equal(readComma(typed), typed);
 });
@@ -36,4 +38,12 @@ test("a page shows no options of the command line and no marks", () => {
     ["Loss of heat (natural) of `wire`.", "Loss of heat (natural) of wire."],
   ];
   for (const [sentence, shown] of told) assert.equal(dropMarks(sentence!), shown);
+});
+
+test("a refused number is told in the unit of its field, and one beyond all floats as it was typed", () => {
+  const node = { shown: "mm" } as NumberNode;
+  assert.deepEqual([typed(node, "1e400"), typed(node, "１"), typed(node, "2 in")], ["1e400 mm", "1 mm", "2 in"]);
+  const said = "[element] Parameter `diameter` of `wire`: `abc` is not a number with a unit; write for example `1.5 m`.";
+  assert.equal(tellBesideField(said, "mm"), "“abc” is not a number with a unit; write for example 1.5 mm.");
+  assert.equal(tellRefusal("[element] Parameter `diameter` of `wire` must be finite, but is 1e400 mm."), "Diameter of wire must be finite, but is 1e400 mm.");
 });

@@ -28,7 +28,7 @@ function Tile({ one, then, name }: { one: Measure; then: Measure | undefined; na
     <div class={`measure ${dangers.value.some(({ kind }) => kind === one.key) ? "exceeded" : ""}`} title={one.about}>
       <dt>{one.name}</dt>
       <dd>
-        <strong>{one.value === null ? "–" : digits(toShown(one.value, one.how), one.key === "efficiency" ? 2 : 3)}</strong> <span class="small soft">{one.value === null ? "not in this run" : unit}</span>
+        <strong>{one.value === null ? "–" : digits(toShown(one.value, one.how), 3)}</strong> <span class="small soft">{one.value === null ? "not in this run" : unit}</span>
         {change && (
           <span class={`change small ${change.good}`}>
             <span aria-hidden="true">

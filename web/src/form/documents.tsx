@@ -7,13 +7,8 @@ import { canRedo, canUndo, makeLink, redo, text, undo } from "../state/scenario.
 import { Message } from "../ui/message.tsx";
 import { Editor } from "./editor.tsx";
 import { textOf } from "./files.ts";
+import { groupPackaged, type Packaged } from "./packaged.ts";
 import { leave, load } from "./state.ts";
-
-interface Packaged {
-  name: string;
-  title: string;
-  text: string;
-}
 
 const NEW = "";
 
@@ -88,16 +83,21 @@ export function Documents() {
       </label>
       <select
         id="documents-packaged"
+        title={packaged.value.find((one) => one.name === chosen)?.title}
         value={chosen}
         onChange={(event) => void put(packaged.value.find((one) => one.name === event.currentTarget.value)?.text ?? NEW)}
       >
         <option value={NEW} disabled>
           {chosen ? "Packaged scenarios …" : "Your own scenario"}
         </option>
-        {packaged.value.map((one) => (
-          <option key={one.name} value={one.name}>
-            {one.title}
-          </option>
+        {groupPackaged(packaged.value).map(([title, scenarios]) => (
+          <optgroup key={title} label={title}>
+            {scenarios.map((one) => (
+              <option key={one.name} value={one.name}>
+                {one.title}
+              </option>
+            ))}
+          </optgroup>
         ))}
       </select>
       <div class="documents-buttons">

@@ -85,7 +85,7 @@ export function Row({ node, children }: { node: SingleNode; children: ComponentC
       {fixed ? <Fixed words={fixed}>{children}</Fixed> : children}
       {words && (
         <p class="fault small" id={faultId(node.path)} role="alert">
-          {tellBesideField(words)}
+          {tellBesideField(words, node.sort === "number" ? node.label : "")}
         </p>
       )}
       {open.value && <Details node={node} id={`${id}-more`} />}

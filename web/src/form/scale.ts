@@ -66,5 +66,7 @@ const BARE = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 /** What is sent for what was typed: a bare number is in the shown unit, all else the server reads. */
 export function typed(node: NumberNode, text: string): string | number {
   const trimmed = readComma(text.trim());
-  return BARE.test(trimmed) ? quantity(node, Number(trimmed)) : trimmed;
+  if (!BARE.test(trimmed)) return trimmed;
+  // a number beyond all floats is refused as it was typed
+  return Number.isFinite(Number(trimmed)) ? quantity(node, Number(trimmed)) : `${trimmed} ${node.shown}`.trim();
 }

@@ -15,10 +15,12 @@ export const toShown = (value: number, how: { factor: number; offset: number }):
 export const difference = (value: number, how: { factor: number }): number => value * how.factor;
 
 /**
- * A number as people type it, with a decimal point: `0,2 mm` is 0.2 mm.
+ * A number as people type it, with a decimal point: `0,2 mm` is 0.2 mm, also in full-width digits.
  *
  * A comma before exactly three digits, and more than one, may stand between thousands: such a text stays as it is, and is refused
  * with a sentence.
  */
-export const readComma = (text: string): string =>
-  /^\s*[+-]?[1-9]\d{0,2}(,\d{3})+(?!\d)/.test(text) ? text : text.replace(/^(\s*[+-]?\d*),(\d+)(?![\d,.]*[,.])/, "$1.$2");
+export const readComma = (typed: string): string => {
+  const text = typed.normalize("NFKC");
+  return /^\s*[+-]?[1-9]\d{0,2}(,\d{3})+(?!\d)/.test(text) ? text : text.replace(/^(\s*[+-]?\d*),(\d+)(?![\d,.]*[,.])/, "$1.$2");
+};

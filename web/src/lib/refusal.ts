@@ -11,7 +11,7 @@ export class Refusal extends Error {
 }
 
 const SECTION = /^\[[^\]]*\] /;
-const NAMED = /^Parameter `?([^` ]+)`? of `?([^` ]+)`? /;
+const NAMED = /^Parameter `?([^` ]+)`? of `?([^` :]+)`?(:?) /;
 const beginUpper = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** Options of the command line stand in parentheses at the end of a clause. */
@@ -26,8 +26,14 @@ export const dropMarks = (sentence: string): string => dropOptions(sentence).rep
 /** A refusal of the library for who sees a form, not a file: without the place in the text of the scenario. */
 export const tellRefusal = (sentence: string): string => {
   const plain = sentence.replace(SECTION, "");
-  return beginUpper(dropMarks(plain.replace(NAMED, (_, name: string, kind: string) => `${name.replaceAll("_", " ")} of ${kind} `)));
+  return beginUpper(dropMarks(plain.replace(NAMED, (_, name: string, kind: string, colon: string) => `${name.replaceAll("_", " ")} of ${kind}${colon} `)));
 };
 
-/** The same beside the field that it is about. */
-export const tellBesideField = (sentence: string): string => beginUpper(dropMarks(sentence.replace(SECTION, "").replace(NAMED, "")));
+/** What was typed, at the beginning of a sentence. */
+const TYPED = /^`?([^`]*?)`? (?=is not a (?:number|known unit)|has no unit)/;
+/** Examples in the unit of the library; a field has its own. */
+const EXAMPLE = /write for example `[^`]*`/;
+
+/** The same beside the field that it is about, which shows a unit. */
+export const tellBesideField = (sentence: string, unit = ""): string =>
+  beginUpper(dropMarks(sentence.replace(SECTION, "").replace(NAMED, "").replace(TYPED, "“$1” ").replace(EXAMPLE, `write for example 1.5${unit && ` ${unit}`}`)));

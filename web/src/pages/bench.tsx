@@ -1,6 +1,6 @@
 // The bench: the scenario's numbers at the left, what comes of them at the right.
 
-import { useSignal } from "@preact/signals";
+import { computed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Busy, busy } from "../bench/busy.tsx";
 import { Danger } from "../bench/danger.tsx";
@@ -8,6 +8,8 @@ import { Insight } from "../bench/insight.tsx";
 import { Measures } from "../bench/measures.tsx";
 import { Controls } from "../form/controls.tsx";
 import { Documents } from "../form/documents.tsx";
+import { onTop } from "../form/pinned.ts";
+import { refusals } from "../form/state.ts";
 import { call } from "../lib/api.ts";
 import { Charts, Planes } from "../plots/charts.tsx";
 import { Compare } from "../plots/compare.tsx";
@@ -24,7 +26,7 @@ import { ChallengeResult } from "../touch/result.tsx";
 import { BrokenLink } from "../ui/broken-link.tsx";
 import { Message } from "../ui/message.tsx";
 
-const FIRST = "constant_power";
+const FIRST = "dead_weight";
 
 interface Listed {
   scenarios: { name: string; title: string; text: string }[];
@@ -44,17 +46,25 @@ async function beginFirst(isWanted = (): boolean => true): Promise<void> {
   if (first) change(first.text);
 }
 
+/** Whether a field in sight tells why it was refused. */
+const toldBeside = computed(() => onTop.value.some((node) => refusals.value[node.path] === refused.value));
+
 function Title() {
   const now = run.value;
+  const open = useSignal(false);
+  const effort = now && (hand.value ? "running by hand" : `${now.samples} samples, ${now.steps} steps in ${(now.seconds * 1000).toFixed(0)} ms`);
+  const about = now ? `${now.described}; ${effort}` : "";
   return (
     <div class="bench-title">
       <h1>{now?.title ?? "Bench"}</h1>
-      {now && hand.value && <p class="soft small">{now.described}; running by hand</p>}
-      {now && !hand.value && (
-        <p class="soft small">
-          {now.described}; {now.samples} samples, {now.steps} steps in {(now.seconds * 1000).toFixed(0)} ms
-        </p>
+      {now && (
+        <button type="button" class="quiet info" aria-expanded={open.value} aria-controls="bench-described" aria-label="About this run" title={about} onClick={() => (open.value = !open.value)}>
+          <span aria-hidden="true">i</span>
+        </button>
       )}
+      <p id="bench-described" class="soft small" hidden={!open.value}>
+        {about}
+      </p>
     </div>
   );
 }
@@ -88,7 +98,7 @@ export function Page() {
           {!hand.value && <Compare />}
         </div>
         <Busy />
-        {refused.value && <Message kind="error">{tellRefusal(refused.value)}{run.value && " The previous run is shown."}</Message>}
+        {refused.value && <Message kind="error">{toldBeside.value ? "The value was refused; the reason is beside its field." : tellRefusal(refused.value)}{run.value && " The previous run is shown."}</Message>}
         {hand.value ? (
           <LivePanel />
         ) : (

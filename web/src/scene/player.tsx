@@ -60,7 +60,6 @@ function told(time: number, last: number): string {
 }
 
 function Scrub({ now }: { now: Run }) {
-  const sample = (end.value - begin.value) / (now.times.length - 1);
   const arrows = (event: KeyboardEvent): void => {
     const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
     if (!by) return;
@@ -76,7 +75,7 @@ function Scrub({ now }: { now: Run }) {
         aria-valuetext={`${told(cursor.value, end.value)} s`}
         min={begin.value}
         max={end.value}
-        step={sample / 10}
+        step="any"
         value={cursor.value}
         onInput={(event) => goTo(event.currentTarget.valueAsNumber)}
         onKeyDown={arrows}

@@ -118,8 +118,9 @@ interface PictureProps {
   read: (time: number) => Reading;
 }
 
-function Flat({ now, motion, read }: PictureProps) {
+function Flat({ now, read }: PictureProps) {
   const time = cursor.value;
+  const motion = useMemo(() => new Motion(now.scene, findCuts([now.scene])), [now]);
   return <Side motion={motion} time={time} colour={read(time).colour} label={described(now, time, motion)} />;
 }
 

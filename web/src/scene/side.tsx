@@ -2,9 +2,12 @@
 
 import type { SceneData, Shape } from "../lib/types.ts";
 import type { Motion } from "./motion.ts";
+import { digits } from "../lib/numbers.ts";
+import { drawnAt, lengthOf, type Cut } from "./cuts.ts";
 import { css, type Rgb } from "./tint.ts";
 
 const WIDTH = 100;
+const BODIES = ["weight", "pulley", "rotor", "object", "cylinder", "motor"];
 
 /** How wide a line is, in hundredths of the picture. */
 function stroke(shape: Shape, unit: number): number {
@@ -19,20 +22,44 @@ export function Side(props: { motion: Motion; time: number; colour: (port: strin
   motion.at(time);
   const { data } = motion;
   const unit = WIDTH / motion.extent;
-  const [left, top] = [data.low[0], data.high[2]];
-  const margin = 6;
-  const wide = (data.high[0] - left) * unit + 2 * margin;
-  const high = (top - data.low[2]) * unit + 2 * margin;
+  // bodies reach beyond the points on which they are drawn
+  const margin = 6 + unit * Math.max(0, ...data.shapes.filter(({ kind }) => BODIES.includes(kind)).map(({ size }) => size));
+  const [left, top] = [motion.low[0], motion.high[2]];
+  const wide = (motion.high[0] - left) * unit + 2 * margin;
+  const high = (top - motion.low[2]) * unit + 2 * margin;
   const spot = (shape: number, k: number): [number, number] => {
     const at = (motion.starts[shape] ?? 0) + 3 * k;
     return [((motion.places[at] ?? 0) - left) * unit + margin, (top - (motion.places[at + 2] ?? 0)) * unit + margin];
   };
+  const line = Math.max(0, data.shapes.findIndex(({ kind }) => kind === "wire"));
+  /** Where a cut crosses the first wire. */
+  const placeBreak = (cut: Cut): [number, number] => {
+    const middle = drawnAt(motion.cuts, cut.axis, 0.5 * (cut.low + cut.high));
+    const [x, y] = spot(line, 0);
+    return cut.axis === 0 ? [(middle - left) * unit + margin, y] : [x, (top - middle) * unit + margin];
+  };
   return (
+    <div class="scene-flat">
     <svg class="scene-side" viewBox={`0 0 ${wide} ${high}`} role="img" aria-label={props.label}>
       {data.shapes.map((shape, k) => (
         <Outline key={shape.name} shape={shape} data={data} unit={unit} spot={(i) => spot(k, i)} colour={props.colour} slack={!!shape.port && motion.slack(shape.port, time)} />
       ))}
+      {motion.cuts.map((cut) => (
+        <Break key={`${cut.axis} ${cut.low}`} cut={cut} at={placeBreak(cut)} />
+      ))}
     </svg>
+    </div>
+  );
+}
+
+/** A break of a long line, and what it leaves out. */
+function Break({ cut, at: [x, y] }: { cut: Cut; at: [number, number] }) {
+  const turn = cut.axis === 0 ? `rotate(90 ${x} ${y})` : "";
+  return (
+    <g class="side-break">
+      <path d={`M${x - 1.6} ${y + 0.1} l3.2 -1.2 v1.4 l-3.2 1.2 z`} transform={turn} />
+      <text x={x + 3} y={y + (cut.axis === 0 ? -10 : 1.2)}>{digits(1e3 * lengthOf(cut), 3)} mm not drawn</text>
+    </g>
   );
 }
 

@@ -5,6 +5,7 @@ import { call, sentence, superseded } from "../lib/api.ts";
 import { text } from "../state/scenario.ts";
 import { keepSignals } from "../state/session.ts";
 import { axisOf, wordsOf, type AxisChoice } from "./axis.ts";
+import { labelsOf } from "./labels.ts";
 import type { Estimate, Form, Plan, Target } from "./types.ts";
 
 const FIRST = "constant_power";
@@ -60,6 +61,10 @@ export const request = computed(() => {
 const whole = (words: string): number | string => (/^\s*-?\d+\s*$/.test(words) ? Number(words) : words.trim() || 0);
 
 export const fault = (field: string): string => plan.value?.faults[field] ?? "";
+const labels = computed(() => labelsOf(form.value?.targets ?? []));
+/** What a parameter is called. */
+export const labelOf = (name: string): string => labels.value.get(name) ?? name;
+
 export const targetOf = (name: string): Target | undefined => form.value?.targets.find((one) => one.name === name);
 
 export function addAxis(one: Target): void {

@@ -2,7 +2,7 @@
 
 import type { AxisChoice, Kind } from "./axis.ts";
 import { Words } from "../studies/words.tsx";
-import { changeAxis, choices, fault, removeAxis, targetOf } from "./asking.ts";
+import { changeAxis, choices, fault, labelOf, removeAxis, targetOf } from "./asking.ts";
 import { Field, Wrong } from "./field.tsx";
 
 const KINDS: [Kind, string][] = [
@@ -58,7 +58,9 @@ function One({ axis, place, grid }: { axis: AxisChoice; place: number; grid: boo
   const shapes = { range: <Range axis={axis} grid={grid} />, list: <List axis={axis} />, normal: <Normal axis={axis} /> };
   return (
     <fieldset class="sweep-axis">
-      <legend>{axis.name}</legend>
+      <legend>
+        {labelOf(axis.name)} <code class="soft small">{axis.name}</code>
+      </legend>
       <button type="button" class="quiet sweep-remove" aria-label={`Remove ${axis.name}`} onClick={() => removeAxis(axis.id)}>
         ×
       </button>

@@ -3,17 +3,13 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Words } from "../studies/words.tsx";
-import { addAxis, choices, form } from "./asking.ts";
+import { addAxis, choices, form, labelOf } from "./asking.ts";
 import type { Target } from "./types.ts";
 
 const MOST = 60;
 
-/** What the bench calls a drive, by the last letter of its unit. */
-const HEATING: Record<string, string> = { W: "heating power", A: "heating current", V: "heating voltage" };
-
 function fits(one: Target, words: string[]): boolean {
-  const heat = /^drives?\..*(high|values?|amplitude)$/.test(one.name) ? (HEATING[one.unit.at(-1) ?? ""] ?? "") : "";
-  const all = `${one.name} ${one.about} ${heat}`.toLowerCase();
+  const all = `${labelOf(one.name)} ${one.name} ${one.about}`.toLowerCase();
   return words.every((word) => all.includes(word));
 }
 
@@ -85,9 +81,9 @@ export function Picker() {
             key={one.name} id={`sweep-found-${k}`} role="option" aria-selected={k === active.value}
             onMouseDown={(event) => event.preventDefault()} onClick={() => take(one)}
           >
-            <strong>{one.name}</strong> <span>{one.words}</span>
+            <strong>{labelOf(one.name)}</strong> <span>{one.words}</span>
             <small class="soft">
-              <Words text={one.about} />
+              {one.name}: <Words text={one.about} />
               {bounds(one) && ` (${bounds(one)})`}
             </small>
           </li>
@@ -110,8 +106,8 @@ export function Suggested() {
     <p class="row small sweep-suggested">
       such as
       {found.map((one) => (
-        <button key={one.name} type="button" onClick={() => addAxis(one)} title={one.about}>
-          {one.name}
+        <button key={one.name} type="button" onClick={() => addAxis(one)} title={`${one.name}: ${one.about}`}>
+          {labelOf(one.name)}
         </button>
       ))}
     </p>

@@ -44,7 +44,7 @@ export interface Measure {
 }
 
 const SECONDS = { shown: "s", factor: 1, offset: 0 };
-const SHARE = { shown: "%", factor: 100, offset: 0 };
+const PER_MINUTE = { shown: "/min", factor: 60, offset: 0 };
 
 const namesOf = (run: Run, name: string): string[] => (run.ports.length > 1 ? run.ports.map((port) => `${port}.${name}`) : [name]);
 
@@ -230,6 +230,8 @@ function motions(run: Run): Measure[] {
   if (!error && cycle) {
     found.push({ key: "up", name: "Time up", value: cycle.up, how: SECONDS, about: up, better: -1 });
     found.push({ key: "down", name: "Time down", value: cycle.down, how: SECONDS, about: down, better: -1 });
+    const rate = cycle.up && cycle.down ? 1 / (cycle.up + cycle.down) : null;
+    if (!cycle.isOfCurve) found.push({ key: "rate", name: "Cycle rate", value: rate, how: PER_MINUTE, about: "Most cycles per minute with this drive: the time up and the time down, without a pause", better: 1 });
   }
   return found;
 }
@@ -252,13 +254,11 @@ function energies(run: Run): Measure[] {
   const count = measureDeviation(run) ? 1 : (cycleOf(run)?.count ?? 1) || 1;
   const came = cycleOf(run)?.down != null && !measureDeviation(run);
   const value = total / count;
-  const share = run.energy.efficiency?.at(-1) ?? null;
   return [
     {
       key: "energy", name: came ? "Energy per cycle" : "Energy", value, how: { shown: "J", factor: 1, offset: 0 }, better: -1,
       about: came ? `Electrical energy of the run, ${count === 1 ? "which is one cycle" : `over its ${count} cycles`}` : "Electrical energy of the whole run",
     },
-    ...(share === null || !Number.isFinite(share) ? [] : [{ key: "efficiency", name: "Efficiency", value: share, how: SHARE, about: "Work during contraction divided by electrical energy", better: 1 as const }]),
   ];
 }
 
