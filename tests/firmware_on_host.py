@@ -45,9 +45,16 @@ uint8_t board_pulse_channel(uint8_t channel, uint8_t drive, float *steps) {
     *steps = board_channel(channel);
     return duties[drive] > 0.0f ? BOARD_PULSE : BOARD_OPEN;
 }
+static uint8_t eeprom[256], closed, cause = 1;
 void board_guard(void) {}
 void board_feed(void) {}
-uint8_t board_reset_cause(void) { return 1; }
+uint8_t board_reset_cause(void) { return cause; }
+uint8_t board_load(uint8_t address) { return eeprom[address]; }
+uint8_t board_can_store(void) { return 1; }
+void board_store(uint8_t address, uint8_t byte) { eeprom[address] = byte; }
+uint8_t board_switch(void) { return closed; }
+void test_switch(uint8_t is_closed) { closed = is_closed; }
+void test_cause(uint8_t of_reset) { cause = of_reset; }
 void test_begin(uint32_t at) { now = at; in_from = in_to = out_size = sampled = longest = 0; app_begin(); }
 void test_push(const uint8_t *bytes, uint32_t size) {
     for (uint32_t i = 0; i < size; ++i) in[in_to++ & 0xffffu] = bytes[i];
@@ -72,7 +79,7 @@ class HostBoard:
     def __init__(self, firmware: Firmware, folder: Path, *, start: int = 0, turn: int = 200) -> None:
         firmware.write(folder)
         (folder / "board_test.c").write_text(BOARD, "utf-8")
-        sources = ["app.c", "link.c", "loop.c", "board_test.c"]
+        sources = ["app.c", "alone_mode.c", "link.c", "loop.c", "board_test.c"]
         words = ["cc", "-std=c99", "-O1", "-shared", "-fPIC", *sources, "-lm", "-o", "board.so"]
         subprocess.run(words, cwd=folder, check=True)
         self.c: Any = ctypes.CDLL(str(folder / "board.so"))
@@ -86,6 +93,10 @@ class HostBoard:
         self._time += (micros - self._last) % (1 << 32)
         self._last = micros
         return 1e-6 * self._time
+
+    def restart(self) -> None:
+        """Begin again, as after a reset."""
+        self.c.test_begin(ctypes.c_uint32(self.c.test_now()))
 
     def set_channel(self, channel: int, steps: float) -> None:
         """Set the reading of a converter."""

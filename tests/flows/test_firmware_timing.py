@@ -42,11 +42,15 @@ class WorstWire:
         self.board.set_channel(1, 1023.0)  # the supply
         self.link = BoardLink(self.board, now=self.board.now)
         self.temperature = self.hottest = self.bound.ambient
+        self.greet()
+        self.run(10.0, 1000)
+
+    def greet(self) -> None:
+        """Prepare a board that has just begun."""
         self.link.greet()
         self.link.command("set", place=4, value=1.0)
         self.link.command("set", place=9, value=0.0045)  # a reference out of reach
         self.link.choose_mode("loop")
-        self.run(10.0, 1000)
 
     def run(self, seconds: float, turn: int | Callable[[], int], line: Callable[[], bytes] = bytes) -> bytes:
         """Advance by a time [s] with turns [us], and each millisecond of what the line carries."""
@@ -120,10 +124,15 @@ def test_late_samples_are_counted_or_disarm(firmware: Firmware, tmp_path: Path) 
     assert reasons == [DisarmReason.OVERRUN] and wire.board.duty() == 0.0
 
 
-def test_arming_anew_does_not_forget_the_heat(firmware: Firmware, tmp_path: Path) -> None:
+@pytest.mark.parametrize("how", ["disarm", "reset"])
+def test_arming_anew_does_not_forget_the_heat(firmware: Firmware, tmp_path: Path, how: str) -> None:
     wire = WorstWire(firmware, tmp_path)
     for _ in range(40):
         wire.link.arm("ARM")
         wire.run(0.5, 500)
-        wire.link.disarm()
+        if how == "disarm":
+            wire.link.disarm()
+        else:
+            wire.board.restart()
+            wire.greet()
     assert wire.is_safe() and wire.temperature > 0.9 * wire.bound.limit

@@ -234,9 +234,12 @@ def test_courses_are_safe_and_tell_what_they_say() -> None:
     assert abs(slope / ours - 1.0) < 0.1
 
 
-@pytest.mark.parametrize("example", ["closed_loop", "closed_loop_guarded"])
-def test_sources_are_clean(tmp_path: Path, example: str) -> None:
-    found = build_firmware(ms.load(EXAMPLES / f"{example}.toml"), "stm32f405")
+@pytest.mark.parametrize(
+    ("example", "board", "alone"),
+    [("closed_loop", "stm32f405", None), ("closed_loop_guarded", "stm32f405", None), ("closed_loop", "uno", "pin")],
+)
+def test_sources_are_clean(tmp_path: Path, example: str, board: str, alone: str | None) -> None:
+    found = build_firmware(ms.load(EXAMPLES / f"{example}.toml"), board, alone=alone)
     found.write(tmp_path)
     strict = [
         "-std=c99",
@@ -249,9 +252,9 @@ def test_sources_are_clean(tmp_path: Path, example: str) -> None:
         "-Werror",
         "-Wdouble-promotion",
     ]
-    names = ["app.c", "link.c", "loop.c"]
+    names = ["app.c", "link.c", "loop.c", *(["alone_mode.c"] if alone else [])]
     subprocess.run(["cc", *strict, *names], cwd=tmp_path, check=True)
-    if ARM:
+    if ARM and board == "stm32f405":
         own = [
             "arm-none-eabi-gcc",
             "-mcpu=cortex-m4",
@@ -259,6 +262,7 @@ def test_sources_are_clean(tmp_path: Path, example: str) -> None:
             *strict,
             *names,
             "board_stm32f405.c",
+            "guard_stm32f405.c",
             "start_stm32f405.c",
         ]
         subprocess.run(own, cwd=tmp_path, check=True)

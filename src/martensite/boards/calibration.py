@@ -140,4 +140,6 @@ def _keep_settings(session: Session, calibration: dict[str, Any], settings: dict
     calibration["settings"] |= settings | {"calibrated": 1.0}
     for name, value in calibration["settings"].items():
         session.set(name, value)
+    if session.firmware.get("alone"):
+        session.link.store()
     write_file(session.project / CALIBRATION, json.dumps(calibration, indent=1) + "\n")

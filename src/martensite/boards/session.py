@@ -75,7 +75,10 @@ class Session:
     def _greet(self) -> None:
         self.link.greet(self.firmware["digest"])
         for name, value in load_calibration(self.project)["settings"].items():
-            self.set(name, float(value))
+            if self.firmware.get("alone"):  # it is in the EEPROM, and a board that heats takes no other
+                self.firmware["settings"][self.find_setting(name)]["value"] = float(value)
+            else:
+                self.set(name, float(value))
 
     @property
     def settings(self) -> dict[str, float]:
@@ -272,6 +275,7 @@ REASONS = {
     DisarmReason.TIME: "it was armed for as long as is allowed",
     DisarmReason.CURRENT: "its current is too large",
     DisarmReason.OVERRUN: "a sample was late by a whole period",
+    DisarmReason.PIN: "its switch was opened",
 }
 
 

@@ -8,6 +8,7 @@
  */
 #include "app.h"
 
+#include "alone_mode.h"
 #include "board.h"
 #include "link.h"
 #include "loop.h"
@@ -20,6 +21,8 @@ enum {
     BYTES = 64, /* bytes of the line in a turn, at most */
     COOLED = 10000 /* us between two updates of a bound that cools */
 };
+enum { BY_PIN = 1, BY_POWER };      /* APP_ALONE */
+enum { ENDED, READY, RUNNING };     /* operation without a host: over, waits to be armed, is armed */
 
 typedef struct {
     uint32_t micros;
@@ -41,8 +44,11 @@ static uint32_t next, level_at;                               /* us */
 static uint32_t milliseconds, counted_at, heard, armed_at; /* ms since the start; counted up to here [us]; ms */
 static uint32_t tracked_at; /* [us], time of the newest sample */
 static float heat[APP_BOUNDS > 0 ? APP_BOUNDS : 1]; /* temperature bounds [K] */
+#if APP_ALONE
+static uint32_t played; /* samples of the cycle of the reference */
+#endif
 static uint16_t every, since;
-static uint8_t mode, flags, started, alarm;
+static uint8_t mode, flags, started, alarm, alone;
 static app_level levels[FREE];
 static uint8_t first, filled;
 
@@ -259,10 +265,19 @@ static void run_loop(void) {
     }
 }
 
+static float find_reference(uint8_t i) {
+#if APP_ALONE
+    if (alone == RUNNING) {
+        return alone_reference(i, played);
+    }
+#endif
+    return setting(APP_WANTED(i));
+}
+
 /* A sample of the loop. It goes on from the temperature bounds of the firmware, and begins with a period off if warm. */
 static void follow(void) {
     for (uint8_t i = 0; i < APP_REFERENCES; ++i) {
-        inputs[APP_REFERENCE(i)] = setting(APP_WANTED(i));
+        inputs[APP_REFERENCE(i)] = find_reference(i);
     }
     const uint8_t first_step = !started, warm = first_step && is_warm();
     if (warm && APP_CUTS) {
@@ -278,6 +293,9 @@ static void follow(void) {
         pass_heat();
         switch_off();
     }
+#if APP_ALONE
+    played = played + 1u < APP_SAMPLES ? played + 1u : 0u;
+#endif
 }
 
 static void run_waveform(uint32_t now) {
@@ -380,6 +398,9 @@ static uint8_t arm(uint32_t word, uint32_t now) {
     flags = (uint8_t)((flags | FLAG_ARMED) & ~(unsigned)(FLAG_STOPPED | FLAG_OVERRUN));
     started = 0;
     armed_at = milliseconds;
+#if APP_ALONE
+    played = 0;
+#endif
     level_at = now;
     return RESULT_DONE;
 }
@@ -487,6 +508,14 @@ static uint8_t obey(const link_message *m, uint32_t now) {
         every = link_u16(b + RATE_EVERY);
         return RESULT_DONE;
     }
+#if APP_ALONE
+    if (m->type == MESSAGE_STORE && m->size == STORE_SIZE) {
+        if (flags & FLAG_ARMED) {
+            return RESULT_REFUSED;
+        }
+        return alone_store(settings, APP_STORED) ? RESULT_DONE : RESULT_BUSY;
+    }
+#endif
     if (m->type == MESSAGE_DISARM && m->size == DISARM_SIZE) {
         disarm(REASON_ASKED);
         return RESULT_DONE;
@@ -544,12 +573,48 @@ static void watch(void) {
         }
         return;
     }
-    if (milliseconds - heard > APP_SILENCE) {
+    if (milliseconds - heard > APP_SILENCE && alone != RUNNING) {
         disarm(REASON_SILENCE);
     } else if (milliseconds - armed_at > APP_LONGEST) {
         disarm(REASON_TIME);
     }
 }
+
+#if APP_ALONE
+/* After a power-on with a calibration the board waits to be armed; after a watchdog or a fault it stays off. */
+static uint8_t begin_alone(void) {
+    const uint8_t cause = board_reset_cause(), loaded = alone_load(settings, APP_STORED);
+    for (uint8_t i = 0; i < APP_STORED; ++i) {
+        const uint8_t place = (uint8_t)(APP_FIXED + i);
+        if (!loaded || !(settings[i] >= APP_LOW(place) && settings[i] <= APP_HIGH(place))) {
+            settings[i] = APP_DEFAULT(place);
+        }
+    }
+    if (APP_ALONE == BY_PIN) {
+        return ENDED; /* until the switch is seen open */
+    }
+    return loaded && (cause == RESET_POWER_ON || cause == RESET_BROWN_OUT || cause == RESET_PIN) ? READY : ENDED;
+}
+
+static void run_alone(uint32_t now) {
+    const uint8_t closed = APP_ALONE == BY_PIN ? board_switch() : 1u;
+    if (alone == RUNNING && !closed) {
+        disarm(REASON_PIN);
+    }
+    if (alone == RUNNING && !(flags & FLAG_ARMED)) {
+        alone = ENDED;
+    }
+    if (alone == ENDED && !closed) {
+        alone = READY;
+    }
+    if (alone == READY && closed && !(flags & FLAG_ARMED) && milliseconds - heard > APP_SILENCE) {
+        (void)choose(MODE_LOOP);
+        if (arm(LINK_ARM_WORD, now) == RESULT_DONE) {
+            alone = RUNNING;
+        }
+    }
+}
+#endif
 
 void app_begin(void) {
     board_begin();
@@ -568,6 +633,9 @@ void app_begin(void) {
     for (uint8_t i = 0; i < APP_BOUNDS; ++i) {
         heat[i] = FLASH_FLOAT(app_bounds[i].limit); /* unknown after a reset */
     }
+#endif
+#if APP_ALONE
+    alone = begin_alone();
 #endif
 }
 
@@ -589,5 +657,8 @@ void app_turn(void) {
     }
     next += APP_PERIOD;
     sample(now);
+#if APP_ALONE
+    run_alone(now);
+#endif
     board_feed();
 }

@@ -42,6 +42,12 @@ void board_guard(void);
 /* The watchdog begins anew; called only by a turn that has sampled and checked. */
 void board_feed(void);
 
+/* Stand-alone operation: bytes that stay without power; whether a byte can be written now; a switch that is closed. */
+uint8_t board_load(uint8_t address);
+uint8_t board_can_store(void);
+void board_store(uint8_t address, uint8_t byte);
+uint8_t board_switch(void);
+
 /* Cause of the newest reset: a RESET_ of messages.h. */
 uint8_t board_reset_cause(void);
 

@@ -76,6 +76,9 @@ void board_guard(void) {
     for (uint8_t i = 0; i < CANARIES; ++i) {
         (&__heap_start)[i] = CANARY;
     }
+#if APP_ALONE
+    pinMode(APP_ARM_PIN, INPUT_PULLUP);
+#endif
     wdt_enable(APP_WATCHDOG_CODE);
 }
 
@@ -89,6 +92,20 @@ void board_feed(void) {
 }
 
 uint8_t board_reset_cause(void) { return cause; }
+
+#if APP_ALONE
+#include <avr/eeprom.h>
+
+static uint8_t *find_place(uint8_t address) { return reinterpret_cast<uint8_t *>(static_cast<uintptr_t>(address)); }
+
+uint8_t board_load(uint8_t address) { return eeprom_read_byte(find_place(address)); }
+
+uint8_t board_can_store(void) { return eeprom_is_ready() ? 1 : 0; }
+
+void board_store(uint8_t address, uint8_t byte) { eeprom_write_byte(find_place(address), byte); }
+
+uint8_t board_switch(void) { return digitalRead(APP_ARM_PIN) == LOW; }
+#endif
 
 #else
 

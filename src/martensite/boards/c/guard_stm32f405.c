@@ -93,7 +93,7 @@ static uint8_t find_cause(void) {
     if (flags & (1u << CSR_WATCHDOG)) {
         return RESET_WATCHDOG;
     }
-    return flags & (1u << CSR_PIN) ? RESET_PIN : RESET_UNKNOWN;
+    return (flags & (1u << CSR_PIN)) ? RESET_PIN : RESET_UNKNOWN;
 }
 
 void board_guard(void) {

@@ -39,6 +39,8 @@ class Board:
     encoder_pins: tuple[int, ...]
     platformio: dict[str, str]
     """Platform and board of PlatformIO; empty without PlatformIO."""
+    arm_pin: int | None = None
+    """Pin of the switch of stand-alone operation; None for boards without stand-alone operation."""
     first_analog: int | None = None
     """Pin that is labelled A0; None for boards with numbered pins."""
 

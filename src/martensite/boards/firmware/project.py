@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import InputError
 from martensite.base.files import make_folder, replace_together, write_file
+from martensite.boards.firmware.alone import plan_alone, print_reference
 from martensite.boards.firmware.boards import Board, find_board
 from martensite.boards.firmware.bounds import list_bounds
 from martensite.boards.firmware.channels import plan_inputs
@@ -42,9 +43,9 @@ from martensite.control.supervisors.guard import Guard
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
-SHARED = ("app.c", "app.h", "board.h", "link.c", "link.h")
+SHARED = ("app.c", "app.h", "alone_mode.h", "board.h", "link.c", "link.h")
 LAYERS = {
-    "arduino": ("board_arduino.cpp", "guard_arduino.cpp"),
+    "arduino": ("board_arduino.cpp", "guard_arduino.cpp", "alone_mode.c"),
     "stm32f405": ("board_stm32f405.c", "guard_stm32f405.c", "start_stm32f405.c", "stm32f405.ld"),
 }
 TRIED_SAMPLES = 400
@@ -96,6 +97,7 @@ def build_firmware(
     name: str = "firmware",
     limits: Limits | None = None,
     ranges: Mapping[str, str] | None = None,
+    alone: str | None = None,
 ) -> Firmware:
     """Return the firmware of the loop of a scenario for a board.
 
@@ -106,6 +108,7 @@ def build_firmware(
         limits: limits at which the board disarms itself.
         ranges: ranges `LOW:HIGH` of references and tunable gains that the host may set, by name. By default a reference
             has the range of the scenario, and no gain is tunable.
+        alone: `pin` or `power-up` for operation without a host.
 
     Raises:
         InputError: the board is unknown, the scenario has no loop, the board lacks inputs or outputs, or a range is
@@ -141,11 +144,12 @@ def build_firmware(
     turned = [Setting(one, gains[one].unit, gains[one].default, found, "gain") for one, found in tuned.items()]
     for one in wished:
         check_start(one)
+    planned = plan_alone(alone, chosen, bench, scenario.duration, names, run) if alone is not None else None
     settings = list_settings(inputs, chosen_limits, chosen.steps, wished, turned)
     room = TOLD - readings - drives - len(inputs.told_channels())
     more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
     reported = tuple(more[: max(room, 0)])
-    digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings)]).encode())
+    digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings), repr(planned)]).encode())
     wanted = tuple(range(2 * readings, len(core.inputs)))
     places = tuple(gains[one].index for one in tuned)
     plan = FirmwarePlan(
@@ -162,6 +166,7 @@ def build_firmware(
         list_bounds(bench),
         isinstance(bench.supervisor, Guard) and bench.supervisor.answer != "limit",
         digest,
+        planned,
     )
     firmware = Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
     if firmware.flash > TOO_LARGE * chosen.flash:
@@ -180,6 +185,8 @@ def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: 
     texts["firmware.json"] = json.dumps(describe_firmware(name, plan, scenario.text), indent=1) + "\n"
     texts["WIRING.md"] = describe_wiring(name, plan, elements)
     texts["wiring.svg"] = draw_wiring(plan, elements)
+    if plan.alone is not None:
+        texts["reference.h"] = print_reference(plan.alone)
     if board.layer == "arduino":
         texts[f"{name}.ino"] = (home / "firmware.ino").read_text("utf-8")
         texts["platformio.ini"] = _print_platformio(board)
@@ -197,6 +204,7 @@ def describe_firmware(name: str, plan: FirmwarePlan, scenario: str) -> dict[str,
         "link": VERSION,
         "digest": plan.digest,
         "period": plan.period,
+        "alone": plan.alone.start if plan.alone else None,
         "telemetry": [{"name": one, "unit": unit} for one, unit in plan.telemetry()],
         "readings": len(plan.inputs.readings),
         "drives": plan.drives,

@@ -12,6 +12,7 @@ from math import ceil
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError
+from martensite.boards.firmware.alone import STARTS, StandAlone
 from martensite.boards.firmware.boards import Board
 from martensite.boards.firmware.bounds import NEAR, FirmwareBound
 from martensite.boards.firmware.channels import LEAST, BoardInputs
@@ -89,6 +90,7 @@ class FirmwarePlan:
     cuts: bool
     """True if the guard cuts signals at a temperature bound, and does not limit them."""
     digest: int
+    alone: StandAlone | None = None
 
     def telemetry(self) -> list[tuple[str, str]]:
         """Return name and unit of every number of a telemetry, in order."""
@@ -194,6 +196,10 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_PERIOD {count_ticks('The sample time', plan.period, 1e6)}UL /* us */",
         f"#define APP_SILENCE {count_ticks('`--silence`', plan.limits.silence, 1e3)}UL /* ms without the host */",
         f"#define APP_LONGEST {count_ticks('`--longest`', plan.limits.longest, 1e3)}UL /* ms armed */",
+        f"#define APP_ALONE {STARTS.index(plan.alone.start) + 1 if plan.alone else 0} /* 1: pin, 2: power-up */",
+        f"#define APP_ARM_PIN {board.arm_pin if plan.alone else 0}",
+        f"#define APP_SAMPLES {plan.alone.samples if plan.alone else 1}UL /* of a cycle of the reference */",
+        f"#define APP_STORED {1 + 2 * len(channels)} /* settings that are kept: those of the calibration */",
         f"#define APP_WATCHDOG {watchdog.milliseconds}UL /* ms after a sample, then the board resets */",
         f"#define APP_WATCHDOG_CODE {watchdog.code} /* this time on AVR */",
         f"#define APP_PWM_HZ {round(inputs.frequency)}UL",
@@ -256,10 +262,12 @@ def print_settings(plan: FirmwarePlan) -> str:
         "#define IN_FLASH PROGMEM",
         "#define FLASH_FLOAT(x) pgm_read_float(&(x))",
         "#define FLASH_U16(x) pgm_read_word(&(x))",
+        "#define FLASH_U32(x) pgm_read_dword(&(x))",
         "#else",
         "#define IN_FLASH",
         "#define FLASH_FLOAT(x) (x)",
         "#define FLASH_U16(x) (x)",
+        "#define FLASH_U32(x) (x)",
         "#endif",
         "",
         "#ifdef APP_TABLES /* defined where they are used, so that they are there once */",

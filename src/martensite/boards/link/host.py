@@ -22,6 +22,8 @@ TRIES, WAIT = 5, 0.2
 """Attempts of a command, and time limit of each answer [s]."""
 STALE, STALE_PERIODS = 0.5, 3.0
 """Age [s] of the newest telemetry above which a board counts as lost, and additional periods of its loop."""
+LONGEST_STORE = 3.0
+"""Time limit for storing a calibration [s]."""
 ARM = "ARM"
 """Word of a person that is required for arming."""
 
@@ -133,10 +135,28 @@ class BoardLink:
         Raises:
             SolveError: the board refuses, or does not answer.
         """
-        answer = self._ask(name, lambda m, number: m.name == "answer" and m.values["to"] == number, **values)
-        result = BoardAnswer(answer.values["result"])
+        result = self.ask_result(name, **values)
         if result is not BoardAnswer.DONE:
             raise SolveError(f"The board answers `{name}` with: {ANSWERS[result]}.")
+
+    def ask_result(self, name: str, **values: Any) -> BoardAnswer:
+        """Send a command and return its result; raise `SolveError` if the board does not answer."""
+        answer = self._ask(name, lambda m, number: m.name == "answer" and m.values["to"] == number, **values)
+        return BoardAnswer(answer.values["result"])
+
+    def store(self) -> None:
+        """Keep the calibration in the EEPROM of a stand-alone board.
+
+        Raises:
+            SolveError: the board refuses, or does not finish.
+        """
+        until = self.now() + LONGEST_STORE
+        while self.now() < until:
+            if (result := self.ask_result("store")) is BoardAnswer.DONE:
+                return
+            if result is not BoardAnswer.BUSY:
+                raise SolveError(f"The board does not store its calibration: {ANSWERS[result]}.")
+        raise SolveError(f"The board has not stored its calibration within {LONGEST_STORE:g} s.")
 
     def arm(self, word: str) -> None:
         """Allow signals; `word` must be `ARM`, given by a person.
@@ -204,5 +224,6 @@ ANSWERS = {
     BoardAnswer.REFUSED: "not now: the board is not armed, is armed, or is in another mode than this needs",
     BoardAnswer.OUT_OF_RANGE: "the value is outside the range that `export firmware` has printed",
     BoardAnswer.FULL: "there is no room for another level",
+    BoardAnswer.BUSY: "the board is still writing",
     BoardAnswer.FIXED: "this number is a constant in flash; change the scenario or an option and export again",
 }

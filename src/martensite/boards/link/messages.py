@@ -58,6 +58,8 @@ class BoardAnswer(IntEnum):
     FULL = 4
     FIXED = 5
     """The number is a constant in flash."""
+    BUSY = 6
+    """The board still writes; ask again."""
 
 
 class DisarmReason(IntEnum):
@@ -72,6 +74,8 @@ class DisarmReason(IntEnum):
     CURRENT = 6
     OVERRUN = 7
     """A sample was late by a period or more."""
+    PIN = 8
+    """The switch of stand-alone operation was opened."""
 
 
 class ResetCause(IntEnum):
@@ -157,6 +161,7 @@ KINDS = {
         MessageKind("level", 0x07, "the next level of a waveform", {"drive": "u8", "micros": "u32", "value": "f32"}),
         MessageKind("sample", 0x08, "readings of an emulated sample", {"time": "u32"}, "readings"),
         MessageKind("rate", 0x09, "telemetry once in so many samples; 0 for none", {"every": "u16"}),
+        MessageKind("store", 0x0A, "keep the calibration without power", {}),
         MessageKind(
             "hello",
             0x81,

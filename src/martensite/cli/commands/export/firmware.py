@@ -47,6 +47,13 @@ def firmware(
             "repeatable.",
         ),
     ] = None,
+    stand_alone: Annotated[
+        Text,
+        Option(
+            metavar="pin|power-up",
+            help="Operation without a host on uno or mega2560: armed by a switch at a pin, or after power-up.",
+        ),
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -70,7 +77,12 @@ def firmware(
     )
     folder = require_empty(out or Path(f"{source.file.stem}_{board}"), force)
     written = build_firmware(
-        source.load(), board, name=folder.resolve().name, limits=limits, ranges=read_ranges(ranges or [])
+        source.load(),
+        board,
+        name=folder.resolve().name,
+        limits=limits,
+        ranges=read_ranges(ranges or []),
+        alone=stand_alone,
     )
     files = written.write(folder)
     print_summary(_summarise_firmware(written), json, files)
@@ -90,6 +102,7 @@ def _summarise_firmware(found: Firmware) -> Summary:
         DataTable(("setting", "value", "unit", "host may set", "about"), rows, right=(1,)),
         *_warn_of_room(found),
         Sentence(describe_measurement(plan)),
+        *_describe_alone(plan),
         Sentence(_describe_limits(plan)),
         Sentence("Gains and offsets are nominal: calibrate the board before it arms on its own readings.", "caution"),
     ]
@@ -109,6 +122,22 @@ def _warn_of_room(found: Firmware) -> list[Block]:
         f"has {1e-3 * board.flash:.2g} kB. Take a larger board, such as mega2560 or stm32f405."
     )
     return [Sentence(words, "bad")]
+
+
+def _describe_alone(plan: FirmwarePlan) -> list[Block]:
+    alone = plan.alone
+    if alone is None:
+        return []
+    pin = f"while a switch closes pin {plan.board.arm_pin} to ground, if it was open before"
+    how = pin if alone.start == "pin" else "after power-on, and never after a watchdog or a fault"
+    words = (
+        f"Stand-alone: the board arms {how}, with the calibration in its EEPROM. It follows the reference of the "
+        f"scenario, which repeats every {alone.samples * plan.period:.4g} s"
+    )
+    if alone.follows is not None:
+        again = plan.limits.silence + alone.follows + max((one.cooling_time for one in plan.bounds), default=0.0)
+        words += f". It follows again within {again:.3g} s of a power cycle"
+    return [Sentence(f"{words}.")]
 
 
 def _describe_limits(plan: FirmwarePlan) -> str:
