@@ -154,7 +154,8 @@ def test_a_polyline_is_close_to_its_reference() -> None:
     times = np.linspace(0.0, 10.0, 501)
     for levels in (np.sin(times), np.floor(times), np.ones(501), 0.2 * times):
         points = simplify_track(levels)
-        line = np.interp(np.arange(501), *zip(*points, strict=True))
+        places, values = zip(*points, strict=True)
+        line = np.interp(np.arange(501), places, values)
         assert np.max(np.abs(line - levels)) <= 1.001 * TOLERANCE * np.ptp(levels) + 1e-12 and len(points) < 100
 
 

@@ -44,11 +44,13 @@ class StandAlone:
     """Time from a cold start until the loop is close to its reference [s]; None if it never is."""
 
 
-def plan_alone(start: str, board: Board, bench: Bench, duration: float, names: list[str], run: Result) -> StandAlone:
-    """Return the stand-alone operation of a loop.
+def plan_alone(
+    start: str | None, board: Board, bench: Bench, duration: float, names: list[str], run: Result
+) -> StandAlone | None:
+    """Return the stand-alone operation of a loop; None without one.
 
     Args:
-        start: `pin` or `power-up`.
+        start: `pin`, `power-up`, or None.
         board: the board.
         bench: the loop.
         duration: duration of a cycle [s].
@@ -58,6 +60,8 @@ def plan_alone(start: str, board: Board, bench: Bench, duration: float, names: l
     Raises:
         InputError: the way of arming or the board is not available, or an input has no reference or too many points.
     """
+    if start is None:
+        return None
     if start not in STARTS:
         raise InputError(f"`--stand-alone` takes {' or '.join(STARTS)}, not `{start}`.")
     if board.arm_pin is None:

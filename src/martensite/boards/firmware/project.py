@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -24,7 +24,7 @@ from martensite.boards.firmware.channels import plan_inputs
 from martensite.boards.firmware.drawing import draw_wiring
 from martensite.boards.firmware.host_library import print_host_library
 from martensite.boards.firmware.parts_list import describe_elements
-from martensite.boards.firmware.ranges import choose_tuned, find_input_ranges, list_tunable, parse_range
+from martensite.boards.firmware.ranges import choose_tuned, find_input_ranges, parse_range
 from martensite.boards.firmware.settings import (
     TOLD,
     FirmwarePlan,
@@ -41,7 +41,10 @@ from martensite.control.loop.run import reference_waveforms
 from martensite.control.supervisors.guard import Guard
 
 if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+    from martensite.export.c_names import CoreVariable
     from martensite.scenario.scenario import Scenario
+    from martensite.simulate.result import Result
 
 SHARED = ("app.c", "app.h", "alone_mode.h", "board.h", "link.c", "link.h")
 LAYERS = {
@@ -131,27 +134,18 @@ def build_firmware(
     if drives > len(chosen.drive_pins):
         raise InputError(f"{chosen.title} drives {len(chosen.drive_pins)} switches here, but the loop has {drives}.")
     others, given = core.inputs[2 * readings :], ranges or {}
-    initial = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
-    initial |= {name: float(run.columns[name][0]) for name in list_references(bench)}
-    names = [one.name for one in others]
-    allowed = find_input_ranges(bench, names, scenario.duration)
-    allowed |= {one.name: parse_range(one.name, given[one.name], one.unit) for one in others if one.name in given}
-    wished = [
-        Setting(one.name, one.unit, initial.get(one.name, 0.0), allowed[one.name], "input of the loop")
-        for one in others
-    ]
-    tuned, gains = choose_tuned(core, given, names), list_tunable(core)
-    turned = [Setting(one, gains[one].unit, gains[one].default, found, "gain") for one, found in tuned.items()]
-    for one in wished:
-        check_start(one)
-    planned = plan_alone(alone, chosen, bench, scenario.duration, names, run) if alone is not None else None
+    tuned = choose_tuned(core, given, [one.name for one in others])
+    gains = [one for one in core.parameters if one.name in tuned]
+    turned = [Setting(one.name, one.unit, one.default, tuned[one.name], "gain") for one in gains]
+    planned = plan_alone(alone, chosen, bench, scenario.duration, [one.name for one in others], run)
+    wished = _list_inputs(bench, others, run, scenario.duration, given)
     settings = list_settings(inputs, chosen_limits, chosen.steps, wished, turned)
     room = TOLD - readings - drives - len(inputs.told_channels())
     more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
     reported = tuple(more[: max(room, 0)])
     digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings), repr(planned)]).encode())
     wanted = tuple(range(2 * readings, len(core.inputs)))
-    places = tuple(gains[one].index for one in tuned)
+    places = tuple(one.index for one in gains)
     plan = FirmwarePlan(
         core,
         chosen,
@@ -175,6 +169,21 @@ def build_firmware(
             f"{1e-3 * chosen.flash:.2g} kB: use a larger board, such as mega2560 or stm32f405."
         )
     return firmware
+
+
+def _list_inputs(
+    bench: Bench, inputs: Sequence[CoreVariable], run: Result, duration: float, given: Mapping[str, str]
+) -> list[Setting]:
+    """Return the settings of references and free signals, with their first values and their ranges."""
+    initial = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
+    initial |= {name: float(run.columns[name][0]) for name in list_references(bench)}
+    allowed = find_input_ranges(bench, [one.name for one in inputs], duration)
+    allowed |= {one.name: parse_range(one.name, given[one.name], one.unit) for one in inputs if one.name in given}
+    settings: list[Setting] = []
+    for one in inputs:
+        settings.append(Setting(one.name, one.unit, initial.get(one.name, 0.0), allowed[one.name], "input of the loop"))
+        check_start(settings[-1])
+    return settings
 
 
 def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: list[str]) -> dict[str, str]:

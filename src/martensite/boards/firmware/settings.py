@@ -196,9 +196,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_PERIOD {count_ticks('The sample time', plan.period, 1e6)}UL /* us */",
         f"#define APP_SILENCE {count_ticks('`--silence`', plan.limits.silence, 1e3)}UL /* ms without the host */",
         f"#define APP_LONGEST {count_ticks('`--longest`', plan.limits.longest, 1e3)}UL /* ms armed */",
-        f"#define APP_ALONE {STARTS.index(plan.alone.start) + 1 if plan.alone else 0} /* 1: pin, 2: power-up */",
-        f"#define APP_ARM_PIN {board.arm_pin if plan.alone else 0}",
-        f"#define APP_SAMPLES {plan.alone.samples if plan.alone else 1}UL /* of a cycle of the reference */",
+        *_print_alone(plan),
         f"#define APP_STORED {1 + 2 * len(channels)} /* settings that are kept: those of the calibration */",
         f"#define APP_WATCHDOG {watchdog.milliseconds}UL /* ms after a sample, then the board resets */",
         f"#define APP_WATCHDOG_CODE {watchdog.code} /* this time on AVR */",
@@ -278,11 +276,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         "static const app_setting app_settings[] IN_FLASH = {",
         *(f"    {_print_setting(one)}" for one in plan.settings),
         "};",
-        "#if APP_BOUNDS",
-        "static const app_bound app_bounds[] IN_FLASH = {",
-        *(f"    {_print_bound(one)}" for one in plan.bounds),
-        "};",
-        "#endif",
+        *_print_bounds(plan.bounds),
         f"static const uint8_t app_pulsed[] = {{{', '.join(str(one.drive % 256) for one in channels)}}};",
         "#define APP_PULSED(i) (app_pulsed[i])",
         "#define APP_SOURCE(i) (app_source[i])",
@@ -300,9 +294,23 @@ def print_settings(plan: FirmwarePlan) -> str:
     return "\n".join(rows)
 
 
-def _print_bound(one: FirmwareBound) -> str:
-    numbers = ", ".join(map(_print_float, (one.rate, one.cooling, one.ambient, one.limit)))
-    return f"{{{one.state}, {one.drive}, {numbers}}},"
+def _print_alone(plan: FirmwarePlan) -> list[str]:
+    alone, start, pin, samples = plan.alone, 0, 0, 1
+    if alone is not None:
+        start, pin, samples = STARTS.index(alone.start) + 1, plan.board.arm_pin or 0, alone.samples
+    return [
+        f"#define APP_ALONE {start} /* 1: armed by a pin, 2: armed after power-up */",
+        f"#define APP_ARM_PIN {pin}",
+        f"#define APP_SAMPLES {samples}UL /* of a cycle of the reference */",
+    ]
+
+
+def _print_bounds(bounds: Sequence[FirmwareBound]) -> list[str]:
+    rows: list[str] = []
+    for one in bounds:
+        numbers = ", ".join(map(_print_float, (one.rate, one.cooling, one.ambient, one.limit)))
+        rows.append(f"    {{{one.state}, {one.drive}, {numbers}}},")
+    return ["static const app_bound app_bounds[] IN_FLASH = {", *rows, "};"] if rows else []
 
 
 def _print_setting(one: Setting) -> str:
