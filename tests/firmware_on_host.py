@@ -7,11 +7,16 @@ from __future__ import annotations
 
 import ctypes
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from martensite.boards.firmware.project import Firmware
+from martensite.boards.link.frames import encode_frame
+from martensite.boards.link.messages import pack_message
 
+PER_MS = 50
+"""Bytes of a line of 500 kbaud in a millisecond."""
 BOARD = """
 #include "app.h"
 #include "board.h"
@@ -128,3 +133,18 @@ class HostBoard:
 
     def close(self) -> None:
         pass
+
+
+def flood(name: str, **values: float) -> Callable[[], bytes]:
+    """Return a line that is full of a message."""
+    waiting, number = bytearray(), iter(range(1 << 30))
+
+    def fill() -> bytes:
+        while len(waiting) < PER_MS:
+            code, payload = pack_message(name, **values)
+            waiting.extend(encode_frame(code, next(number) % 65536, payload))
+        sent = bytes(waiting[:PER_MS])
+        del waiting[:PER_MS]
+        return sent
+
+    return fill

@@ -11,19 +11,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from firmware_on_host import HostBoard
+from firmware_on_host import PER_MS, HostBoard, flood
 
 import martensite as ms
 from martensite.boards.firmware.bounds import FirmwareBound
 from martensite.boards.firmware.project import Firmware, build_firmware
 from martensite.boards.firmware.settings import Limits
-from martensite.boards.link.frames import encode_frame
 from martensite.boards.link.host import BoardLink
-from martensite.boards.link.messages import DisarmReason, pack_message
+from martensite.boards.link.messages import DisarmReason
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-PERIOD, PER_MS = 0.02, 50
-"""Sample time of the loop [s], and bytes of a line of 500 kbaud in a millisecond."""
+PERIOD = 0.02
+"""Sample time of the loop [s]."""
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 
 
@@ -76,21 +75,6 @@ class WorstWire:
     def is_safe(self) -> bool:
         """Return whether the element was never hotter than the limit and the printed margin."""
         return self.hottest < self.bound.limit + self.bound.find_margin(PERIOD)
-
-
-def flood(name: str, **values: float) -> Callable[[], bytes]:
-    """Return a line that is full of a message."""
-    waiting, number = bytearray(), iter(range(1 << 30))
-
-    def fill() -> bytes:
-        while len(waiting) < PER_MS:
-            code, payload = pack_message(name, **values)
-            waiting.extend(encode_frame(code, next(number) % 65536, payload))
-        sent = bytes(waiting[:PER_MS])
-        del waiting[:PER_MS]
-        return sent
-
-    return fill
 
 
 @pytest.mark.parametrize(

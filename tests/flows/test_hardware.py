@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from benchmarks.board_link import log_long, send_garbled, start_board
+from firmware_on_host import flood
 from typer.testing import CliRunner
 
 import martensite as ms
@@ -33,7 +34,7 @@ from martensite.boards.firmware.project import build_firmware
 from martensite.boards.firmware.settings import Limits
 from martensite.boards.hil import compare_runs, run_hil
 from martensite.boards.link.host import BoardLink
-from martensite.boards.link.messages import BoardFlags, DisarmReason
+from martensite.boards.link.messages import BoardFlags, DisarmReason, Message
 from martensite.boards.rig_scenarios import read_rigs
 from martensite.boards.session import Session
 from martensite.cli import app
@@ -119,6 +120,24 @@ def test_nothing_is_armed_without_the_word_or_a_calibration(uno: Path, board: Si
     link.command("rate", every=1)
     (told,) = {BoardFlags(m.values["flags"]) for _ in range(90) for m in link.receive() if m.name == "telemetry"}
     assert BoardFlags.ARMED not in told and board.duties == (0.0, 0.0)
+
+
+@needs_avr
+def test_a_full_line_delays_no_sample_of_an_uno(board: SimavrBoard) -> None:
+    link, line = BoardLink(board, now=board.now), flood("ping", token=1)
+    board.volts[1] = 5.0  # the supply
+    link.greet()
+    link.command("set", place=4, value=1.0)  # calibrated
+    link.choose_mode("loop")
+    link.command("rate", every=1)
+    link.arm("ARM")
+    messages = list[Message]()
+    for _ in range(1000):
+        board.write(line())
+        messages += link.reader.feed(board.run(1e-3))
+    times = [m.values["time"] for m in messages if m.name == "telemetry"]
+    assert len(times) >= 49 and np.max(np.diff(times)) < 24_000
+    assert not any(m.name == "disarmed" for m in messages) and board.duties[0] > 0.0
 
 
 @needs_avr
