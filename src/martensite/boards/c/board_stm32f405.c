@@ -77,6 +77,7 @@ void SysTick_Handler(void) {
 /* A byte, or an overrun (ORE) without one: reading the status and then the data clears both. */
 void USART1_IRQHandler(void) {
     const uint32_t status = USART_SR;
+    if (!(status & 0x28u)) return; /* a byte that comes now has its own interrupt */
     const uint8_t byte = (uint8_t)USART_DR;
     if (status & 0x20u) {
         const uint16_t next = (uint16_t)((got + 1u) % KEPT);

@@ -1,4 +1,4 @@
-"""A Cortex-M4 under QEMU (`netduinoplus2`, an STM32F405), in the time of the host."""
+"""A Cortex-M4 under QEMU (`netduinoplus2`, an STM32F405), whose time is the count of its instructions."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from martensite.base.errors import SolveError
 from martensite.boards.emulators.toolchains import require_tool
 
 MACHINE = "netduinoplus2"
+CLOCK = ("-icount", "shift=5")
+"""An instruction takes 2^5 ns, also if the host is busy: otherwise the watchdog resets a board that only waits."""
 START_LIMIT = 10.0
 """Time limit for the start of QEMU [s]."""
 
@@ -28,7 +30,7 @@ class QemuBoard:
 
     def __post_init__(self) -> None:
         place = Path(self._folder.name) / "line"
-        command = [require_tool("qemu-system-arm"), "-M", MACHINE, "-nographic", "-monitor", "none"]
+        command = [require_tool("qemu-system-arm"), "-M", MACHINE, *CLOCK, "-nographic", "-monitor", "none"]
         command += ["-serial", f"unix:{place},server=on,wait=off", "-kernel", str(self.elf), *self.words]
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self._line, until = socket.socket(socket.AF_UNIX), time.monotonic() + START_LIMIT
