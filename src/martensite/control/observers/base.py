@@ -73,6 +73,8 @@ class ObserverPeriod(NamedTuple):
     """Steps of the model."""
     learning: Scalar = 1.0
     """Factor of the random walks of parameters."""
+    surprise: Scalar = 0.0
+    """0 if the last readings fit the model, up to 1 if they contradict it."""
 
     @property
     def step(self) -> Scalar:

@@ -3,16 +3,19 @@
     cold     the probing signal, for `cold`                                R_M: mean of the readings
     pulse    the largest signal, for an energy of the model; then the      has R changed by `visible`?
              probing signal until `apart` is over
-    heat     the heating power grows e-fold in every `growth`              ends when R has changed and is constant
-    soak     a fraction of the signal reached, for `soak`                  R_A: mean of the readings
+    heat     the heating power grows e-fold in every `growth`              ends `after` R has changed as in the pulse
+    soak     a fraction of the signal reached, from `soak` to              R_A: mean of the readings, until it is
+             `longest_soak`                                                known to `sharp` of the change
     settle   the probing signal, until `duration` is over                  the wire cools and transforms back
     ready
 
 Power grows exponentially, so that a wire with a small heat loss is heated as slowly, relative to its loss, as a wire
-with a large one: the overshoot beyond the end of the transformation does not depend on the heat loss. Two running means
-m₁ and m₂ with time constants of 0.3 s and 1.2 s measure the change of R, c = |m₁ - m₂|/R_M. A transformation has
-started when c exceeds `seen`, and ended when c is below both `flat` and a fraction of its peak. The soak is cooler than
-the end of heating and hotter than the start of the reverse transformation.
+with a large one: the overshoot beyond the end of the transformation does not depend on the heat loss. A running mean of
+R measures its change, c = |m - R_M|/R_M. The largest change of the pulse is reached before the end of a transformation.
+When heating has changed R by the fraction `enough` of it, the power grows for the time `after`, which completes the
+transformation of every wire. This works for wires whose phases differ by little, where the end of a transformation
+cannot be seen in the noise. The soak is cooler than the end of heating and hotter than the start of the reverse
+transformation.
 
 A wire whose resistance hardly changes would be heated too far. The short pulse detects it, since its effect depends on
 its energy and hardly on the heat loss. The calibration fails if R does not change by `visible` during the pulse, or if
@@ -30,11 +33,9 @@ from martensite.signals.base import DRIVE
 
 COLD, PULSE, HEAT, SOAK, SETTLE, READY = range(6)
 FAST, SLOW = 0.3, 1.2
-"""Time constants of the running means [s]."""
-LEFT = 0.3
-"""Fraction of the peak of the change below which a transformation is over."""
-HOLDS = 0.4
-"""Time for which the change must stay below [s]."""
+"""Time constants of the running mean in the pulse and in the heating [s]."""
+TINY = 1e-12
+"""Least resistance [ohm]."""
 
 
 class CalibrationState(NamedTuple):
@@ -48,12 +49,12 @@ class CalibrationState(NamedTuple):
     total: Scalar
     """Sum of the readings of the phase; during a pulse its relative energy."""
     count: Scalar
-    fast: Scalar
-    slow: Scalar
-    peak: Scalar
-    """Largest change in the phase."""
-    flat: Scalar
-    """Time since the end of the change [s]."""
+    mean: Scalar
+    """Running mean of the readings [ohm]."""
+    pulsed: Scalar
+    """Largest relative change of the resistance in the pulse."""
+    late: Scalar
+    """Time of heating after the fraction `enough` of this change [s]."""
     signal: Scalar
     martensite: Scalar
     """R_M [ohm]."""
@@ -72,18 +73,24 @@ class Calibration(Parametrised):
     cold: Number = param("s", "time at the probing signal", above=0.0, default=8.0)
     pulse: Number = param("1", "energy of the pulse, over that for all but latent heat", above=0.0, default=1.6)
     apart: Number = param("s", "time from the pulse to the heating", above=0.0, default=16.0)
-    visible: Number = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.03)
+    visible: Number = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.012)
     growth: Number = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
     longest: Number = param("s", "longest time of the heating", above=0.0, default=36.0)
-    beyond: Number = param("s", "time of further growth after the end", low=0.0, default=0.3)
+    enough: Number = param("1", "fraction of the change in the pulse", above=0.0, high=1.0, default=0.6)
+    after: Number = param("s", "time of heating after this fraction", above=0.0, default=3.0)
     share: Number = param("1", "signal of the soak, over the end of heating", above=0.0, high=1.0, default=0.7)
-    soak: Number = param("s", "time in austenite", above=0.0, default=4.0)
+    soak: Number = param("s", "shortest time in austenite", above=0.0, default=4.0)
+    longest_soak: Number = param("s", "longest time in austenite", above=0.0, default=12.0)
+    sharp: Number = param(
+        "1",
+        "standard deviation of R_A, over the change of the resistance, that ends the soak",
+        above=0.0,
+        default=0.012,
+    )
     duration: Number = param("s", "total time", above=0.0, default=80.0)
-    seen: Number = param("1", "change of the resistance that shows a transformation", above=0.0, default=0.006)
-    flat: Number = param("1", "change of the resistance that counts as zero", above=0.0, default=0.0035)
 
     def check(self) -> None:
-        taken = self.cold + self.apart + self.longest + self.soak
+        taken = self.cold + self.apart + self.longest + max(self.soak, self.longest_soak)
         if not taken < self.duration:
             raise ParameterError(
                 f"A calibration of {self.duration:g} s has no time to cool: cold, pulse, longest heating and soak take "
@@ -92,11 +99,17 @@ class Calibration(Parametrised):
 
     def rest(self, reading: Scalar) -> CalibrationState:
         """Return the initial state with a first reading."""
-        means = (reading, reading)
-        return CalibrationState(float(COLD), 0.0, 0.0, 0.0, 0.0, *means, 0.0, 0.0, self.probe, *means, 0.0)
+        return CalibrationState(float(COLD), 0.0, 0.0, 0.0, 0.0, reading, 0.0, 0.0, self.probe, reading, reading, 0.0)
 
     def advance(
-        self, xp: Namespace, before: CalibrationState, reading: Scalar, fresh: Scalar, dt: Scalar, heated: Scalar
+        self,
+        xp: Namespace,
+        before: CalibrationState,
+        reading: Scalar,
+        fresh: Scalar,
+        dt: Scalar,
+        heated: Scalar,
+        noise: Scalar,
     ) -> CalibrationState:
         """Advance the calibration by a sample.
 
@@ -107,6 +120,7 @@ class Calibration(Parametrised):
             fresh: 1 for a new reading, else 0.
             dt: time since the last sample [s].
             heated: energy since then, over the energy of the heating without latent heat.
+            noise: relative standard deviation of a reading.
         """
         at = [xp.both(before.phase > k - 0.5, before.phase < k + 0.5) for k in range(READY + 1)]
         state = self._average(
@@ -117,12 +131,14 @@ class Calibration(Parametrised):
         state = state._replace(total=total)
         grown = xp.minimum(before.signal * xp.exp(dt / self.growth), self.largest)
         lost = xp.either(state.clock >= self.longest, before.signal >= self.largest)
-        complete = state.flat > HOLDS + self.beyond
+        complete = state.late > self.after
         ends = [
             state.clock >= self.cold,
             state.clock >= self.apart,
             xp.either(complete, lost),
-            state.clock >= self.soak,
+            xp.both(
+                state.clock >= self.soak, xp.either(state.clock >= self.longest_soak, self._is_sharp(state, noise))
+            ),
             state.elapsed >= self.duration,
         ]
         phase, signal = before.phase, before.signal
@@ -133,11 +149,16 @@ class Calibration(Parametrised):
             over = xp.both(at[k], ends[k])
             phase, signal = xp.where(over, k + 1.0, phase), xp.where(over, then, signal)
         failed = xp.both(at[HEAT], xp.both(lost, xp.negate(complete)))
-        failed = xp.either(failed, xp.both(at[PULSE], xp.both(ends[PULSE], state.peak < self.visible)))
+        failed = xp.either(failed, xp.both(at[PULSE], xp.both(ends[PULSE], state.pulsed < self.visible)))
         phase, signal = xp.where(failed, float(SETTLE), phase), xp.where(failed, self.probe, signal)
         moved = phase > before.phase + 0.5
-        total, count, clock, peak = (xp.where(moved, 0.0, x) for x in (total, state.count, state.clock, state.peak))
-        return state._replace(phase=phase, clock=clock, total=total, count=count, peak=peak, signal=signal)
+        total, count, clock = (xp.where(moved, 0.0, x) for x in (total, state.count, state.clock))
+        return state._replace(phase=phase, clock=clock, total=total, count=count, signal=signal)
+
+    def _is_sharp(self, now: CalibrationState, noise: Scalar) -> Flag:
+        """Return whether the noise of R_A is small compared with its distance from R_M."""
+        way, error = now.austenite - now.martensite, noise * now.martensite / self.sharp
+        return now.count * way * way >= error * error
 
     def _average(
         self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, fresh: Scalar
@@ -153,12 +174,10 @@ class Calibration(Parametrised):
     def _watch_change(
         self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, step: Scalar, dt: Scalar
     ) -> CalibrationState:
-        """Return the state with running means and their change; while cold they equal the mean reading."""
-        fast = now.fast + step / (FAST + dt) * (reading - now.fast)
-        slow = now.slow + step / (SLOW + dt) * (reading - now.slow)
-        fast, slow = (xp.where(at[COLD], now.martensite, x) for x in (fast, slow))
-        change = xp.abs(fast - xp.where(at[PULSE], now.martensite, slow)) / xp.maximum(xp.abs(now.martensite), 1e-12)
-        peak = xp.where(xp.either(at[HEAT], at[PULSE]), xp.maximum(now.peak, change), 0.0)
-        level = xp.both(peak > self.seen, change < xp.maximum(self.flat, LEFT * peak))
-        stays = xp.both(at[HEAT], xp.either(level, now.flat > HOLDS))
-        return now._replace(fast=fast, slow=slow, peak=peak, flat=xp.where(stays, now.flat + dt, 0.0))
+        """Return the state with the running mean and its change; while cold the mean is R_M."""
+        lag = xp.where(at[HEAT], SLOW, FAST)
+        mean = xp.where(at[COLD], now.martensite, now.mean + step / (lag + dt) * (reading - now.mean))
+        change = xp.abs(mean - now.martensite) / xp.maximum(xp.abs(now.martensite), TINY)
+        pulsed = xp.where(at[PULSE], xp.maximum(now.pulsed, change), now.pulsed)
+        begun = xp.either(change > self.enough * now.pulsed, now.late > 0.0)
+        return now._replace(mean=mean, pulsed=pulsed, late=xp.where(xp.both(at[HEAT], begun), now.late + dt, 0.0))

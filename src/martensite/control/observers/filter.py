@@ -64,6 +64,10 @@ class FreeParameter(NamedTuple):
     """Density of its random walk [1/s^0.5]."""
     opposite: tuple[str, ...] = ()
     """Parameters that change by the opposite offset."""
+    far: Scalar = FAR
+    """Limit of a logarithm or an offset over its initial standard deviation."""
+    surprised: Scalar = 0.0
+    """Additional random walk while readings contradict the model [1/s^0.5]."""
 
     @property
     def path(self) -> str:
@@ -79,7 +83,7 @@ class FreeParameter(NamedTuple):
         """Return an estimate within its limits."""
         if self.scale == "factor":
             return xp.clip(x, LEAST_FACTOR, MOST_FACTOR)
-        far = FAR * self.first
+        far = self.far * self.first
         return xp.clip(x, -far, far)
 
     def values(self, xp: Namespace, model: Named, x: Scalar) -> list[tuple[str, Scalar]]:
@@ -274,10 +278,11 @@ class AbstractFilter(AbstractObserver):
     def noise_covariance(self, xp: Namespace, state: Any, drift: Sequence[Scalar], period: ObserverPeriod) -> Matrix:
         """Return the covariance that the noise of a period adds."""
         mean, slopes = self.outlook(xp, state, drift, period.signals)
-        walks = [*self.hidden_walks(xp, mean), *(period.learning * one.walk for one in self.free_parameters())]
+        own = [period.learning * one.walk + period.surprise * one.surprised for one in self.free_parameters()]
+        walks = [*self.hidden_walks(xp, mean, period), *own]
         return covariance.propagate_covariance(slopes, covariance.build_diagonal([w * w * period.dt for w in walks]))
 
-    def hidden_walks(self, xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
+    def hidden_walks(self, xp: Namespace, at: Sequence[Scalar], period: ObserverPeriod) -> list[Scalar]:
         """Return the random walks of temperature and fraction at every port, at their values `at`."""
         return [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
 

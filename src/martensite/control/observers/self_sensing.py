@@ -25,7 +25,10 @@ biased, because sigma points that end at ξ = 1 pull ξ off a pure phase, and ρ
 In a pure phase ξ changes only with temperature: the random walk of ξ is √(4 ξ (1 - ξ)) times `fraction_noise`. `beta`
 is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
 
-`trust.py` computes the `confidence` of the estimates.
+`trust.py` tests the innovations and computes the `confidence` of the estimates. Readings that fail the test contradict
+the model, for example in a draught. Then T, ξ, h and T_a have the additional random walks `surprised_...`, so that the
+filter learns the new heat loss in one motion. The lower bound of the heat loss, which the guard uses, falls with the
+uncertainty of h and rises with its estimate.
 
 Sources: joint estimation with sigma points, Julier and Uhlmann (2004); considered parameters, Schmidt (1966);
 otherwise choices of this project, tested on random wires (`benchmarks.unknown_wires`).
@@ -35,6 +38,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeAlias
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
@@ -45,6 +49,7 @@ from martensite.control.observers.base import OBSERVERS, Column, Named, Observer
 from martensite.control.observers.calibration import COLD, HEAT, READY, SETTLE, SOAK, Calibration, CalibrationState
 from martensite.control.observers.covariance import Matrix
 from martensite.control.observers.filter import Forecast, FreeParameter
+from martensite.control.observers.probing import Probing, ProbingState
 from martensite.control.observers.trust import Trust, TrustState
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels.dual import value_and_slope, values_and_slopes
@@ -58,12 +63,26 @@ HALF = 0.5**0.5
 """Tolerance of the mean and half difference of two independent temperatures over their tolerance."""
 ABOVE = 28.0
 """Soak temperature above the end of the transformation without stress, of which 17 K are for the stress [K]."""
+FAR_AMBIENT = 2.0
+"""Limit of the ambient temperature over its standard deviation; a uniform distribution ends at 1.7."""
 GIVEN = 1e9
 """Soak temperature above which none is set [K]."""
 TINY = 1e-12
 """Least power [W] and least resistance [ohm]."""
-VOUCHED = 2.0
-"""Standard deviations of ln h from its estimate to its lower bound."""
+VOUCHED, UNSURE = 2.0, 0.2
+"""Standard deviations of ln h from its estimate to its lower bound, and the largest one that counts."""
+MIXED = 0.05
+"""Martensite fraction above which the wire is colder than in the soak."""
+
+
+States: TypeAlias = tuple[CalibrationState, TrustState, ProbingState]
+
+
+def _split_memory(memory: Column) -> tuple[CalibrationState, TrustState, ProbingState, Column]:
+    """Return the parts of the memory."""
+    one, two, three = (len(kind._fields) for kind in (CalibrationState, TrustState, ProbingState))
+    calibration, trust = CalibrationState(*memory[:one]), TrustState(*memory[one : one + two])
+    return calibration, trust, ProbingState(*memory[one + two : one + two + three]), memory[one + two + three :]
 
 
 class SheetTolerances(Parametrised):
@@ -101,11 +120,24 @@ class SelfSensing(UnscentedKalman):
         "1/s^0.5", "random walk of the resistivities; once measured, of their spreads", low=0.0, default=0.0
     )
     film_walk: Number = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
+    surprised_film: Number = param(
+        "1/s^0.5", "random walk of the film coefficient while readings contradict the model", low=0.0, default=0.4
+    )
+    surprised_temperature: Number = param(
+        "K/s^0.5", "random walk of the temperature while readings contradict the model", low=0.0, default=1.0
+    )
+    surprised_fraction: Number = param(
+        "1/s^0.5", "random walk of the fraction while readings contradict the model", low=0.0, default=0.03
+    )
+    surprised_ambient: Number = param(
+        "K/s^0.5", "random walk of the ambient temperature while readings contradict the model", low=0.0, default=0.3
+    )
     ambient_walk: Number = param("K/s^0.5", "random walk of the ambient temperature", low=0.0, default=0.005)
     transformation_walk: Number = param(
         "K/s^0.5", "random walk of the transformation temperatures", low=0.0, default=0.02
     )
     trust: Trust = part("confidence in the estimates", default=Trust())
+    probing: Probing = part("pulses that show an uncertain heat loss", default=Probing())
 
     def check(self) -> None:
         self.__dict__["_leaf_paths"] = tuple(leaf.path for leaf in self.model.leaves() if leaf.value != 0.0)
@@ -131,11 +163,21 @@ class SelfSensing(UnscentedKalman):
         parameters = super().free_parameters()
         for names, scale, tolerance, walk in rows:
             paths = self._paths(names)
-            parameters += [FreeParameter(paths, scale, UNIFORM * tolerance, walk)] if paths else []
+            more = self.surprised_film if names is FILMS else 0.0
+            parameters += [FreeParameter(paths, scale, UNIFORM * tolerance, walk, surprised=more)] if paths else []
         # A common error of both transformation temperatures acts as an opposite error of the ambient temperature.
         common = HALF * sheet.transformation
         around = sheet.ambient + 0.5 * common * common / sheet.ambient
-        parameters.append(FreeParameter(self._paths(AROUND), "offset", UNIFORM * around, self.ambient_walk))
+        parameters.append(
+            FreeParameter(
+                self._paths(AROUND),
+                "offset",
+                UNIFORM * around,
+                self.ambient_walk,
+                far=FAR_AMBIENT,
+                surprised=self.surprised_ambient,
+            )
+        )
         heating, cooling = self._paths(("law.A_s", "law.A_f")), self._paths(("law.M_s", "law.M_f"))
         if heating and cooling:
             parameters.append(FreeParameter(heating, "offset", UNIFORM * common, self.transformation_walk, cooling))
@@ -150,14 +192,15 @@ class SelfSensing(UnscentedKalman):
         return matches[names]
 
     def commands(self) -> tuple[str, str] | None:
-        return None if self.start == "sheet" else ("calibrating", "probing")
+        return None if self.start == "sheet" else ("commanding", "probing")
 
     def estimates(self) -> dict[str, Output]:
         signal = self.model.drives()[0].unit
         return super().estimates() | {
             "calibrating": Output("1", "whether the wire is being calibrated", "c"),
+            "commanding": Output("1", "whether the observer sets the signal", "c_u"),
             "phase": Output("1", "phase of the calibration: cold, pulse, heat, soak, settle, ready", "p"),
-            "probing": Output(signal, "signal of the calibration", "u_c"),
+            "probing": Output(signal, "signal of the observer", "u_c"),
             "confidence": Output("1", "confidence in the estimates", "q"),
             "least_cooling": Output("1", "lower bound of the film coefficient, over that of the model", "κ"),
         }
@@ -169,57 +212,69 @@ class SelfSensing(UnscentedKalman):
         matrix[0][k] = matrix[k][0] = variances[k]
         return matrix
 
-    def hidden_walks(self, xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
+    def hidden_walks(self, xp: Namespace, at: Sequence[Scalar], period: ObserverPeriod) -> list[Scalar]:
         room = xp.maximum(4.0 * at[1] * (1.0 - at[1]), 0.0)
-        return [self.temperature_noise, self.fraction_noise * xp.sqrt(room)]
+        temperature = self.temperature_noise + period.surprise * self.surprised_temperature
+        return [temperature, self.fraction_noise * xp.sqrt(room) + period.surprise * self.surprised_fraction]
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         calibration = self.calibration.rest(readings[self.reads()[0]])
         if self.start == "sheet":
             calibration = calibration._replace(phase=float(READY), done=1.0)
         first = self.first_forecast(xp, list_required(self, signals))
-        return self._list_all(xp, first, 0.0, calibration, TrustState(), 1.0)
+        return self._list_all(xp, first, 0.0, (calibration, TrustState(), ProbingState()), 1.0)
 
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        sizes = len(CalibrationState._fields), len(TrustState._fields)
-        before, trust = CalibrationState(*memory[: sizes[0]]), TrustState(*memory[sizes[0] : sum(sizes)])
+        before, trust, probing, memory = _split_memory(memory)
         faster = xp.where(before.phase < READY - 0.5, self.learning, 1.0)
-        period = ObserverPeriod(list_required(self, signals), dt, turns, faster)
-        expected = self.forecast(xp, self.unflatten_memory(memory[sum(sizes) :]), period)
+        surprise = xp.where(before.phase < SETTLE - 0.5, 0.0, 1.0 - self.trust.passed(xp, trust, dt))
+        period = ObserverPeriod(list_required(self, signals), dt, turns, faster, surprise)
+        expected = self.forecast(xp, self.unflatten_memory(memory), period)
         rows = self.pair_readings(xp, expected.mean, readings, dt)
         mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
         i, value, variance, fresh = rows[0]
-        own = self.calibration.advance(xp, before, value, fresh, dt, self._heat_share(xp, expected, period, value))
+        heated = self._heat_share(xp, expected, period, value)
+        own = self.calibration.advance(xp, before, value, fresh, dt, heated, self.reading_noise)
         mean, matrix = self._restart(xp, (before, own), expected, (mean, matrix), period)
+        mean = self._limit_temperature(xp, own, mean, matrix)
         innovation = (value - expected.mean[i]) / xp.sqrt(expected.covariance[i][i] + variance)
-        watched = xp.where(own.phase > READY - 0.5, fresh, 0.0)
+        watched = xp.where(before.phase > SETTLE - 0.5, fresh, 0.0)
         trust = self.trust.advance(xp, trust, innovation, watched, dt)
-        return self._list_all(xp, self.place_unknowns(xp, expected.state, mean, matrix, period), nis, own, trust, dt)
+        k, calibration = self._index(FILMS), self.calibration
+        unsure = xp.both(matrix[k][k] > self.probing.unsure * self.probing.unsure, own.phase > READY - 0.5)
+        heats = xp.both(own.done > 0.5, period.signals[0] > calibration.begin * calibration.probe)
+        probing = self.probing.advance(xp, probing, xp.both(unsure, heats), heated, dt)
+        there = self.place_unknowns(xp, expected.state, mean, matrix, period)
+        return self._list_all(xp, there, nis, (own, trust, probing), dt)
 
     def _list_all(
-        self, xp: Namespace, forecast: Forecast, nis: Scalar, own: CalibrationState, trust: TrustState, dt: Scalar
+        self, xp: Namespace, forecast: Forecast, nis: Scalar, states: States, dt: Scalar
     ) -> tuple[Column, Column]:
+        own, trust, probing = states
         estimates, memory = self.list_estimates(xp, forecast, nis)
         estimates = self._count_common_shift(xp, estimates)
         active = xp.where(own.phase < READY - 0.5, 1.0, 0.0)
         spread = xp.sqrt(xp.maximum(forecast.covariance[1][1], 0.0))
         confidence = (1.0 - active) * own.done * self.trust.confidence(xp, trust, spread, dt)
-        further = (active, own.phase, own.signal, confidence, self._find_least_cooling(xp, forecast, own, confidence))
-        return [*estimates, *further], [*own, *trust, *memory]
+        commands = xp.where(self.probing.is_active(probing), 1.0, active)
+        pulse = xp.where(self.probing.is_pulse(probing), self.calibration.largest, own.signal)
+        further = (active, commands, own.phase, pulse, confidence, self._find_least_cooling(xp, forecast, own))
+        return [*estimates, *further], [*own, *trust, *probing, *memory]
 
-    def _find_least_cooling(
-        self, xp: Namespace, forecast: Forecast, own: CalibrationState, confidence: Scalar
-    ) -> Scalar:
+    def _find_least_cooling(self, xp: Namespace, forecast: Forecast, own: CalibrationState) -> Scalar:
         """Return the lower bound of the cooling over the cooling of the model.
 
-        It is the bound of the sheet; 1 during the pulse, whose energy limits it; the largest while R shows the end;
-        then the estimate of h less its deviation.
+        It is the square of the bound of the sheet, which allows for a calm of factor 1/2; 1 during the pulse, whose
+        energy limits it; the largest while R shows the end; then the estimate of h less its deviations, which grow as
+        soon as readings contradict the model.
         """
         k, most = self._index(FILMS), self.sheet.film
-        film = xp.exp(forecast.mean[k] - VOUCHED * xp.sqrt(xp.maximum(forecast.covariance[k][k], 0.0)))
-        sure = xp.where(confidence > 0.5, xp.clip(film, 1.0 / most, most), 1.0 / most)
+        deviation = xp.minimum(xp.sqrt(xp.maximum(forecast.covariance[k][k], 0.0)), UNSURE)
+        least = 1.0 / (most * most)
+        film = xp.maximum(xp.exp(forecast.mean[k] - VOUCHED * deviation), least)
+        sure = xp.where(xp.both(own.phase > READY - 0.5, own.done > 0.5), film, least)
         heats = xp.where(own.phase < HEAT - 0.5, 1.0, most)
         return xp.where(xp.both(own.phase > COLD + 0.5, own.phase < SETTLE - 0.5), heats, sure)
 
@@ -242,6 +297,18 @@ class SelfSensing(UnscentedKalman):
         rows = {names.index(f"{name}_std") for name in shifted if f"{name}_std" in names}
         return [xp.sqrt(x * x + common * common) if k in rows else x for k, x in enumerate(estimates)]
 
+    def _limit_temperature(
+        self, xp: Namespace, own: CalibrationState, mean: list[Scalar], matrix: Matrix
+    ) -> list[Scalar]:
+        """Return the unknowns, with a temperature at which martensite can exist if there is some.
+
+        A wire at rest keeps its fraction at any estimate of the temperature. Without this limit a guard that holds the
+        wire at rest would hide a draught: the temperature is too high, and with it the heat loss too low.
+        """
+        mixed = xp.both(own.phase > SETTLE - 0.5, mean[1] > MIXED)
+        limited = covariance.put_unknown(xp, mean, matrix, 0, xp.minimum(mean[0], self._soaked(xp)))
+        return [xp.where(mixed, x, y) for x, y in zip(limited, mean, strict=True)]
+
     def _restart(
         self,
         xp: Namespace,
@@ -261,7 +328,7 @@ class SelfSensing(UnscentedKalman):
         soaked = xp.both(xp.either(soaks, ended), after.done > 0.5)
         rest = [self.model.value_of(AROUND[0]), 1.0, *(one.start for one in self.free_parameters())]
         unsure = self.first_covariance(xp, [x * x for x in self.first_deviations()], period.signals)
-        hot = self._austenite(xp, after, expected, period)
+        hot = self._austenite(xp, after, xp.maximum(before.clock, self.calibration.soak), expected, period)
         mean = covariance.put_unknown(xp, *corrected, 1, xp.clip(corrected[0][1], 0.0, 1.0))
         matrix, measured = [list(row) for row in corrected[1]], after.phase > SETTLE - 0.5
         measured_places = [self._index(names) for names in RESISTIVITIES]
@@ -276,9 +343,9 @@ class SelfSensing(UnscentedKalman):
         return mean, matrix
 
     def _austenite(
-        self, xp: Namespace, own: CalibrationState, expected: Forecast, period: ObserverPeriod
+        self, xp: Namespace, own: CalibrationState, soaked: Scalar, expected: Forecast, period: ObserverPeriod
     ) -> tuple[list[Scalar], Matrix]:
-        """Return the unknowns after the soak, and their covariance."""
+        """Return the unknowns after a soak of some seconds, and their covariance."""
         around = self.model.value_of("environment.temperature")
         hot = self._soaked(xp)
         (port,) = self.model.actuators()
@@ -304,7 +371,7 @@ class SelfSensing(UnscentedKalman):
         mean[k_h] = xp.log(heated / lost)
         rho = self.reading_noise * self.reading_noise * period.dt
         variances[0], variances[1] = self.hot_deviation * self.hot_deviation, self.first_fraction * self.first_fraction
-        variances[k_M], variances[k_A] = rho / self.calibration.cold, rho / self.calibration.soak
+        variances[k_M], variances[k_A] = rho / self.calibration.cold, rho / soaked
         variances[k_h] = self.loss_deviation * self.loss_deviation
         rows = covariance.build_diagonal([1.0] * len(mean))
         rows[k_M][k_a], rows[k_A][0] = -rest_slope / at_rest, -warm_slope / warm

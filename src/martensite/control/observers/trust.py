@@ -53,12 +53,15 @@ class Trust(Parametrised):
 
     def confidence(self, xp: Namespace, now: TrustState, spread: Scalar, dt: Scalar) -> Scalar:
         """Return the confidence between 0 and 1, from the standard deviation of the martensite fraction."""
+        ratio = spread / self.fraction
+        return self.passed(xp, now, dt) / (1.0 + ratio * ratio * ratio * ratio)
+
+    def passed(self, xp: Namespace, now: TrustState, dt: Scalar) -> Scalar:
+        """Return 1 if the innovations pass the test, 0 if they fail, and values in between."""
         weight = self._share(dt)
         unit = xp.sqrt(weight / (2.0 - weight))
         worst = xp.maximum(xp.abs(now.bias), xp.maximum(xp.abs(now.size) / 2.0**0.5, xp.abs(now.pairs))) / unit
-        passed = xp.clip((self.loud - worst) / (self.loud - self.quiet), 0.0, 1.0)
-        ratio = spread / self.fraction
-        return passed / (1.0 + ratio * ratio * ratio * ratio)
+        return xp.clip((self.loud - worst) / (self.loud - self.quiet), 0.0, 1.0)
 
     def _share(self, dt: Scalar) -> Scalar:
         return dt / (self.window + dt)
