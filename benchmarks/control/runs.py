@@ -219,7 +219,7 @@ def measure_errors(task: BenchmarkTask, reference: Numbers, error: Numbers, peri
         waits.append(_find_settling(error[inside], period))
         beyond.append(_find_overshoot(error[inside]))
     since = times - np.array([0.0, *events])[np.searchsorted(events, times + 1e-9)]
-    itae = period * (since @ np.abs(error))
+    itae = np.asarray(period * (since @ np.abs(error)), float)
     over = np.max(beyond, axis=0) if task.overshoots else np.zeros(error.shape[1])
     return {"error": rms, "settling": np.mean(waits, axis=0), "overshoot": over, "itae": itae}
 

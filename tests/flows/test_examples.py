@@ -372,7 +372,7 @@ def test_planned_wire_cools_while_its_stroke_holds_and_lags_as_its_comments_say(
 
 @pytest.mark.parametrize("film", [130, 50])
 def test_a_planned_wire_is_limited_and_not_cut_if_it_cools_differently(film: int) -> None:
-    """The controller and the guard know the wire of the example; the rms errors without `tracking` are 2.2 and 1.8 mm."""
+    """Controller and guard know the wire of the example; without `tracking` the rms errors are 2.2 and 1.8 mm."""
     known = {"hottest": "30 degC", "least_cooling": 80 / film}
     result = closed(
         "_predictive",
