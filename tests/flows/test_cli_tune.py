@@ -87,7 +87,7 @@ def test_gradient_lowers_the_cost_on_other_plants(scenario: Path, c_compiler: st
 
 
 def test_what_people_read(scenario: Path, c_compiler: str) -> None:
-    found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols")
+    found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols", "--form", "pid")
     assert found.exit_code == 1, found.output
     for words in ("pid by rule ziegler-nichols", "K_u", "controller.Kp", "1/m/s", "mm s²", "°C"):
         assert words in found.stdout
@@ -125,14 +125,24 @@ def test_a_worse_result_is_not_saved_unless_forced(scenario: Path, method: str, 
     assert f"rms {after:.3g} mm instead of {before:.3g} mm" in first
 
 
+def test_a_relay_test_alone_gives_a_loop_that_does_not_chatter(c_compiler: str) -> None:
+    """The truth is the run of the example: a derivative by the same rule moves the duty cycle 22 times as much."""
+    found = tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--json")
+    assert found.exit_code == 0, found.output
+    numbers = json.loads(found.stdout)
+    assert numbers["parameters"]["controller.Kd"]["after"] == 0.0
+    assert numbers["after"]["activity"] < 4.0 * numbers["before"]["activity"]
+    assert numbers["after"]["rms"] < numbers["before"]["rms"]
+
+
 def test_what_check_finds_in_the_tuned_loop_decides_as_well(tmp_path: Path, c_compiler: str) -> None:
-    """Relay gains on the example are quicker, but `check` finds that the loop swings: both commands say so."""
-    saved = tmp_path / "tuned.toml"
-    found = tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--out", saved)
+    """Relay gains with a derivative are quicker, but `check` finds that the loop swings: both commands say so."""
+    saved, how = tmp_path / "tuned.toml", (EXAMPLES / "closed_loop.toml", "--method", "relay", "--form", "pid")
+    found = tuned(*how, "--out", saved)
     assert found.exit_code == 1
     assert "WORSE: the tuned loop fails tests that the present loop passes (rms 0.43" in found.stdout.splitlines()[0]
     assert not saved.exists()
-    assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--out", saved, "--save-anyway").exit_code == 0
+    assert tuned(*how, "--out", saved, "--save-anyway").exit_code == 0
     checked = CliRunner().invoke(app, ["check", str(saved)])
     assert checked.exit_code == 1
     for one in ("heating: it is unstable at 3 of 3 points", "cooling: it is unstable at 3 of 3 points"):

@@ -115,7 +115,7 @@ def _apply_rule(
     runs: LoopRuns, options: TuneOptions, scenario: Scenario, judged: Plants | None
 ) -> tuple[TunedBench, LoopTests, str]:
     from martensite.control.rules.formulas import gains_by_rule
-    from martensite.control.rules.relay import gains_by_relay
+    from martensite.control.rules.relay import RELAY_RULES, gains_by_relay
     from martensite.control.rules.rule_starts import convert_to_pid
     from martensite.control.tuning.bench_tuning import compare_gains
 
@@ -127,6 +127,8 @@ def _apply_rule(
         raise InputError("The relay makes no limit cycle here; choose another --level.")
     else:
         rule = options.rule or "tyreus-luyben"
+        # A derivative by a relay rule amplifies the noise: the signal chatters.
+        form = options.form or ("pi" if "pi" in RELAY_RULES[rule] else "pid")
         gains = gains_by_relay(tests.cycle, rule, form)
     values = convert_to_pid(runs.bench, gains, runs.drive)
     return compare_gains(runs, values, judged=judged), tests, f"{form} by rule {rule}"

@@ -33,7 +33,7 @@ class TuneOptions:
     rule: Annotated[
         Text, Option(help="Tuning rule, e.g. simc, amigo or cohen-coon [default: simc; tyreus-luyben for relay].")
     ] = None
-    form: Annotated[Text, Option(help="Controller form for rules and relay: pi or pid [default: pid].")] = None
+    form: Annotated[Text, Option(help="Controller form: pi or pid [default: pid for rules, pi for relay].")] = None
     level: Annotated[
         Text, Option(help='Level of the step or relay test, e.g. "4 mm" [default: the centre of the reference].')
     ] = None
