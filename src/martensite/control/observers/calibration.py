@@ -77,7 +77,7 @@ class Calibration(Parametrised):
     growth: Number = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
     longest: Number = param("s", "longest time of the heating", above=0.0, default=36.0)
     enough: Number = param("1", "fraction of the change in the pulse", above=0.0, high=1.0, default=0.6)
-    after: Number = param("s", "time of heating after this fraction", above=0.0, default=3.0)
+    after: Number = param("s", "time of heating after this fraction", above=0.0, default=2.5)
     share: Number = param("1", "signal of the soak, over the end of heating", above=0.0, high=1.0, default=0.7)
     soak: Number = param("s", "shortest time in austenite", above=0.0, default=4.0)
     longest_soak: Number = param("s", "longest time in austenite", above=0.0, default=12.0)
