@@ -20,7 +20,7 @@ from martensite.fit.api import build_task
 from martensite.fit.column_matching import read_columns
 from martensite.fit.column_noise import FollowedNoise, find_input_noise
 from martensite.fit.experiment_kinds.base import RecognisedExperiment, propose_scenarios, recognise_experiment
-from martensite.fit.experiment_kinds.loops import find_column
+from martensite.fit.experiment_kinds.loops import find_column, smooth_drive
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LOADS
 from martensite.fit.fit import Fit
 from martensite.fit.log_evidence import (
@@ -136,11 +136,15 @@ class LogModel:
     def predict_record(self, record: Record) -> dict[str, Any]:
         """Return the predictions of another record, output -> (rows,) in SI, with the mean offset of fitted records.
 
+        Jitter in the drive of a loop is smoothed, as in the fit.
+
         Raises:
             InputError: the record lacks a drive or compared column.
             SolveError: the run fails.
         """
         proposal, numbers = self.chosen.proposal, self.fit.numbers
+        if self.experiment.kind.axis and self.experiment.drive in record.columns:
+            record = smooth_drive(record, self.experiment.drive)
         scenario = read_scenario(self.write_scenario(), log=record)
         task = build_task(scenario, [record], [self.fit.problem.free[0].path])
         task = task.with_changes(hold_out="none", columns=list(proposal.columns), step=self.fit.problem.step)

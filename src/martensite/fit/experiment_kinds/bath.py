@@ -20,9 +20,9 @@ from martensite.fit.experiment_kinds.base import (
 )
 from martensite.fit.experiment_kinds.driven import A_F
 from martensite.fit.experiment_kinds.loops import find_column, read_loop
-from martensite.fit.experiment_kinds.stroke import read_spring
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
 from martensite.fit.experiment_kinds.values import EPS, SIGMA, SLOPE, Document, make_loop, make_record, write_values
+from martensite.search.quantity_text import format_number
 from martensite.signals.records import Record
 
 STRAIGHT = 0.98
@@ -69,13 +69,15 @@ class BathTest(AbstractExperimentKind):
         output = "strain" if whole else "position"
         flip = not up and not whole
         columns = [f"{output}={shape}*{-1 if flip else 1}" if flip or shape != output else output]
-        base = _describe_bath(rows, width, length)
+        effect = "the shape within a transformation is counted from it"
+        moduli = {n: known.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", 70e9), ("E_M", 28e9))}
+        slopes = {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
+        base = _describe_bath(rows, width, length, write_values("Pa", **moduli) | write_values("Pa/K", **slopes))
         free = ("A_f=-20..200 degC", "A_s-A_f=-100..-0.5 K", "M_s-A_f=-100..-0.5 K", "M_f-M_s=-100..-0.5 K")
         free += ("eps_L=0.002..0.19",)
         if len(found.measured) > 1:
-            spring, more = read_spring(found, rows, section, known)
-            document = base | {"mechanism": spring}
-            yield Proposal("a bias spring", document, (*free, *more), columns, rows, (f"offset.{output}",))
+            document = base | {"mechanism": _read_spring(found, rows, (section, -1.0 if flip else 1.0), known)}
+            yield Proposal("a bias spring", document, free, columns, rows, (f"offset.{output}",))
             return
         force = SIGMA * section
         given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
@@ -104,6 +106,21 @@ class BathTest(AbstractExperimentKind):
         ]
 
 
+def _read_spring(
+    found: RecognisedExperiment, rows: Sequence[Record], sizes: tuple[float, float], known: Assumptions
+) -> Document:
+    """Return the spring of the measured load over shape; `sizes` are the section [m²] and the sign of the shape."""
+    shape, load = found.measured
+    x, y = (np.concatenate([np.asarray(one[name]) for one in rows]) for name in (shape, load))
+    section, sign = sizes
+    rate, zero = np.polyfit(sign * (x - x[0]), y * (section if load == "stress" else 1.0), 1)
+    known.sentences.append(
+        f"`{load}` over `{shape}` is a spring of {format_number(float(rate))} N/m, with {format_number(float(zero))} N "
+        "at the first row."
+    )
+    return {"kind": "bias-spring", "stiffness": f"{max(rate, 1e-3):.6g} N/m", "preload": f"{max(zero, 1e-4):.6g} N"}
+
+
 def _is_spring(record: Record, shape: str, load: str) -> bool:
     """Return whether a load is straight over a shape."""
     x, y = (np.asarray(record.columns.get(name, [0.0, 0.0]), float) for name in (shape, load))
@@ -113,13 +130,13 @@ def _is_spring(record: Record, shape: str, load: str) -> bool:
     return float(np.corrcoef(x[good], y[good])[0, 1]) ** 2 > STRAIGHT
 
 
-def _describe_bath(rows: Sequence[Record], width: float, length: float) -> Document:
+def _describe_bath(rows: Sequence[Record], width: float, length: float, elastic: Document) -> Document:
     """Return an element at the logged temperature, from martensite or, if it begins hot, from austenite."""
     kelvin = list(chain.from_iterable(one["temperature"] for one in rows))
     middle = 0.5 * (min(kelvin) + max(kelvin)) if kelvin else A_F + 273.15
     zero = middle - SIGMA / SLOPE
     law = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": EPS, "Theta": "0 Pa/K"}
-    law |= write_values("Pa", E_A=70e9, E_M=28e9) | write_values("Pa/K", C_A=SLOPE, C_M=SLOPE)
+    law |= elastic
     law |= write_values("K", A_f=zero + 14.0, A_s=zero + 2.0, M_s=zero - 2.0, M_f=zero - 14.0)
     cold = float(np.mean([one["temperature"][0] for one in rows])) <= middle
     element = {"kind": "wire", "material": "flexinol-90", "initial_fraction": 1.0 if cold else 0.0, "law": law}

@@ -67,6 +67,11 @@ def read_loop(record: Record, drive: str, shown: str, known: Assumptions) -> Rec
     return reduce_rows(with_column(whole, drive, record.units[drive], path.drive), path, shown, first)
 
 
+def smooth_drive(record: Record, drive: str) -> Record:
+    """Return a record with a drive that is smoothed along each leg if it has jitter."""
+    return with_column(record, drive, record.units[drive], trace_loop(record[drive]).drive)
+
+
 def find_column(record: Record, wanted: str, alike: Sequence[str]) -> str:
     """Return the wanted column, or the first other column of its group in a record."""
     return wanted if wanted in record.columns else next(name for name in alike if name in record.columns)

@@ -26,7 +26,7 @@ from martensite.fit.experiment_kinds.values import EPS, make_loop, make_record, 
 from martensite.signals.records import Record
 
 STIFF = 60e9
-"""Modulus of the elastic recovery at the start of a search [Pa]."""
+"""Assumed modulus of austenite [Pa]; martensite has half of it."""
 
 
 @EXPERIMENT_KINDS.register("recovery")
@@ -49,9 +49,12 @@ class ConstrainedRecovery(AbstractExperimentKind):
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
         """Yield Liang–Rogers at constant elongation, from martensite, with the first stress as preload."""
         rows = [_read_recovery(one, found.measured[0], known) for one in records]
-        eps = known.take("element.law.eps_L", "1", EPS, "moduli are counted from it; stresses and temperatures are not")
+        eps = known.take("element.law.eps_L", "1", EPS, "the width of the transformation is counted from it")
         first = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
-        top = max(max(one["stress"]) for one in rows)
+        effect = "the width of the transformation is counted from it"
+        stiff, soft = (
+            known.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", STIFF), ("E_M", 0.5 * STIFF))
+        )
         begins, apart = (float(np.mean(x)) for x in zip(*map(_find_begins, rows), strict=True))
         width = known.settle("element.diameter", "m", 1e-3)
         size = f'preload = "{first * math.pi / 4.0 * width**2:.6g} N"'
@@ -62,15 +65,14 @@ class ConstrainedRecovery(AbstractExperimentKind):
         places = {"A_s": begins - first / slope, "A_f": begins - first / slope + 25.0}
         places |= {"M_s": places["A_f"] - max(apart, 5.0), "M_f": places["A_s"] - max(apart, 5.0)}
         law = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": eps, "Theta": "0 Pa/K"}
-        law |= write_values("K", **places) | write_values("Pa", E_A=STIFF, E_M=0.5 * STIFF)
+        law |= write_values("K", **places) | write_values("Pa", E_A=stiff, E_M=soft)
         law |= write_values("Pa/K", C_A=slope, C_M=slope)
         free = ("A_s=-50..150 degC", "A_f-A_s=1..150 K", "M_s-A_f=-100..-0.5 K", "M_f-M_s=-150..-1 K", *SLOPES)
-        free += (f"E_A={top / 2e7:.3g}..200 GPa", "E_M=2..150 GPa")
         yield Proposal("liang-rogers", with_law(base, law), free, ("stress",), rows)
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
         """Yield another prestrain, and a free recovery."""
-        yield "The same at another stretch, and a free recovery (strain over temperature): they part C_A and moduli."
+        yield "A free recovery (strain over temperature) and moduli: at fixed length only a part transforms."
 
     def make_example(self) -> list[Record]:
         """Return a stress that rises on heating and falls at lower temperatures on cooling."""

@@ -44,7 +44,7 @@ class StrokeTest(AbstractDrivenKind):
         columns = [output if up and column == output else f"{output}={column}*{1 if up else -1}"]
         free, force = (*begun.free, f"eps_L={EPS / 6.0:.4g}..0.19"), SIGMA * begun.section
         if len(found.measured) > 1:
-            spring, more = read_spring(found, records, begun.section, known)
+            spring, more = _read_spring(found, records, begun.section, known)
             columns.append(found.measured[1])
             yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
             return
@@ -67,7 +67,7 @@ class StrokeTest(AbstractDrivenKind):
         return [make_record({"duty": pulses, "position": 0.004 * np.roll(pulses, 3)})]
 
 
-def read_spring(
+def _read_spring(
     kind: RecognisedExperiment, records: Sequence[Record], section: float, known: Assumptions
 ) -> tuple[Document, tuple[str, str]]:
     """Return a spring with rate and preload from measured force and position, and their bounds."""
