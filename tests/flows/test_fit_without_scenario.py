@@ -1,6 +1,6 @@
 """`martensite fit LOG...` alone: what is recognised, proposed and said, and one sentence on bad input.
 
-Source of truth: records whose columns say what they are, and rigs of known numbers (`rig_cases`).
+Source of truth: records whose columns say what they are, and rigs of known numbers (`benchmarks.driven_rigs`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from benchmarks.driven_rigs import draw_rig
 from command import Command
-from rig_cases import draw_rig
 
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.fit import cross_validation

@@ -1,6 +1,6 @@
 """Logs of rigs drawn at random, fitted without a scenario: the unseen cadence, and what is said of it.
 
-Source of truth: the simulated rig itself (`rig_cases`), every fifth outside of the models that are tried.
+Source of truth: the simulated rig itself (`benchmarks.driven_rigs`), every fifth outside of the models that are tried.
 Seeds 0 to 19 were used to choose thresholds, 100 to 119 were kept apart.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rig_cases import draw_rig
+from benchmarks.driven_rigs import draw_rig
 
 from martensite.fit.drive_lag import fit_drive_lag
 from martensite.fit.log_models import model_logs

@@ -6,11 +6,13 @@ bisection.
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks.true_fits import NUMBERS, PAGE, judge_given, write_table
 
 from martensite.fit.experiment_kinds.base import recognise_experiment
 from martensite.fit.log_models import model_logs
@@ -73,15 +75,22 @@ def make_record(kind: str, seed: int = 1) -> Record:
 def test_given_temperatures_are_recognised_and_the_law_is_found(kind: str, name: str) -> None:
     record = make_record(kind)
     assert recognise_experiment([record]).name == name
-    sizes = {
-        "element.length": "200 mm",
-        "element.diameter": "0.5 mm",
-        **({"element.law.eps_L": f"{EPS}"} if kind == "recovery" else {}),
-    }
-    load = {"mechanism.mass": f"{100e6 * AREA / 9.80665} kg"} if kind == "weight" else {}
-    found = model_logs(record, overrides=sizes | load)
+    sizes = {"element.length": "200 mm", "element.diameter": "0.5 mm", "element.law.E_A": f"{E_A} Pa"}
+    given = {"weight": {"mechanism.mass": f"{100e6 * AREA / 9.80665} kg"}, "recovery": {"element.law.eps_L": f"{EPS}"}}
+    found = model_logs(record, overrides=sizes | {"element.law.E_M": f"{E_M} Pa"} | given.get(kind, {}))
     assert found.predicts and found.chosen.pooled[0].fit_percent > 98.0
     ends = {one.name: one.value - 273.15 for one in found.temperatures if one.stress == 0.0}
     assert ends == pytest.approx({n: LAW[n] for n in ("A_s", "A_f", "M_s", "M_f")}, abs=1.0)
     if kind == "recovery":
         assert [found.fit.numbers[n] for n in ("C_A", "C_M")] == pytest.approx([7.5e6, 7.5e6], rel=0.03)
+
+
+def test_random_rigs_at_given_temperatures_are_predicted_within_their_intervals() -> None:
+    found = [judge_given(kind, seed) for kind in ("tensile", "bath", "recovery") for seed in (8100, 8101)]
+    assert all(one["right"] for one in found)
+    assert float(np.median([one["fit"] for one in found])) > 92.0
+    assert sum(one["inside"] for one in found) >= 0.8 * sum(one["intervals"] for one in found)
+
+
+def test_page_of_random_rigs_holds_the_table_of_its_numbers() -> None:
+    assert write_table(json.loads(NUMBERS.read_text("utf-8"))) in PAGE.read_text("utf-8")
