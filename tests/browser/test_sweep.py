@@ -65,7 +65,7 @@ def other(chromium: Browser, bench: Bench) -> Iterator[Page]:
 def ask(page: Page, bench: Bench, levels: tuple[str, str]) -> None:
     """Fill the form for two axes of a short scenario, which it takes from the bench."""
     page.goto(f"{bench.origin}/#/bench?scenario={pack_text(SHORT)}")
-    expect(page.get_by_text("41 samples")).to_be_visible()
+    expect(page.get_by_text("41 samples")).to_be_attached()
     page.goto(f"{bench.origin}/#/sweep")
     for words, name in (("diam", "element.diameter"), ("high", "drive.waveform.high")):
         page.get_by_label("Add a parameter to vary").fill(words)

@@ -335,7 +335,16 @@ let asking = 0;
 export function proposeSoon(): void {
   proposal.value = null;
   clearTimeout(asking);
-  asking = window.setTimeout(() => void readProposal(), 400);
+  asking = window.setTimeout(() => void proposeQuietly(), 400);
+}
+
+/** Look for a model without touching what was refused elsewhere. */
+async function proposeQuietly(): Promise<void> {
+  try {
+    proposal.value = await call<ProposalView>("fit_proposal", logRequest.value, "identify fit_proposal");
+  } catch (error) {
+    if (!superseded(error)) proposal.value = { kind: "", said: "", refused: sentence(error), notes: [], models: [] };
+  }
 }
 
 /** What the page takes the logs for, and whether a model can be fitted. */
