@@ -41,6 +41,7 @@ from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
+from martensite.kernels.recordable_numbers import xp
 
 MOST_MODES = 4
 """Largest number of modes."""
@@ -228,7 +229,7 @@ class BeamMotor(AbstractMultibody):
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         return [0.0] * (self.count + 1) + [signals[0]]
 
-    def resonance(self, xp: Namespace) -> Scalar:
+    def resonance(self) -> Scalar:
         """Return √(k/M) of the first mode [rad/s]."""
         return xp.sqrt(self.stiffness / self.mass)
 

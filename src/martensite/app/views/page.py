@@ -31,7 +31,6 @@ from martensite.control.checks.base import LIMITED
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import ALARM
 from martensite.kernels import floats
-from martensite.kernels.recordable_numbers import xp
 from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.scenario.scenario import Scenario
@@ -87,7 +86,7 @@ def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | s
 def _describe_motor(scenario: Scenario) -> JsonTable:
     table = Formulas()
     mechanism = rebuild_recorded(scenario.whole, table).mechanism
-    return table.collect(resonance=mechanism.resonance(xp) if isinstance(mechanism, BeamMotor) else None)
+    return table.collect(resonance=mechanism.resonance() if isinstance(mechanism, BeamMotor) else None)
 
 
 def _describe_elements(scenario: Scenario, result: Result) -> JsonTable:
