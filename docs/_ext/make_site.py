@@ -3,7 +3,7 @@
     FOLDER/         the documentation, whose figures lead to the bench
     FOLDER/bench/   the web bench without a server: scenarios of the package, and those that pages write
 
-The bench comes first, since pages link to what is in it. It needs zig; nothing is asked of another machine.
+The bench comes first, since pages link to what is in it. Its modules are part of the package.
 """
 
 from __future__ import annotations
@@ -72,9 +72,8 @@ def report_size(folder: Path) -> str:
 def make_site(folder: Path) -> None:
     """Write the whole site."""
     clear_folder(folder)
-    bench, quick = folder / live.BESIDE, os.environ.pop("MARTENSITE_CFLAGS", "")
-    write_site(bench, list_offered() | list_documented(), print)  # optimised: these runs are made by whoever visits
-    os.environ["MARTENSITE_CFLAGS"] = quick
+    bench = folder / live.BESIDE
+    write_site(bench, list_offered() | list_documented(), print)
     command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q", "-d", TREES, DOCS, folder]
     subprocess.run(command, env=os.environ | {"MARTENSITE_BENCH": str(bench.resolve())}, check=True)
     for drawing in (folder / "_images").glob("*.svg"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import re
 from pathlib import Path
 
@@ -13,10 +12,8 @@ from martensite.actuators.mechanisms.base import MECHANISMS
 from martensite.app.calls.models import build_model
 from martensite.app.documents import list_standalone
 from martensite.app.static_site import stepped_model
-from martensite.app.static_site.run_module import RunSource
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
-from martensite.export.wasm import module
 
 HANDLE = re.compile(r'^  "?([a-z-]+)"?: \{ path: "mechanism\.(\w+)"', re.MULTILINE)
 DESK = Desk(Path(), lambda note: None)
@@ -27,10 +24,9 @@ def ask(name: str, *paths: str, more: str = "") -> dict[str, object]:
 
 
 def test_a_model_goes_out_with_its_module_and_the_number_of_its_handle(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(RunSource, "compile", lambda source: source.march.encode())
-    monkeypatch.setattr(stepped_model, "find_wasm_compiler", list)
-    found = ask("dead_weight", "mechanism.mass")
-    assert base64.b64decode(str(found["module"])) == b"adaptive"
+    monkeypatch.setattr(stepped_model, "_encode_module", lambda source: source.march)
+    found = ask("dead_weight", "mechanism.mass", more="# another text\n")
+    assert found["module"] == "adaptive"
     scenario = found["scenario"]
     assert isinstance(scenario, dict)
     assert [one["path"] for one in scenario["controls"]] == ["mechanism.mass"]
@@ -40,20 +36,16 @@ def test_a_model_goes_out_with_its_module_and_the_number_of_its_handle(monkeypat
 
 
 def test_a_loop_goes_out_with_its_reference_and_the_load_that_pulls_at_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(RunSource, "compile", lambda source: source.march.encode())
-    monkeypatch.setattr(stepped_model, "find_wasm_compiler", list)
-    found = ask("closed_loop", "mechanism.preload")
-    assert base64.b64decode(str(found["module"])) == b"given"
+    monkeypatch.setattr(stepped_model, "_encode_module", lambda source: source.march)
+    found = ask("closed_loop", "mechanism.preload", more="# another text\n")
+    assert found["module"] == "given"
     scenario = found["scenario"]
     assert isinstance(scenario, dict)
     assert [one["path"] for one in scenario["controls"]] == ["mechanism.preload"]
     assert scenario["places"]["drives"][0]["name"] == "reference"
 
 
-def test_what_does_not_run_by_hand_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "find_zig", lambda: None)
-    with pytest.raises(InputError, match=r"pip install .*\[cc\]'"):
-        ask("dead_weight", "mechanism.mass", more="# without a compiler\n")
+def test_what_does_not_run_by_hand_says_why() -> None:
     with pytest.raises(InputError, match="sets its initial state"):
         ask("dead_weight", more='\n[initial]\ntemperature = "40 degC"\n')
 

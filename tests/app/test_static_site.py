@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from command import Command
 from node_js import WEB, node
-from static_wire import MODULES, PULSE, ROW, TABLE, TEXT, measure_wire, write_wire
+from static_wire import PULSE, ROW, TABLE, TEXT, measure_wire, write_wire
 
 from martensite.app.documents import build_packaged, list_standalone
 from martensite.app.messages import write_message
@@ -20,12 +20,12 @@ from martensite.app.static_site.control_map import InputMap, write_quantity
 from martensite.app.static_site.flat_inputs import list_inputs, list_waveforms
 from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.number_rows import list_rows, read_row
+from martensite.app.static_site.packaged_modules import provide_module
 from martensite.app.static_site.rounding import describe_rounding, measure_rounding
 from martensite.app.static_site.run_module import write_source
 from martensite.app.static_site.scenario_table import describe_static
-from martensite.app.static_site.site_writer import FIRST, RUNS, make_site_folder, name_module
+from martensite.app.static_site.site_writer import FIRST, RUNS, make_site_folder
 from martensite.base.errors import CompileError, DataError
-from martensite.export.wasm.module import find_zig
 from martensite.kernels.compiler import find_compiler
 from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.compiled import compile_march
@@ -58,8 +58,7 @@ def test_a_site_that_cannot_be_finished_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_inputs_follow_from_controls_as_the_builder_has_them() -> None:
-    made, source = measure_wire()
-    assert (MODULES / name_module(source)).is_file(), "the C has changed: run `python tests/static_wire.py`"
+    made, _ = measure_wire()
     found = made.predict({k: CHANGES[one.path] for k, one in enumerate(made.controls) if one.path in CHANGES})
     meant = list_inputs(build(made, CHANGES), made.drives).numbers
     assert found == pytest.approx(meant, rel=1e-12, abs=0.0)
@@ -215,14 +214,13 @@ def test_steps_by_hand_are_the_run(tmp_path: Path) -> None:
     assert max(found["apart"].values()) > 0.0
 
 
-@pytest.mark.skipif(find_zig() is None, reason="zig is not installed (`pip install ziglang`)")
 def test_a_loop_by_hand_is_the_run_to_the_bit(tmp_path: Path) -> None:
     """Its set point of each period, from the state of the period before; noise is the noise of the document."""
     text = list_standalone()["closed_loop"]
     made = measure_map(text, ())
     source = write_source(made.scenario, list_waveforms(made.scenario))
     (tmp_path / RUNS).mkdir()
-    (tmp_path / RUNS / "loop.wasm").write_bytes(source.compile())
+    (tmp_path / RUNS / "loop.wasm").write_bytes(provide_module(source))
     (tmp_path / RUNS / "loop.json").write_bytes(write_message(describe_static("loop", text, made, source, "loop.wasm")))
     found = _step_columns(tmp_path, "loop", "0.02")
     assert found["rows"] == 1201

@@ -54,6 +54,11 @@ class RunSource:
         return compile_sources(files, ["run.c", "first.c"], exported)
 
 
+def can_step(scenario: Scenario) -> bool:
+    """Return whether the page can run a scenario: from the default initial state, without a stored state."""
+    return not (scenario.initial or scenario.restart_at)
+
+
 def write_source(scenario: Scenario, waves: Sequence[AbstractWaveform]) -> RunSource:
     """Return the C of all scenarios with the structure of this one."""
     system = scenario.whole

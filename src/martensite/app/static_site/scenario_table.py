@@ -12,31 +12,40 @@ from martensite.app.messages import JsonTable
 from martensite.app.static_site.control_map import InputMap
 from martensite.app.static_site.flat_inputs import SEGMENT, TONE
 from martensite.app.static_site.input_map import list_numbers
-from martensite.app.static_site.rounding import describe_rounding, measure_rounding
+from martensite.app.static_site.rounding import describe_rounding
 from martensite.app.static_site.run_module import RunSource, describe_layout
 from martensite.app.views.page import describe_page
 from martensite.base import units
-from martensite.base.errors import MartensiteError
 from martensite.base.formats import typeset_unit
 from martensite.base.status import Status
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.envelope import BEYOND, WORDS, Envelope
+from martensite.simulate.result import Result
 
 SCALARS = ("duration", "tolerance", "samples", "step", "mechanism", "inertial", "interval")
-SPELLINGS = (
-    *("m", "mm", "um", "cm", "s", "ms", "min", "kg", "g", "N", "mN", "Pa", "kPa", "MPa", "GPa", "K", "degC", "V", "mV"),
-    *("A", "mA", "W", "mW", "Hz", "kHz", "rad", "deg", "ohm", "%", "1", "J/kg", "kJ/kg", "N/m", "N/mm", "MPa/K"),
-)
-"""Accepted units of typed values."""
 
 
 def describe_static(
-    name: str, text: str, made: InputMap, source: RunSource, module: str, *, measured: bool = False
+    name: str,
+    text: str,
+    made: InputMap,
+    source: RunSource,
+    module: str,
+    *,
+    magnified: float = 0.0,
+    result: Result | None = None,
 ) -> JsonTable:
     """Return all data to run and draw a scenario on the page.
 
-    `measured` adds the agreement with `martensite run`, if worse than `rounding.CLOSE`, from several runs.
+    Args:
+        name: name of the scenario.
+        text: its document.
+        made: map of its controls.
+        source: C of its runs.
+        module: file name of its module.
+        magnified: effect of rounding (`measure_rounding`).
+        result: a run of the scenario, of any duration; by default a new run.
     """
     scenario = made.scenario
     compiled = compile_march(scenario.whole)
@@ -53,7 +62,8 @@ def describe_static(
         "places": _list_places(made, compiled, entries),
         "readings": [base64.b64encode(one.tobytes()).decode() for one in made.samples],
         **_describe_map(made, entries),
-        **_describe_outputs(scenario, compiled, measured),
+        **_describe_outputs(scenario, compiled, magnified),
+        **describe_page(scenario, result or scenario.run(runtime=None if scenario.whole.sample_time() else "floats")),
     }
 
 
@@ -135,34 +145,29 @@ def _list_units(made: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
     factors: dict[str, dict[str, tuple[float, float]]] = {}
     for node in (*list_numbers(made.form), *(row.items[0] for row in made.rows)):
         unit = node["unit"] or "1"
-        own = factors.setdefault(unit, {})
-        for spelling in (*SPELLINGS, node["shown"], unit):
-            if spelling and spelling not in own:
-                try:
-                    own[spelling] = units.find_conversion(spelling, unit)
-                except MartensiteError:
-                    continue
+        if unit not in factors:
+            everyday = ((spelling, how) for spelling, (declared, *how) in units.EVERYDAY.items() if declared == unit)
+            factors[unit] = {spelling: (factor, zero) for spelling, (factor, zero) in everyday}
+        for spelling in (node["shown"], unit):
+            if spelling and spelling not in factors[unit]:
+                factors[unit][spelling] = units.find_conversion(spelling, unit)
     return factors
 
 
-def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, measured: bool) -> JsonTable:
-    system = scenario.whole
-    result = scenario.run(runtime="floats" if not system.sample_time() else None)
-    names = list(system.outputs())
+def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, magnified: float) -> JsonTable:
     judged = [(compiled.outputs.index(name), least) for name, least in compiled.convergence_scales]
-    book, share = compiled.book, measure_rounding(scenario, result) if measured else 0.0
+    book = compiled.book
     return {
         "parameters": list(compiled.paths),
         "names": list(compiled.outputs),
-        "columns": len(names),
+        "columns": len(scenario.whole.outputs()),
         "judged": judged,
         "envelope": _list_bounds(scenario, compiled),
         "accounts": list(ACCOUNTS),
         "balances": {"heat": book.heat, "work": book.work},
         "statuses": {str(int(one)): one.sentence for one in Status},
-        "magnified": share,
-        "differs": [describe_rounding(share)] if share else [],
-        **describe_page(scenario, result),
+        "magnified": magnified,
+        "differs": [describe_rounding(magnified)] if magnified else [],
     }
 
 

@@ -18,12 +18,12 @@ from martensite.app.messages import JsonTable, write_message
 from martensite.app.site import NOTEBOOK, STATIC, WIDGET
 from martensite.app.static_site.flat_inputs import list_waveforms
 from martensite.app.static_site.input_map import measure_map
-from martensite.app.static_site.run_module import RunSource, write_source
+from martensite.app.static_site.packaged_modules import provide_module, provide_rounding
+from martensite.app.static_site.run_module import RunSource, can_step, write_source
 from martensite.app.static_site.scenario_table import describe_static
 from martensite.app.static_site.study_pages import write_studies
 from martensite.base.child_python import safe_children
-from martensite.base.errors import DataError
-from martensite.export.wasm.module import find_wasm_compiler
+from martensite.base.errors import DataError, MartensiteError
 
 RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
@@ -53,7 +53,6 @@ Tell = Callable[[str], None]
 
 def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
     """Write the page with scenarios, texts by name; the first is displayed first."""
-    find_wasm_compiler()
     with make_site_folder(folder):
         return _fill_folder(folder, texts, tell)
 
@@ -63,7 +62,11 @@ def _fill_folder(folder: Path, texts: Mapping[str, str], tell: Tell) -> JsonTabl
     with safe_children(), ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
         jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
         for name, job in jobs.items():
-            files, entry = job.result()
+            try:
+                files, entry = job.result()
+            except MartensiteError:
+                pool.shutdown(cancel_futures=True)
+                raise
             for file, content in files.items():
                 (folder / RUNS / file).write_bytes(content)
             listed.append(entry)
@@ -80,18 +83,19 @@ def list_offered() -> dict[str, str]:
 
 
 def can_offer(text: str) -> bool:
-    """Return whether the page can run a scenario: it needs the default initial state and stores none."""
-    scenario = build_packaged(text)
-    return not (scenario.initial or scenario.restart_at)
+    """Return whether the page can run a scenario."""
+    return can_step(build_packaged(text))
 
 
 def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], JsonTable]:
     """Return the files of a scenario, and its entry in the manifest."""
+    scenario = build_packaged(text)
+    source = write_source(scenario, list_waveforms(scenario))
+    module, binary = name_module(source), provide_module(source)  # the first, since it needs a compiler
     made = measure_map(text)
-    source = write_source(made.scenario, list_waveforms(made.scenario))
-    module = name_module(source)
-    table = describe_static(name, text, made, source, module, measured=True)
-    files = {f"{name}.json": write_message(table), module: source.compile()}
+    magnified = provide_rounding(text, made.scenario, source)
+    table = describe_static(name, text, made, source, module, magnified=magnified)
+    files = {f"{name}.json": write_message(table), module: binary}
     entry = {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
     return files, entry
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -106,12 +105,8 @@ def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
 
 
 def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: Sequence[str] = ()) -> bytes:
-    """Compile C sources, given by file name, to a module.
-
-    The environment variable `MARTENSITE_CFLAGS` adds the last compiler flags.
-    """
-    last = os.environ.get("MARTENSITE_CFLAGS", "").split()
-    command = [*find_wasm_compiler(), *FLAGS, *more, *last, "-I.", *compiled, "-o", "made.wasm", *LINKED]
+    """Compile C sources, given by file name, to an optimised module."""
+    command = [*find_wasm_compiler(), *FLAGS, *more, "-I.", *compiled, "-o", "made.wasm", *LINKED]
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
