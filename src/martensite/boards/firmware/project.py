@@ -165,8 +165,8 @@ def build_firmware(
     firmware = Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
     if firmware.flash > TOO_LARGE * chosen.flash:
         raise InputError(
-            f"This loop takes about {1e-3 * firmware.flash:.2g} kB of flash, but {chosen.title} has "
-            f"{1e-3 * chosen.flash:.2g} kB: use a larger board, such as mega2560 or stm32f405."
+            f"This loop takes about {1e-3 * firmware.flash:.0f} kB of flash, but {chosen.title} has "
+            f"{1e-3 * chosen.flash:.0f} kB: use a larger board, such as mega2560 or stm32f405."
         )
     return firmware
 
