@@ -118,8 +118,8 @@ def _warn_of_room(found: Firmware) -> list[Block]:
     if found.flash <= board.flash:
         return []
     words = (
-        f"It may not fit: by the length of its C it takes about {1e-3 * found.flash:.2g} kB of flash, and the board "
-        f"has {1e-3 * board.flash:.2g} kB. Take a larger board, such as mega2560 or stm32f405."
+        f"It may not fit: by the length of its C it takes about {1e-3 * found.flash:.0f} kB of flash, and the board "
+        f"has {1e-3 * board.flash:.0f} kB. Take a larger board, such as mega2560 or stm32f405."
     )
     return [Sentence(words, "bad")]
 
