@@ -21,6 +21,8 @@ from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.calibration import Calibration
 from martensite.control.observers.self_sensing import SelfSensing
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
 from martensite.scenario.examples import EXAMPLES
 from martensite.scenario.scenario import load
 from martensite.signals.sine import Sine
@@ -119,6 +121,16 @@ def test_after_a_draught_it_finds_the_new_heat_loss_within_a_minute_and_the_guar
     least = run["estimated.least_cooling"] * BENCH.plant.value_of("cooling.h") / (2.0 * WIRES[film])
     assert (least < 1.0).all()
     assert (least > 0.4).all()
+
+
+def test_a_law_that_is_relocated_in_every_sample_keeps_finite_numbers() -> None:
+    """A wire at rest, whose model drifts and is put back: without a bound the factors of one hour overflow."""
+    law = BENCH.plant.element.law  # type: ignore[attr-defined]
+    memory = law.init(floats, Fractions(0.5, 0.5), 1e8, 330.0)._replace(branch=1.0, scale=1.0)
+    for _ in range(4000):
+        memory = law.relocate(floats, memory._replace(temperature=330.0), Fractions(0.5, 0.5), 1e8, 331.0)
+        memory = law.relocate(floats, memory._replace(temperature=333.0), Fractions(0.5, 0.5), 1e8, 330.0)
+    assert np.isfinite(memory.scale)
 
 
 def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:

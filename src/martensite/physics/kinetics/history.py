@@ -37,6 +37,8 @@ from martensite.physics.kinetics.return_points import (
 )
 
 RESUME, RESTART, RETURN_POINT = "resume", "restart", "return-point"
+MOST_SCALE = 1e9
+"""Largest scale after a relocation; observers relocate in every sample, and the factors must not overflow."""
 LEAST_REST = 1e-3
 """Fraction of a transformation below which it counts as complete."""
 
@@ -403,6 +405,7 @@ def relocate_memory(
         grown = xp.where(some, now / xp.maximum(was, LEAST_REST), 1.0)
         inside = xp.both(then > LEAST_REST, there > LEAST_REST)
         scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST_REST), 1.0)
+        scale = xp.minimum(scale, MOST_SCALE)
     scale = xp.where(xp.abs(memory.branch) > 0.0, scale, memory.scale)
     return OneFractionMemory(fraction, memory.branch, scale, stress, temperature)
 
