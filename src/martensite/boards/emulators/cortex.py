@@ -16,6 +16,8 @@ from martensite.boards.emulators.toolchains import require_tool
 MACHINE = "netduinoplus2"
 CLOCK = ("-icount", "shift=5")
 """An instruction takes 2^5 ns, also if the host is busy: otherwise the watchdog resets a board that only waits."""
+CLOCK = ("-icount", "shift=3")
+"""An instruction takes 8 ns, so a slow host cannot let the watchdog of the board run out."""
 START_LIMIT = 10.0
 """Time limit for the start of QEMU [s]."""
 
@@ -31,7 +33,7 @@ class QemuBoard:
     def __post_init__(self) -> None:
         place = Path(self._folder.name) / "line"
         command = [require_tool("qemu-system-arm"), "-M", MACHINE, *CLOCK, "-nographic", "-monitor", "none"]
-        command += ["-serial", f"unix:{place},server=on,wait=off", "-kernel", str(self.elf), *self.words]
+        command += ["-serial", f"unix:{place},server=on,wait=off", "-kernel", str(self.elf), *CLOCK, *self.words]
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self._line, until = socket.socket(socket.AF_UNIX), time.monotonic() + START_LIMIT
         while True:
