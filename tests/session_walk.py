@@ -17,6 +17,9 @@ from typing import Any
 from app_server import Bench, running
 from playwright.sync_api import Browser, BrowserContext, expect
 
+from martensite.app.documents import list_standalone
+from martensite.cli.commands.web_bench import pack_text
+
 READY = """() => {
     const { parts } = globalThis.martensiteSession?.() ?? {};
     const busy = document.querySelector("main [aria-busy=true], main .starting");
@@ -32,6 +35,7 @@ FLAT = """(() => {
 })()"""
 """Without the picture in space, which takes most of the time of a reload."""
 TITLE = "Constant power by PWM, 0.1 mm wire"
+TEXT = list_standalone()["constant_power"]
 
 
 class Walk:
@@ -63,7 +67,7 @@ class Walk:
         self.design = "grid"
         self.file = False
         self.notes = ""
-        self.page.goto(f"{self.bench.address}#/bench")
+        self.page.goto(f"{self.bench.address}#/bench?scenario={pack_text(TEXT)}")
         self.settle()
         self.page.get_by_role("button", name="All parameters").click()
 

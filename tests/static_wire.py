@@ -19,7 +19,7 @@ from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.packaged_modules import provide_module
 from martensite.app.static_site.run_module import RunSource, write_source
 from martensite.app.static_site.scenario_table import describe_static
-from martensite.app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest
+from martensite.app.static_site.site_writer import RUNS, copy_page, name_module, write_manifest
 from martensite.app.static_site.study_pages import write_studies
 
 CONTROLS = (
@@ -30,7 +30,8 @@ CONTROLS = (
     "mechanism.preload",
     "run.duration",
 )
-TEXT = list_standalone()[FIRST]
+WIRE = "constant_power"
+TEXT = list_standalone()[WIRE]
 ROW = "drive.waveform.values"
 _ROWS = 'kind = "table", times = ["0 s", "1 s", "2 s", "5 s"], values = ["0 W", "0.5 W", "0.5 W", "0 W"]'
 TABLE = re.sub("title = .*", 'title = "Power of a table"', re.sub("waveform = .*", f"waveform = {{ {_ROWS} }}", TEXT))
@@ -48,7 +49,7 @@ def measure_wire(text: str = TEXT, controls: Sequence[str] = CONTROLS) -> tuple[
 def write_wire(folder: Path, page: bool = False, table: bool = False) -> None:
     """Write what the page reads of the wire, with the other drives as well, and the page if it is asked for."""
     (folder / RUNS).mkdir(parents=True)
-    entries = [_write_runs(folder / RUNS, FIRST, TEXT, CONTROLS)]
+    entries = [_write_runs(folder / RUNS, WIRE, TEXT, CONTROLS)]
     if table:
         entries.append(_write_runs(folder / RUNS, "table", TABLE, (ROW, "drive.waveform.times")))
         entries.append(_write_runs(folder / RUNS, "pulse", PULSE, ("mechanism.preload",)))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from command import Command
 from node_js import WEB, node
-from static_wire import PULSE, ROW, TABLE, TEXT, measure_wire, write_wire
+from static_wire import PULSE, ROW, TABLE, TEXT, WIRE, measure_wire, write_wire
 
 from martensite.app.documents import build_packaged, list_standalone
 from martensite.app.messages import write_message
@@ -24,7 +24,7 @@ from martensite.app.static_site.packaged_modules import provide_module
 from martensite.app.static_site.rounding import describe_rounding, measure_rounding
 from martensite.app.static_site.run_module import write_source
 from martensite.app.static_site.scenario_table import describe_static
-from martensite.app.static_site.site_writer import FIRST, RUNS, make_site_folder
+from martensite.app.static_site.site_writer import RUNS, make_site_folder
 from martensite.base.errors import CompileError, DataError
 from martensite.kernels.compiler import find_compiler
 from martensite.show.summaries.run import tabulate_key_results
@@ -128,7 +128,7 @@ def play(folder: Path, name: str, *cases: dict[str, Any]) -> Played:
 def played(folder: Path) -> Played:
     """Runs of the wire: as packaged, with changes, and with what the page refuses."""
     turned = {"element.law.A_s": 345.0, "element.law.A_f": 344.0}
-    return play(folder, FIRST, {}, CHANGES, turned, {"element.diameter": 1.0}, {"element.length": 0.2})
+    return play(folder, WIRE, {}, CHANGES, turned, {"element.diameter": 1.0}, {"element.length": 0.2})
 
 
 @pytest.mark.parametrize(("number", "changes"), [(0, {}), (1, CHANGES)])
@@ -207,7 +207,7 @@ def test_what_the_page_cannot_do_is_said(played: Played) -> None:
 def test_steps_by_hand_are_the_run(tmp_path: Path) -> None:
     """The drive held over spans of 20 ms, each from the state of the one before."""
     write_wire(tmp_path)
-    found = _step_columns(tmp_path, FIRST, "0.02")
+    found = _step_columns(tmp_path, WIRE, "0.02")
     assert found["rows"] == 501
     assert list(found["apart"]) == ["temperature", "martensite_fraction", "stress", "position"]
     assert max(found["apart"].values()) <= build_packaged(TEXT).tolerance

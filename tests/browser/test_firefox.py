@@ -9,7 +9,9 @@ from app_server import Bench
 from firefox_browser import Firefox, find_firefox, run_firefox
 
 from martensite.app.documents import list_standalone
+from martensite.cli.commands.web_bench import pack_text
 
+TEXT = list_standalone()["constant_power"]
 PAGES = ("start", "studies", "studies/migaone", "identify", "size", "sweep", "board", "bench")
 STROKE = "document.querySelector('.measure strong')?.innerText"
 SLIDE = """(() => {
@@ -42,9 +44,9 @@ def test_every_page_opens_in_firefox_without_an_error(firefox: Firefox, bench: B
 
 def test_a_slider_moves_the_numbers_in_firefox(firefox: Firefox, bench: Bench) -> None:
     """Source of truth: the run of the server."""
-    firefox.open(f"{bench.address}#/bench")
+    firefox.open(f"{bench.address}#/bench?scenario={pack_text(TEXT)}")
     before = firefox.wait_for(STROKE)
-    run = bench.call("run", {"text": list_standalone()["constant_power"]})
+    run = bench.call("run", {"text": TEXT})
     assert float(before) == pytest.approx(1e3 * run["stroke"], rel=5e-3)
     firefox.wait_for("document.querySelector('.scene-view canvas, svg.scene-side') && true")
     firefox.wait_for("document.querySelector('.top-controls input[type=range]') && true")

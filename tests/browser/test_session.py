@@ -75,7 +75,7 @@ def test_a_project_is_one_file_that_opens_when_it_is_dropped(page: Page, tmp_pat
     assert saved.value.suggested_filename == "Constant power by PWM_ 0.1 mm wire.martensite"
     text = saved.value.path().read_text("utf-8")
     page.get_by_title("The present session stays in the list of earlier sessions").click()
-    expect(page.get_by_label("Length", exact=True)).to_have_value("100")
+    expect(page.get_by_label("Length", exact=True)).to_have_value("250")
     drop(page, "mine.martensite", text)
     expect(page.get_by_role("heading", level=2)).to_contain_text(log.name)
     page.get_by_role("link", name="Bench").click()

@@ -29,7 +29,7 @@ RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Mark of a page without a server."""
-FIRST = "constant_power"
+FIRST = "dead_weight"
 """First scenario of the bench."""
 
 
