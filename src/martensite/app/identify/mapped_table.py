@@ -13,6 +13,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -26,6 +27,7 @@ from martensite.logs.exact_tables import ASSUMED_INTERVAL
 from martensite.logs.lab_files import LabFile, interpret_table, read_raw
 from martensite.logs.layout import IGNORED, read_headings
 from martensite.logs.merged_files import merge_by_clock
+from martensite.logs.raw_table import RawTable
 from martensite.signals.records import Record
 
 FEWEST_ROWS = 8
@@ -169,21 +171,27 @@ def _read_file(
     wrong = next((at for at in headings if not 0 <= at < len(raw.columns)), None)
     if wrong is not None:
         raise DataError(f"There is no column {wrong + 1}; the file has {len(raw.columns)}.")
-    meanings = dict(zip(headings, read_headings(headings.values(), f"`{path.name}`"), strict=True))
-    for at, column in meanings.items():
+    _check_cells(raw, headings, path, drop)
+    file = interpret_table(raw, path, _name_columns(raw, columns, headings))
+    return file if file.has_time else file.with_interval(interval or ASSUMED_INTERVAL)
+
+
+def _check_cells(raw: RawTable, headings: Mapping[int, str], path: Path, drop: bool) -> None:
+    """Raise `DataError` for a heading without a valid unit, or a cell that is not numeric unless these are dropped."""
+    for at, column in zip(headings, read_headings(headings.values(), f"`{path.name}`"), strict=True):
         if raw.columns[at].wrong and not drop:
             row, text = raw.columns[at].wrong[0]
             raise DataError(f"`{path.name}`, row {row}, column `{column.name}`: `{text}` is not a number.")
-    # an unchanged guess by values can be corrected by values
+
+
+def _name_columns(raw: RawTable, columns: Sequence[MappedColumn], headings: Mapping[int, str]) -> dict[str, str]:
+    """Return the meaning of each column that differs from its guess; an unchanged guess can be corrected by values."""
     guessed = {at: (one.name, one.unit) for at, one in enumerate(guess_meanings(raw, {}))}
     table = {at: (name, unit) for at, name, unit, _ in columns}
-    named = {
-        str(at + 1): headings.get(at, IGNORED) for at in range(len(raw.columns)) if table.get(at) != guessed.get(at)
-    }
+    changed = [at for at in range(len(raw.columns)) if table.get(at) != guessed.get(at)]
     factors = {at: factor for at, _, _, factor in columns if factor is not None}
-    named |= {str(at + 1): f"{headings[at]}*{factor!r}" for at, factor in factors.items()}
-    file = interpret_table(raw, path, named)
-    return file if file.has_time else file.with_interval(interval or ASSUMED_INTERVAL)
+    named = {str(at + 1): headings.get(at, IGNORED) for at in changed}
+    return named | {str(at + 1): f"{headings[at]}*{factor!r}" for at, factor in factors.items()}
 
 
 def _cut_record(whole: Record, cut: Request) -> Record:
