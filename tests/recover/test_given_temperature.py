@@ -85,6 +85,21 @@ def test_given_temperatures_are_recognised_and_the_law_is_found(kind: str, name:
         assert [found.fit.numbers[n] for n in ("C_A", "C_M")] == pytest.approx([7.5e6, 7.5e6], rel=0.03)
 
 
+@pytest.mark.parametrize("given", [True, False])
+def test_an_angle_is_travel_over_the_radius(given: bool) -> None:
+    record = make_record("weight")
+    turned = np.asarray(record["position"]) / 0.012
+    columns = {"time": record.times, "temperature": record["temperature"], "angle": turned.tolist()}
+    record = Record("turn", columns, {"time": "s", "temperature": "K", "angle": "rad"})
+    settings = {"element.length": "200 mm", "element.diameter": "0.5 mm", "element.law.E_A": f"{E_A} Pa"}
+    settings |= {"element.law.E_M": f"{E_M} Pa", "mechanism.mass": f"{100e6 * AREA / 9.80665} kg"}
+    found = model_logs(record, overrides=settings | ({"mechanism.radius": "12 mm"} if given else {}))
+    assert found.experiment.name == "bath" and found.predicts
+    assert ("`mechanism.radius` is assumed" in " ".join(found.notes)) != given
+    if given:
+        assert found.fit.numbers["eps_L"] == pytest.approx(EPS, rel=0.01)
+
+
 def test_random_rigs_at_given_temperatures_are_predicted_within_their_intervals() -> None:
     found = [judge_given(kind, seed) for kind in ("tensile", "bath", "recovery") for seed in (8100, 8101)]
     assert all(one["right"] for one in found)

@@ -22,6 +22,7 @@ from martensite.fit.column_noise import FollowedNoise, find_input_noise
 from martensite.fit.experiment_kinds.base import RecognisedExperiment, propose_scenarios, recognise_experiment
 from martensite.fit.experiment_kinds.loops import find_column, smooth_drive
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LOADS
+from martensite.fit.experiment_kinds.winding import wind_angles
 from martensite.fit.fit import Fit
 from martensite.fit.log_evidence import (
     AssumedMove,
@@ -247,11 +248,13 @@ def model_logs(
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     records, notes, files = _read_files(sources, named or {}, interval)
     said = _name_columns(files, len(sources)) if not named else tuple(f"{key}={text}" for key, text in named.items())
-    seen = recognise_experiment(records, experiment)
-    moving, still = _part_still(records, seen.measured)
+    whole, overrides, wound = wind_angles(records, overrides or {})
+    notes += wound
+    seen = recognise_experiment(whole, experiment)
+    moving, still = _part_still(whole, seen.measured)
     notes += still
     words = {one.record.name: one.said for one in files}
-    proposals, known = propose_scenarios(seen, moving, overrides or {}, words)
+    proposals, known = propose_scenarios(seen, moving, overrides, words)
     notes += known.sentences
     proposals = change_proposals(proposals, free, fixed)
 
@@ -267,7 +270,7 @@ def model_logs(
         best = replace(best, fit=count_jitter(best.fit, best.proposal.jitter))
 
     def rebuild(path: str, text: str) -> Problem:
-        changed, _ = propose_scenarios(seen, moving, {**(overrides or {}), path: text}, words)
+        changed, _ = propose_scenarios(seen, moving, {**overrides, path: text}, words)
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, known.assumed, rebuild)
