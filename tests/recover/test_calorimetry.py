@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import random
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,11 @@ from typing import Any
 import numpy as np
 import pytest
 from command import Command
+from fault_trials import spoil_bytes
 
 import martensite as ms
-from martensite.base.errors import DataError
+from martensite.base.errors import DataError, MartensiteError
+from martensite.logs.reader import read_parts
 from martensite.physics.materials.base import load_material
 from martensite.signals.records import Record
 
@@ -135,3 +138,19 @@ def test_a_material_file_holds_what_was_measured(tmp_path: Path) -> None:
     assert found.values["A_s"].kind == "measured"
     assert found.values["A_s"].value - 273.15 == pytest.approx(66.0 - math.sqrt(2.0) * 5.0, abs=0.5)
     assert found.values["latent_heat"].value == pytest.approx(17e3, rel=0.1)
+
+
+def test_spoilt_files_end_in_a_sentence(tmp_path: Path) -> None:
+    """Cut, flipped, doubled or empty pieces: a result or one sentence, and no warning of a library."""
+    rng = random.Random(5)
+    good = write_plain(tmp_path / "good.csv", " (W/g)", 1e-3).read_bytes().splitlines(keepends=True)
+    raw, found = b"".join([good[0], *good[1::12]]), 0
+    for k in range(30):
+        path = tmp_path / f"{k}.csv"
+        path.write_bytes(spoil_bytes(raw, rng))
+        try:
+            files = read_parts(path, known=True)
+            found += bool(ms.characterise.fit_calorimetry([one.record for one in files], mass=1e-5).values)
+        except MartensiteError as error:
+            assert str(error).endswith((".", "?"))
+    assert found > 5
