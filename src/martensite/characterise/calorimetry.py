@@ -151,25 +151,43 @@ def fit_calorimetry(
     if baseline not in BASELINES:
         raise ParameterError(f"There is no baseline `{baseline}`. {suggest_name(baseline, BASELINES)}")
     ones = [records] if isinstance(records, Record) else list(records)
-    masses = list(mass) if isinstance(mass, Sequence) else [mass] * len(ones)
-    if len(masses) != len(ones) or not ones:
-        raise ParameterError(f"There must be one mass per record, but there are {len(masses)} and {len(ones)}.")
-    ramps = [ramp for one, grams in zip(ones, masses, strict=True) for ramp in cut_ramps(one, grams, rate)]
+    ramps = [ramp for one, grams in _pair_masses(ones, mass) for ramp in cut_ramps(one, grams, rate)]
     sign, remarks = _find_common_sign(ramps)
-    found: list[RampPeaks] = []
-    for ramp in ramps:
-        try:
-            found.append(find_peaks(ramp, sign, baseline))
-        except DataError as error:
-            remarks.append(str(error))
-    if not found:
-        raise DataError(remarks[-1])
+    found, left = _find_all_peaks(ramps, sign, baseline)
+    remarks += left
     assumed = "W/g" if any(find_heat_unit(one) == PLAIN for one in ones) else ""
     values = {name: one for name in TEMPERATURES if (one := _find_temperature(name, found)) is not None}
     capacity, heat = _find_capacities(found), _average_areas(found)
     remarks += [*_list_remarks(found), *_judge_capacities(capacity)]
     good = {name: one for name, one in capacity.items() if PLAUSIBLE[0] < one.value < PLAUSIBLE[1]}
     return Calorimetry(tuple(found), baseline, values, heat, good, assumed, tuple(remarks))
+
+
+def _pair_masses(
+    records: Sequence[Record], mass: float | Sequence[float | None] | None
+) -> list[tuple[Record, float | None]]:
+    """Return each record with its mass [kg]."""
+    masses = list(mass) if isinstance(mass, Sequence) else [mass] * len(records)
+    if len(masses) != len(records) or not records:
+        raise ParameterError(f"There must be one mass per record, but there are {len(masses)} and {len(records)}.")
+    return list(zip(records, masses, strict=True))
+
+
+def _find_all_peaks(ramps: Sequence[HeatRamp], sign: float, baseline: str) -> tuple[list[RampPeaks], list[str]]:
+    """Return the peaks of all ramps, and the reasons for ramps without peaks.
+
+    Raises:
+        DataError: no ramp has a complete peak.
+    """
+    found, left = list[RampPeaks](), list[str]()
+    for ramp in ramps:
+        try:
+            found.append(find_peaks(ramp, sign, baseline))
+        except DataError as error:
+            left.append(str(error))
+    if not found:
+        raise DataError(left[-1])
+    return found, left
 
 
 def _find_common_sign(ramps: Sequence[HeatRamp]) -> tuple[float, list[str]]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -118,7 +118,7 @@ def find_heat_unit(record: Record) -> str:
     return record.units[_find_name(record)]
 
 
-def read_mass(said: dict[str, str]) -> float | None:
+def read_mass(said: Mapping[str, str]) -> float | None:
     """Return the sample mass [kg] in the lines above a table; None without one."""
     for key, text in said.items():
         if re.search(r"\bsize\b|mass|weight|einwaage", key):
@@ -180,9 +180,9 @@ def _average(x: Any, y: Any, cells: int) -> tuple[Any, Any]:
     place = np.clip(np.searchsorted(edges, x, "right") - 1, 0, cells - 1)
     count = np.bincount(place, minlength=cells)
     filled = count > 0
-    means = [np.bincount(place, column, cells)[filled] / count[filled] for column in (x, y)]
+    at, level = (np.bincount(place, column, cells)[filled] / count[filled] for column in (x, y))
     middles = 0.5 * (edges[1:] + edges[:-1])
-    return middles, np.interp(middles, *means)
+    return middles, np.interp(middles, at, level)
 
 
 def list_rates(ramps: list[HeatRamp]) -> Iterator[float]:

@@ -27,6 +27,13 @@ from martensite.signals.records import Record
 
 STRAIGHT = 0.98
 """Least squared correlation of a load with the shape that makes it the load of a spring."""
+FREE = (
+    "A_f=-20..200 degC",
+    "A_s-A_f=-100..-0.5 K",
+    "M_s-A_f=-100..-0.5 K",
+    "M_f-M_s=-100..-0.5 K",
+    "eps_L=0.002..0.19",
+)
 RATES = "stiffness={:.4g}..{:.4g} N/m log"
 
 
@@ -59,39 +66,23 @@ class BathTest(AbstractExperimentKind):
         shape = found.measured[0]
         rows = [read_loop(one, "temperature", find_column(one, shape, DEFORMATIONS), known) for one in records]
         stroke = max(float(np.ptp(one[shape])) for one in rows)
-        whole = shape == "strain"
-        length = known.take(LENGTH, "m", 0.1 if whole else stroke / (0.8 * EPS), "the transformation strain absorbs it")
+        size = 0.1 if shape == "strain" else stroke / (0.8 * EPS)
+        length = known.take(LENGTH, "m", size, "the transformation strain absorbs it")
         width = known.take("element.diameter", "m", 1e-3, "the load absorbs it")
         section = math.pi / 4.0 * width**2
-        up = np.corrcoef(*(np.concatenate([one[name] for one in rows]) for name in (shape, "temperature")))[0, 1] > 0.0
-        if not up and not whole:
-            known.sentences.append(f"`{shape}` falls on heating: its sign is turned.")
-        output = "strain" if whole else "position"
-        flip = not up and not whole
-        columns = [f"{output}={shape}*{-1 if flip else 1}" if flip or shape != output else output]
+        output, sign = _name_output(rows, shape, known)
+        column = output if (shape, sign) == (output, 1.0) else f"{output}={shape}*{sign:g}"
         effect = "the shape within a transformation is counted from it"
         moduli = {n: known.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", 70e9), ("E_M", 28e9))}
         slopes = {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
         base = _describe_bath(rows, width, length, write_values("Pa", **moduli) | write_values("Pa/K", **slopes))
-        free = ("A_f=-20..200 degC", "A_s-A_f=-100..-0.5 K", "M_s-A_f=-100..-0.5 K", "M_f-M_s=-100..-0.5 K")
-        free += ("eps_L=0.002..0.19",)
         if len(found.measured) > 1:
-            document = base | {"mechanism": _read_spring(found, rows, (section, -1.0 if flip else 1.0), known)}
-            yield Proposal("a bias spring", document, free, columns, rows, (f"offset.{output}",))
-            return
-        force = SIGMA * section
-        given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
-        mass = known.take("mechanism.mass", "kg", force / 9.80665, "temperatures at zero stress absorb it")
-        weight = {"kind": "dead-weight", "mass": f"{mass:.6g} kg"}
-        if not given & {"stiffness", "preload"}:
-            yield Proposal("a weight", base | {"mechanism": weight}, free, columns, rows, (f"offset.{output}",))
-        if "mass" not in given:
-            rate = 0.6 * force / (stroke if not whole else 0.03 * length)
-            spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
-            more = () if "stiffness" in given else (RATES.format(rate / 20.0, 10.0 * rate),)
-            yield Proposal(
-                "a bias spring", base | {"mechanism": spring}, (*free, *more), columns, rows, (f"offset.{output}",)
-            )
+            loads = [("a bias spring", _read_spring(found, rows, (section, sign), known), ())]
+        else:
+            loads = list(_vary_loads(known, SIGMA * section, 0.03 * length if shape == "strain" else stroke))
+        for name, mechanism, more in loads:
+            document = base | {"mechanism": mechanism}
+            yield Proposal(name, document, (*FREE, *more), (column,), rows, (f"offset.{output}",))
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
         """Yield another load, and the load itself."""
@@ -104,6 +95,29 @@ class BathTest(AbstractExperimentKind):
         return [
             make_record({"temperature": 290.0 + 100.0 * loop, "position": 0.004 * np.clip((loop - late) / 0.2, 0, 1)})
         ]
+
+
+def _name_output(rows: Sequence[Record], shape: str, known: Assumptions) -> tuple[str, float]:
+    """Return the output of a shape, and the sign that makes it grow as the element shortens."""
+    if shape == "strain":
+        return "strain", 1.0
+    moved, kelvin = (np.concatenate([one[name] for one in rows]) for name in (shape, "temperature"))
+    if np.corrcoef(moved, kelvin)[0, 1] > 0.0:
+        return "position", 1.0
+    known.sentences.append(f"`{shape}` falls on heating: its sign is turned.")
+    return "position", -1.0
+
+
+def _vary_loads(known: Assumptions, force: float, stroke: float) -> Iterator[tuple[str, Document, tuple[str, ...]]]:
+    """Yield a weight and a bias spring of some force [N] and stroke [m], with the free parameters of the spring."""
+    given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
+    if not given & {"stiffness", "preload"}:
+        mass = known.take("mechanism.mass", "kg", force / 9.80665, "temperatures at zero stress absorb it")
+        yield "a weight", {"kind": "dead-weight", "mass": f"{mass:.6g} kg"}, ()
+    if "mass" not in given:
+        rate = 0.6 * force / stroke
+        spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
+        yield "a bias spring", spring, () if "stiffness" in given else (RATES.format(rate / 20.0, 10.0 * rate),)
 
 
 def _read_spring(
