@@ -6,10 +6,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import httpx
@@ -46,7 +47,7 @@ class Bench:
 
 
 @contextmanager
-def running(folder: Path, port: int = 0) -> Iterator[Bench]:
+def running(folder: Path, port: int = 0, environment: Mapping[str, str] = MappingProxyType({})) -> Iterator[Bench]:
     """A bench that keeps its files in `folder`."""
     command = [sys.executable, "-m", "martensite", "app", "--no-browser", "--json"]
     process = subprocess.Popen(
@@ -54,7 +55,7 @@ def running(folder: Path, port: int = 0) -> Iterator[Bench]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        env={**os.environ, "PYTHONUNBUFFERED": "1", **environment},
     )
     errors: list[str] = []
     assert process.stdout and process.stderr

@@ -18,7 +18,7 @@ const how = {
 const { metafile } = await build({
   ...how,
   metafile: true,
-  entryPoints: { bench: "src/main.tsx", notebook: "src/notebook/main.tsx", engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" },
+  entryPoints: { bench: "src/main.tsx", notebook: "src/notebook/main.tsx" },
   outdir: out,
   entryNames: "[name]",
   chunkNames: "[name]-[hash]",
@@ -26,6 +26,8 @@ const { metafile } = await build({
   format: "esm",
   legalComments: "linked",
 });
+// a notebook starts a worker from its text, which can import no file
+await build({ ...how, entryPoints: { engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" }, outdir: out, format: "esm" });
 for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);
 
 // what the bench needs is fetched at once, not when what needs it was read; the mechanism in space comes later

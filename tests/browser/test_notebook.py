@@ -96,3 +96,9 @@ def test_a_slider_runs_in_the_kernel(page: Page, frame: FrameLocator, widget: Be
     expect(title).to_contain_text(about(element__diameter="0.12 mm"))
     page.evaluate("document.body.style.background = '#fff'")
     expect(frame.locator("html")).to_have_attribute("data-theme", "light")
+
+
+def test_live_mode_runs_in_the_cell(page: Page, frame: FrameLocator) -> None:
+    expect(frame.locator(".bench-title")).to_contain_text(about())
+    frame.get_by_role("button", name="Live").click()
+    expect(frame.get_by_role("region", name="Running by hand")).to_be_visible()

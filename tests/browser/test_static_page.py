@@ -88,12 +88,29 @@ def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
     length = page.locator("#form-element-length")
     expect(length).to_be_disabled()
     expect(page.locator("fieldset.fixed", has=length)).to_have_attribute(
-        "title",
-        "This control needs the server. "
-        "Install martensite on this machine to change it: pip install martensite, then martensite app.",
+        "title", "This control needs the server. Install the Python package and start “martensite app” for this."
     )
+
+
+def test_every_tab_door_and_download_works_here(page: Page) -> None:
+    """What has no place on a page without a server is absent; an address of it gets one sentence."""
+    tabs = page.get_by_role("navigation", name="Pages").get_by_role("link")
+    expect(tabs).to_have_text(["Bench", "Studies"])
+    page.get_by_role("button", name="Pin").first.click()
+    page.get_by_text("What differs").click()
+    for name in ("CSV", "netCDF", "PNG"):
+        expect(page.get_by_role("button", name=name)).to_have_count(0)
+    page.goto(f"{page.url.split('#')[0]}#/start")
+    doors = page.locator("a.door")
+    expect(doors).to_have_count(4)
+    for k in range(4):
+        assert (doors.nth(k).get_attribute("href") or "").partition("?")[0] in ("#/bench", "#/studies")
+    tabs.last.click()
+    page.locator(".cards a").first.click()
+    expect(page.locator(".study-head")).to_be_visible()
+    assert page.get_by_role("alert").all_inner_texts() == []
     page.goto(f"{page.url.split('#')[0]}#/sweep")
-    expect(page.get_by_text("This page has no server").first).to_be_visible()
+    expect(page.get_by_text("The page “sweep” needs a server.")).to_be_visible()
 
 
 def wait_for(page: Page, what: str, condition: str) -> None:

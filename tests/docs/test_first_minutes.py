@@ -138,9 +138,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-def call(python: Path, folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+def call(python: Path, folder: Path, *words: str, **surroundings: str) -> subprocess.CompletedProcess[str]:
     """What a process of that environment says."""
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | surroundings
     whole = [str(python), *words]
     return subprocess.run(whole, cwd=folder, env=clean, capture_output=True, text=True, check=False)
 
@@ -211,6 +211,16 @@ def test_the_demonstration_runs(python: Path, folder: Path) -> None:
     done = call(python, folder, "-m", "martensite", "demo")
     assert done.returncode == 0, done.stderr
     assert (folder / "migaone.nc").stat().st_size and (folder / "migaone.png").stat().st_size
+
+
+def test_a_static_page_is_written_without_a_compiler(python: Path, folder: Path) -> None:
+    code = "from martensite.scenario.examples import EXAMPLES; print(EXAMPLES / 'flexinol_staircase.toml')"
+    scenario = call(python, folder, "-c", code).stdout.strip()
+    bare = {"PATH": "", "CC": "", "XDG_CACHE_HOME": str(folder / "cache")}
+    done = call(python, folder, "-m", "martensite", "app", scenario, "--static", "page", **bare)
+    assert done.returncode == 0, done.stderr
+    (module,) = (folder / "page" / "runs").glob("*.wasm")
+    assert module.read_bytes().startswith(b"\0asm")
 
 
 def test_a_study_of_ones_own_is_found(python: Path, tmp_path: Path) -> None:

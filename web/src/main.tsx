@@ -3,9 +3,10 @@
 import "./style/all.css";
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { Component, render, type ComponentChildren, type ComponentType } from "preact";
+import { SERVER } from "./engine/inputs.ts";
 import { expectFirst, isStatic } from "./engine/local.ts";
 import { awaitServer } from "./lib/connection.ts";
-import { place } from "./state/route.ts";
+import { isOffered, place } from "./state/route.ts";
 import { openSession } from "./state/session.ts";
 import { Frame } from "./ui/frame.tsx";
 import { Message } from "./ui/message.tsx";
@@ -57,6 +58,10 @@ function Current() {
     failed.value = "";
     if (!load) {
       failed.value = `There is no page “${name}”. There are: ${Object.keys(PAGES).join(", ")}.`;
+      return;
+    }
+    if (!isOffered(name)) {
+      failed.value = `The page “${name}” needs a server. ${SERVER}`;
       return;
     }
     if (shown.peek()?.name === name) return;

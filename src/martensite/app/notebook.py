@@ -23,7 +23,7 @@ from martensite.app.worker import Desk
 from martensite.base.errors import InputError
 from martensite.scenario.scenario import Scenario, read_scenario
 
-CALLS = ("run", "form", "scenarios", "differences", "export")
+CALLS = ("run", "form", "scenarios", "differences", "export", "model")
 """Calls of the bench; other pages are excluded."""
 ASSETS = tuple(sorted(path.name for path in STATIC.iterdir()))
 """Files of the page."""

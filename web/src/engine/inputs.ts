@@ -19,7 +19,7 @@ const HAIR = 1e-9;
 /** Share of its terms that a sum is rounding, and 0. */
 const ROUNDING = 8 * Number.EPSILON;
 
-export const SERVER = "Install martensite on this machine to change it: pip install martensite, then martensite app.";
+export const SERVER = "Install the Python package and start “martensite app” for this.";
 
 /** Numbers by path in SI; those that are as packaged are left out. */
 export type Changes = Record<string, number>;

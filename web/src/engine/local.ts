@@ -8,7 +8,7 @@ import { movable } from "./fixed.ts";
 import { predictInputs, SERVER, type Changes } from "./inputs.ts";
 import type { Manifest, RunCore, Scenario } from "./types.ts";
 import { drawRun } from "./drawn.ts";
-import type { Answered, Asked, Expected } from "./worker.ts";
+import type { Answered, Asked, Expected, Source } from "./worker.ts";
 
 /** Address of the manifest, if this page has no server. */
 const manifestAddress = (): string | null =>
@@ -69,7 +69,7 @@ let running: { id: number; done: (found: Answered) => void } | null = null;
 let waiting: { begin: () => void; drop: () => void } | null = null;
 
 /** A run beside the page; a newer request goes over one that has not begun. */
-export function runLocally(scenario: Scenario, changes: Changes, text: string): Promise<RunCore> {
+export function runLocally(scenario: Scenario, changes: Changes, text: string, from: Source = locateFile(scenario.module)): Promise<RunCore> {
   return new Promise((resolve, reject) => {
     const begin = (): void => {
       const id = ++count;
@@ -79,7 +79,7 @@ export function runLocally(scenario: Scenario, changes: Changes, text: string): 
       };
       const asked: Asked = {
         id,
-        address: locateFile(scenario.module),
+        from,
         scenario: told.has(scenario.name) ? null : scenario,
         name: scenario.name,
         changes,
@@ -148,7 +148,7 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
   studies: async () => fetchJson(locateFile("studies.json")),
   study_page: async (request) => fetchJson(locateFile(`study-${encodeURIComponent(request["name"] as string)}.json`)),
   study_figure: async (request) => ({ svg: await (await fetchFile(new URL(`studies/${encodeURIComponent(request["name"] as string)}.svg`, document.baseURI).href)).text() }),
-  compare: async (request) => compareDocuments(request["texts"] as string[]),
+  differences: async (request) => compareDocuments(request["texts"] as string[]),
 };
 
 /** The answer to a call, as the server would give it. */

@@ -7,10 +7,12 @@ import { runScenario } from "./run.ts";
 import { beginStepping, type Span, type Steps } from "./stepping.ts";
 import type { RunCore, Scenario } from "./types.ts";
 
+/** A module: its address, or its bytes. */
+export type Source = string | Uint8Array;
+
 export interface Asked {
   id: number;
-  /** Address of the module. */
-  address: string;
+  from: Source;
   /** Once for each scenario. */
   scenario: Scenario | null;
   name: string;
@@ -23,9 +25,9 @@ export interface Expected {
   fetch: string;
 }
 
-/** A model that goes on by spans of time: from an address or the bytes of its module, put at rest, then stepped with all drives at levels, in SI. */
+/** A model that goes on by spans of time: put at rest, then stepped with all drives at levels, in SI. */
 export type AskedStep =
-  | { begin: { from: string | Uint8Array; scenario: Scenario }; changes: Record<string, number> }
+  | { begin: { from: Source; scenario: Scenario }; changes: Record<string, number> }
   | { length: number; parts: number; levels: number[]; changes: Record<string, number> | null };
 
 /** `took`: time of the calculation [ms]. */
@@ -46,15 +48,15 @@ function compileOnce(address: string): Promise<WebAssembly.Module> {
   return known;
 }
 
-async function load(asked: Pick<Asked, "address">, scenario: Scenario): Promise<RunModule> {
-  return new RunModule(await compileOnce(asked.address), scenario.layout);
+async function load(from: Source, scenario: Scenario): Promise<RunModule> {
+  return new RunModule(await (typeof from === "string" ? compileOnce(from) : WebAssembly.compile(from.slice())), scenario.layout);
 }
 
 async function answer(asked: Asked): Promise<Answered> {
   if (asked.scenario) scenarios.set(asked.name, asked.scenario);
   const scenario = scenarios.get(asked.name)!;
   try {
-    if (!modules.has(asked.name)) modules.set(asked.name, load(asked, scenario));
+    if (!modules.has(asked.name)) modules.set(asked.name, load(asked.from, scenario));
     const run = runScenario(scenario, await modules.get(asked.name)!, asked.changes, asked.text);
     return { id: asked.id, run };
   } catch (error) {
@@ -72,8 +74,7 @@ async function step(asked: AskedStep): Promise<Stepped> {
   try {
     if ("begin" in asked) {
       const { scenario, from } = asked.begin;
-      const module = typeof from === "string" ? await load({ address: from }, scenario) : new RunModule(await WebAssembly.compile(from.slice()), scenario.layout);
-      stepping = beginStepping(scenario, module, asked.changes);
+      stepping = beginStepping(scenario, await load(from, scenario), asked.changes);
       return { ...nothing, took: performance.now() - begun };
     }
     if (asked.changes) stepping!.change(asked.changes);

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { isStatic } from "../engine/local.ts";
 import { call, sentence } from "../lib/api.ts";
 import { canRedo, canUndo, makeLink, redo, text, undo } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
@@ -101,9 +102,11 @@ export function Documents() {
         ))}
       </select>
       <div class="documents-buttons">
-        <button type="button" title="A wire with a dead weight" onClick={() => void put(NEW)}>
-          New
-        </button>
+        {!isStatic() && (
+          <button type="button" title="A wire with a dead weight" onClick={() => void put(NEW)}>
+            New
+          </button>
+        )}
         <button type="button" title="A TOML file; you can also drop it here" onClick={() => chooser.current?.click()}>
           Open …
         </button>

@@ -2,7 +2,6 @@
 
 import { useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { isStatic } from "../engine/local.ts";
 import { FileStep } from "../identify/file-step.tsx";
 import { FitStep } from "../identify/fit-step.tsx";
 import { RecordsStep } from "../identify/records-step.tsx";
@@ -43,20 +42,7 @@ async function resume(): Promise<void> {
 
 let watching = "";
 
-function NoServer() {
-  return (
-    <div class="identify stack">
-      <h1>Identify</h1>
-      <p>
-        This page has no server: fits need <code>martensite app</code> or <code>martensite fit</code> on your machine.
-      </p>
-    </div>
-  );
-}
-
-export const Page = () => (isStatic() ? <NoServer /> : <Fitting />);
-
-function Fitting() {
+export function Page() {
   useEffect(() => void resume(), []);
   useSignalEffect(() => {
     const job = fitting.job.value;

@@ -2,6 +2,7 @@
 
 import { PICTURES } from "../start/pictures.tsx";
 import { DOORS, openDoor, shut, type Door } from "../start/doors.ts";
+import { isOffered } from "../state/route.ts";
 import { text } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 
@@ -30,7 +31,7 @@ export function Page() {
       <p class="soft start-about">A test bench for shape-memory-alloy (nitinol) actuators: change a parameter and see stroke, temperature and time.</p>
       {shut.value && <Message kind="error">{shut.value}</Message>}
       <ul class="doors">
-        {DOORS.map((door) => (
+        {DOORS.filter(({ page }) => isOffered(page.split("?")[0]!)).map((door) => (
           <Entrance key={door.key} door={door} />
         ))}
       </ul>

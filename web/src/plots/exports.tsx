@@ -1,6 +1,7 @@
 // What can be taken away of the run on the bench: its document, its figure, its numbers.
 
 import { useSignal } from "@preact/signals";
+import { isStatic } from "../engine/local.ts";
 import { call, save, sentence, take } from "../lib/api.ts";
 import { makeReport } from "../report/make.ts";
 import { run } from "../state/run.ts";
@@ -54,7 +55,7 @@ export function Exports() {
         >
           Live report, HTML
         </button>
-        {FILES.map(([what, name, about]) => (
+        {!isStatic() && FILES.map(([what, name, about]) => (
           <button key={what} type="button" title={about} disabled={busy.value !== ""} onClick={() => void make(name, () => file(what))}>
             {name}
           </button>

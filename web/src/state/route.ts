@@ -1,6 +1,7 @@
 // Where in the page we are: `#/studies/finger`, `#/bench?scenario=…`.
 
 import { signal } from "@preact/signals";
+import { isStatic } from "../engine/local.ts";
 import { host } from "../lib/host.ts";
 
 export interface Place {
@@ -19,6 +20,12 @@ export function readPlace(): Place {
 
 export const place = signal<Place>(readPlace());
 addEventListener("hashchange", () => (place.value = readPlace()));
+
+/** Pages that work without a server. */
+const ALONE = ["start", "bench", "studies"];
+
+/** Whether a page works here. */
+export const isOffered = (page: string): boolean => !isStatic() || ALONE.includes(page);
 
 /** In a notebook there is one page. */
 export const go = (path: string): void => void (host || (location.hash = `#/${path}`));

@@ -1,6 +1,7 @@
 // The run of the scenario on the bench, those that are pinned beside it, and the time cursor.
 
 import { batch, computed, effect, signal } from "@preact/signals";
+import { expectChanges, runServed } from "../engine/served.ts";
 import { call, cancelCall, sentence, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { change, text } from "./scenario.ts";
@@ -118,8 +119,10 @@ async function show(document: string, changes: Record<string, unknown>, merge: b
   const mine = ++latest;
   computing.value = true;
   try {
-    const found = await call<Run>("run", { text: document, changes }, "run");
+    const own = runServed(document, changes);
+    const found = await (own ?? call<Run>("run", { text: document, changes }, "run"));
     if (mine !== latest) return false;
+    if (!own) void expectChanges(found.text, Object.keys(changes));
     taken(found.text);
     batch(() => {
       shown = found.text;

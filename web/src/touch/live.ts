@@ -6,6 +6,7 @@ import { predictInputs, type Changes } from "../engine/inputs.ts";
 import type { AskedStep, Stepped } from "../engine/worker.ts";
 import type { DriveAt, Scenario } from "../engine/types.ts";
 import { sentence } from "../lib/api.ts";
+import { startWorker } from "../lib/host.ts";
 import type { Run } from "../lib/types.ts";
 import { before, cursor, run } from "../state/run.ts";
 import { text } from "../state/scenario.ts";
@@ -80,9 +81,9 @@ function ask(asked: AskedStep): Promise<Stepped> {
   });
 }
 
-function startWorker(): void {
+async function renewWorker(): Promise<void> {
   worker?.terminate();
-  worker = new Worker(new URL("engine.js", document.baseURI), { type: "module" });
+  worker = await startWorker("engine.js");
   worker.onmessage = (event: MessageEvent<Stepped>) => answered?.(event.data);
   worker.onerror = () => answered?.({ refused: "The calculation ended unexpectedly; try again." });
 }
@@ -127,7 +128,7 @@ export async function beginLive(): Promise<void> {
   preparing.value = true;
   try {
     const model = await findModel(text.value);
-    startWorker();
+    await renewWorker();
     const found = await ask({ begin: { from: model.from, scenario: model.scenario }, changes: model.changes });
     if ("refused" in found) throw new Error(found.refused);
     if (run.value !== first) return; // something else was run meanwhile

@@ -2,7 +2,9 @@
 
 import { findStepped, isStatic } from "../engine/local.ts";
 import { predictInputs, type Changes } from "../engine/inputs.ts";
+import { readModule, type ModelAnswer } from "../engine/served.ts";
 import type { Scenario } from "../engine/types.ts";
+import type { Source } from "../engine/worker.ts";
 import { call } from "../lib/api.ts";
 import { handleOf, kindOf } from "./handles.ts";
 
@@ -12,15 +14,9 @@ export interface Model {
   /** Controls that differ from the document of the scenario. */
   changes: Changes;
   /** Where its module lies, or the module itself. */
-  from: string | Uint8Array;
+  from: Source;
   /** Of the document's run [s]. */
   duration: number;
-}
-
-interface Answer {
-  scenario: Scenario;
-  /** The module, in base 64. */
-  module: string;
 }
 
 const made = new Map<string, Model>();
@@ -33,9 +29,9 @@ export async function findModel(text: string): Promise<Model> {
   const known = made.get(text);
   if (known) return known;
   const path = handleOf(kindOf(text))?.path;
-  const { scenario, module } = await call<Answer>("model", { text, changes: {}, paths: path ? [path] : [] }, "model");
-  const from = Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0));
-  const found = { text, scenario, changes: {}, from, duration: Number(scenario.inputs[scenario.places.duration]) };
+  const answer = await call<ModelAnswer>("model", { text, changes: {}, paths: path ? [path] : [] }, "model");
+  const { scenario } = answer;
+  const found = { text, scenario, changes: {}, from: readModule(answer), duration: Number(scenario.inputs[scenario.places.duration]) };
   made.set(text, found);
   return found;
 }

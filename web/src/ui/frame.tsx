@@ -2,7 +2,7 @@
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { place } from "../state/route.ts";
+import { isOffered, place } from "../state/route.ts";
 import { Connection } from "./connection.tsx";
 import { ProjectMenu } from "./project.tsx";
 
@@ -64,7 +64,7 @@ export function Frame({ children }: { children: ComponentChildren }) {
           {here}
         </button>
         <nav id="pages" aria-label="Pages" class={open.value ? "open" : undefined}>
-          {NAMES.map(([name, title, about]) => (
+          {NAMES.filter(([name]) => isOffered(name)).map(([name, title, about]) => (
             <a key={name} href={`#/${name}`} title={about} aria-current={page === name ? "page" : undefined}>
               {title}
             </a>
