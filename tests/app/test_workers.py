@@ -131,6 +131,20 @@ def test_a_worker_that_cannot_be_started(tmp_path: Path, monkeypatch: pytest.Mon
     pooled(tmp_path, work)
 
 
+def test_progress_of_a_call_is_known_by_its_lane_until_it_ends(tmp_path: Path) -> None:
+    async def work(pool: WorkerPool) -> list[Any]:
+        call = asyncio.create_task(pool.ask("slider", "hang", {}))
+        while not pool.notes and not call.done():
+            await asyncio.sleep(0.02)
+        seen = dict(pool.notes)
+        pool.cancel("slider")
+        with pytest.raises(Refusal, match="Cancelled"):
+            await call
+        return [seen, pool.notes]
+
+    assert pooled(tmp_path, work) == [{"slider": {"begun": True}}, {}]
+
+
 def test_a_newer_call_goes_over_one_that_waits(tmp_path: Path) -> None:
     async def work(pool: WorkerPool) -> list[Any]:
         calls = [pool.ask("slider", "run", {"k": k}) for k in range(20)]

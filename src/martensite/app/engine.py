@@ -9,12 +9,13 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
+from martensite.app.messages import JsonTable
 from martensite.base.caches import cache_folder, make_cache
 from martensite.base.errors import MartensiteError
 from martensite.base.parameters import describe_structure
@@ -31,21 +32,27 @@ _ready: set[Hashable] = set()
 _begun: set[Hashable] = set()
 
 
-def run_fast(scenario: Scenario) -> tuple[Result, str]:
-    """Return the run, and its runtime."""
+def run_fast(scenario: Scenario, tell: Callable[[JsonTable], None]) -> tuple[Result, str]:
+    """Return the run, and its runtime; `tell` takes progress notes."""
+
+    def watch(doing: str, share: float) -> None:
+        tell({"doing": doing, "done": share})
+
     key = describe_structure(scenario.whole)
     if find_compiler() is None or (key in _begun and key not in _ready):
-        return scenario.run(runtime="floats"), "floats"
+        return scenario.run(runtime="floats", tell=watch), "floats"
     if key in _ready or _locate_mark(key).exists() or _is_long(scenario):
-        return _run_in_c(scenario, key), "c"
-    result = scenario.run(runtime="floats")
+        if key not in _ready:
+            tell({"doing": "compiling this structure, once", "done": None})
+        return _run_in_c(scenario, key, watch), "c"
+    result = scenario.run(runtime="floats", tell=watch)
     _begun.add(key)
     threading.Thread(target=_compile_structure, args=(scenario, key), daemon=True).start()
     return result, "floats"
 
 
-def _run_in_c(scenario: Scenario, key: Hashable) -> Result:
-    result = scenario.run(runtime="c")
+def _run_in_c(scenario: Scenario, key: Hashable, watch: Callable[[str, float], None] | None = None) -> Result:
+    result = scenario.run(runtime="c", tell=watch)
     if key not in _ready:
         _ready.add(key)
         with suppress(OSError):

@@ -3,6 +3,7 @@
     GET  /                      the page; other paths below it are its scripts and styles
     POST /api/call/NAME         a quick call: request and answer in JSON; columns of numbers as binary
                                 (`messages.pack_columns`) for clients that accept them
+    GET  /api/lane              progress of the running quick call of the lane, or null
     DELETE /api/lane            end the running quick call of the lane
     POST /api/jobs              begin long work: {"call": …, "request": …} -> the job
     GET  /api/jobs              the jobs of this tab
@@ -90,19 +91,21 @@ class Site:
 
     async def call(self, request: Request) -> Response:
         """Answer a quick call."""
-        tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+        lane = _read_lane(request)
         message = read_message(await _read_body(request))
-        lane = f"{tab} {lane}" if lane else ""
         columns = messages.COLUMNS_TYPE in request.headers.get("accept", "")
         try:
             return json_response(await self.pool.ask(lane, request.path_params["name"], message, columns))
         except asyncio.CancelledError:
             raise Refusal("The bench is ending.", 503, "lost") from None
 
+    async def show_call(self, request: Request) -> Response:
+        """Return the last progress note of the running quick call of a lane."""
+        return json_response(self.pool.notes.get(_read_lane(request)))
+
     async def stop_call(self, request: Request) -> Response:
         """End the running quick call of a lane."""
-        tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
-        return json_response({"stopped": self.pool.cancel(f"{tab} {lane}")})
+        return json_response({"stopped": self.pool.cancel(_read_lane(request))})
 
     async def begin(self, request: Request) -> Response:
         """Begin a job."""
@@ -179,6 +182,12 @@ def _read_tab(name: str | None) -> str:
     if name is None or not _TAB.fullmatch(name):
         raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
     return name
+
+
+def _read_lane(request: Request) -> str:
+    """Return tab and lane of a quick call; empty without a lane."""
+    tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+    return f"{tab} {lane}" if lane else ""
 
 
 def _read_grace(words: str | None) -> float:
@@ -273,6 +282,7 @@ def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = fr
             Route("/", _answer_index),
             Route("/api/status", _answer_status),
             Route("/api/call/{name}", shared.call, methods=["POST"], middleware=COMPRESSED),
+            Route("/api/lane", shared.show_call),
             Route("/api/lane", shared.stop_call, methods=["DELETE"]),
             Route("/api/jobs", shared.begin, methods=["POST"]),
             Route("/api/jobs", shared.list_jobs),

@@ -9,6 +9,7 @@ import os
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -186,6 +187,8 @@ class WorkerPool:
     made: list[Worker] = field(default_factory=list[Worker])
     running: dict[asyncio.Task[Any], str] = field(default_factory=dict["asyncio.Task[Any]", str])
     """Lanes of running calls."""
+    notes: dict[str, JsonTable] = field(default_factory=dict[str, JsonTable])
+    """Last progress note of the running call, by lane."""
     _anonymous: int = 0
 
     async def warm(self) -> None:
@@ -201,7 +204,8 @@ class WorkerPool:
             Refusal: it was refused, failed, timed out, was cancelled, or replaced.
         """
         worker = await self._worker(lane)
-        task = asyncio.ensure_future(worker.ask(call, request, columns=columns))
+        tell = partial(self.notes.__setitem__, lane) if lane else None
+        task = asyncio.ensure_future(worker.ask(call, request, tell, columns))
         self.running[task] = lane
         try:
             return await asyncio.wait_for(task, self.quick)
@@ -218,6 +222,7 @@ class WorkerPool:
             ) from None
         finally:
             self.running.pop(task, None)
+            self.notes.pop(lane, None)
             self._free(worker)
 
     def cancel(self, lane: str) -> bool:

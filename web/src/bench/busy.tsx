@@ -1,42 +1,52 @@
-// Says that a run is being made, if it takes long enough to be noticed.
+// Shows how far a run is, if it takes long enough to be noticed.
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { isStatic } from "../engine/local.ts";
+import { lookAtCall, type CallNote } from "../lib/api.ts";
 import { host } from "../lib/host.ts";
-import { cancelRun, computing, run } from "../state/run.ts";
+import { cancelRun, computing } from "../state/run.ts";
+import { Progress } from "../ui/progress.tsx";
 
-/** From when a run is told, and from when it is told why [ms]. */
-const [TOLD, EXPLAINED] = [500, 2500];
+/** From when a run is shown, and how often its progress is read [ms]. */
+const [TOLD, OFTEN] = [500, 400];
 
-/** 0: nothing to tell; 1: a run is made; 2: it takes long. */
-export const busy = signal<0 | 1 | 2>(0);
+/** Whether a run takes long. */
+export const busy = signal(false);
+const note = signal<CallNote | null>(null);
+
+/** A static page and the kernel of a notebook answer when they are done. */
+const isWatched = (): boolean => !isStatic() && !host;
+
+async function look(): Promise<void> {
+  const found = await lookAtCall("run").catch(() => null);
+  if (busy.peek() && found) note.value = found;
+}
 
 function follow(): () => void {
-  let waiting: number[] = [];
-  const stop = (): void => waiting.forEach(clearTimeout);
+  let waiting = 0;
+  const show = (): void => {
+    busy.value = true;
+    if (isWatched()) void look();
+    waiting = window.setTimeout(show, OFTEN);
+  };
   const leave = computing.subscribe((now) => {
-    stop();
-    if (!now) busy.value = 0;
-    else waiting = [window.setTimeout(() => (busy.value = 1), TOLD), window.setTimeout(() => (busy.value = 2), EXPLAINED)];
+    clearTimeout(waiting);
+    note.value = null;
+    busy.value = false;
+    if (now) waiting = window.setTimeout(show, TOLD);
   });
-  return () => (stop(), leave());
+  return () => (clearTimeout(waiting), leave());
 }
 
 export function Busy() {
   useEffect(follow, []);
-  const what = run.value ? "Simulating the changed scenario" : "Simulating";
+  if (!busy.value) return <div class="busy small" />;
+  const { doing, done } = note.value ?? { doing: "simulating", done: null };
+  const label = `${doing[0]!.toUpperCase()}${doing.slice(1)}${done === null ? " …" : `: ${Math.round(100 * done)} %`}`;
   return (
-    <div class="busy small row">
-      <p role="status">
-        {busy.value > 0 && `${what} …`}
-        {busy.value > 1 && " A new kind of part is compiled once, which takes some seconds."}
-      </p>
-      {busy.value > 0 && !isStatic() && !host && ( // the kernel of a notebook answers when it is done
-        <button type="button" onClick={cancelRun}>
-          Cancel
-        </button>
-      )}
+    <div class="busy small">
+      <Progress share={done} label={label} {...(isWatched() ? { onCancel: cancelRun } : {})} />
     </div>
   );
 }

@@ -101,6 +101,14 @@ const BUSY = new Refusal("Interrupt the kernel of the notebook to end this run."
 export const cancelCall = (lane: string): Promise<unknown> =>
   host ? Promise.reject(BUSY) : asked("/api/lane", { method: "DELETE", headers: { "X-Lane": `${load} ${lane}` } });
 
+/** How far the call of a lane is; `done` is null where it is not known. */
+export interface CallNote {
+  doing: string;
+  done: number | null;
+}
+
+export const lookAtCall = (lane: string): Promise<CallNote | null> => asked("/api/lane", { headers: { "X-Lane": `${load} ${lane}` } });
+
 export interface JobSummary<Note = Record<string, unknown>> {
   id: string;
   call: string;

@@ -56,7 +56,10 @@ function Title() {
   const about = now ? `${now.described}; ${effort}` : "";
   return (
     <div class="bench-title">
-      <h1>{now?.title ?? "Bench"}</h1>
+      <h1>
+        {now?.title ?? "Bench"}
+        {now && busy.value && <span class="soft"> (previous run)</span>}
+      </h1>
       {now && (
         <button type="button" class="quiet info" aria-expanded={open.value} aria-controls="bench-described" aria-label="About this run" title={about} onClick={() => (open.value = !open.value)}>
           <span aria-hidden="true">i</span>

@@ -61,10 +61,12 @@ def run_scenario(request: Request, desk: Desk) -> JsonTable:
 
     {"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
     -> {"text": TOML with the changes, "title": …, "times": […], "columns": {…}, …}
+
+    Notes: {"doing": words, "done": finished fraction, or null if it is not known}.
     """
     scenario = read_request_scenario(request, desk)
     begun = time.perf_counter()
-    result, runtime = run_fast(scenario)
+    result, runtime = run_fast(scenario, desk.tell)
     took = time.perf_counter() - begun
     return {
         "text": scenario.text,
