@@ -1,1 +1,0 @@
-import{a as r}from"./chunk-VI3SET5R.js";import{k as t}from"./chunk-YCLJUCYP.js";function i({picture:n,children:p}){let o=r[n];return t("div",{class:"empty",children:[o&&t(o,{}),t("p",{class:"soft",children:p})]})}export{i as a};
