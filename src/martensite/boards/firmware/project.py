@@ -77,6 +77,15 @@ class Firmware:
             return 0.0
         return AROUND + PER_LETTER * len(self.plan.core.source)
 
+    def check_size(self) -> None:
+        """Raise `InputError` if the firmware is much larger than the flash of its board."""
+        board = self.plan.board
+        if self.flash > TOO_LARGE * board.flash:
+            raise InputError(
+                f"This loop takes about {1e-3 * self.flash:.0f} kB of flash, but {board.title} has "
+                f"{1e-3 * board.flash:.0f} kB: use a larger board, such as mega2560 or stm32f405."
+            )
+
     def write(self, folder: str | Path) -> list[Path]:
         """Write all files, or none, into a folder, and return their paths.
 
@@ -163,11 +172,7 @@ def build_firmware(
         planned,
     )
     firmware = Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
-    if firmware.flash > TOO_LARGE * chosen.flash:
-        raise InputError(
-            f"This loop takes about {1e-3 * firmware.flash:.0f} kB of flash, but {chosen.title} has "
-            f"{1e-3 * chosen.flash:.0f} kB: use a larger board, such as mega2560 or stm32f405."
-        )
+    firmware.check_size()
     return firmware
 
 
