@@ -160,8 +160,9 @@ def _cut_ramp(where: tuple[str, int], kelvin: Any, times: Any, heat: Any) -> Hea
     """Return the part of a leg with a steady rate; None for a leg that is too short."""
     mean = float((kelvin[-1] - kelvin[0]) / max(times[-1] - times[0], 1e-12))
     wide = max(len(kelvin) // 50, 1)
-    local = np.convolve(np.gradient(kelvin, np.maximum.accumulate(times + 1e-9 * np.arange(len(times)))),
-                        np.ones(2 * wide + 1) / (2 * wide + 1), "same")  # fmt: skip
+    clock = np.maximum.accumulate(times + 1e-9 * np.arange(len(times)))
+    window = np.ones(2 * wide + 1) / (2 * wide + 1)
+    local = np.convolve(np.gradient(kelvin, clock), window, "same")
     rate = float(np.median(local[np.abs(local) > 0.5 * abs(mean)])) if mean else 0.0
     good = np.abs(local / rate - 1.0) < STEADY if rate else np.zeros(0, bool)
     good[: wide + 1] = good[wide + 1] if len(good) > wide + 1 else False
