@@ -109,8 +109,9 @@ def test_every_tab_door_and_download_works_here(page: Page) -> None:
     page.locator(".cards a").first.click()
     expect(page.locator(".study-head")).to_be_visible()
     assert page.get_by_role("alert").all_inner_texts() == []
-    page.goto(f"{page.url.split('#')[0]}#/sweep")
-    expect(page.get_by_text("The page “sweep” needs a server.")).to_be_visible()
+    for name in ("sweep", "identify"):
+        page.goto(f"{page.url.split('#')[0]}#/{name}")
+        expect(page.get_by_text(f"The page “{name}” needs a server.")).to_be_visible()
 
 
 def wait_for(page: Page, what: str, condition: str) -> None:
@@ -153,14 +154,6 @@ def test_heat_is_held_and_the_load_dragged_and_what_came_of_it_is_kept(page: Pag
     expect(page.get_by_role("heading", level=1)).not_to_contain_text("by hand")
     page.reload()
     expect(page.get_by_text("it was lost when the page closed")).to_be_visible()
-
-
-def test_fits_are_left_to_the_commands(page: Page) -> None:
-    page.goto(f"{page.url.split('#')[0]}#/identify")
-    expect(page.locator("main")).to_contain_text(
-        "This page has no server: fits need martensite app or martensite fit on your machine."
-    )
-    expect(page.locator("main input")).to_have_count(0)
 
 
 def test_a_study_shows_the_results_that_it_ships(page: Page) -> None:
