@@ -5,11 +5,13 @@ Source of truth: loops computed here from cosines and straight lines with the gi
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 
+from martensite.base.summary import DataTable
 from martensite.characterise.specimen import add_strain_and_stress
 from martensite.characterise.tangent_points import find_all_cycles, find_tangent_points
 from martensite.fit.experiment import Experiment
@@ -17,7 +19,10 @@ from martensite.fit.experiment_kinds.base import propose_scenarios, recognise_ex
 from martensite.fit.log_models import LogModel, model_logs
 from martensite.fit.logs import choose_held_out
 from martensite.fit.path_places import measure_places
+from martensite.fit.problem import Problem
+from martensite.fit.search_monitor import SearchNote
 from martensite.scenario.scenario import read_scenario
+from martensite.show.summaries.log_model import summarise_log_model
 from martensite.signals.records import Record
 
 TRUE = {"A_s": 110.0, "A_f": 130.0, "M_s": 120.0, "M_f": 90.0}
@@ -162,14 +167,34 @@ def test_given_length_of_a_tensile_test_changes_no_strain() -> None:
     assert "E_A" not in free.dependent
 
 
-def test_assumed_section_is_named_at_the_moduli() -> None:
+def pull_unknown_section() -> Record:
+    """Return forces of a superelastic wire of 0.5 mm whose diameter is not in the record."""
     record = superelastic(4)
     columns = {name: x for name, x in record.columns.items() if name != "stress"}
     columns["force"] = (np.asarray(record["stress"]) * np.pi / 4.0 * 0.5e-3**2).tolist()
-    made = Record("test_30C", columns, {"time": "s", "strain": "1", "force": "N"}, interval=1.0)
-    model = model_logs(made)
-    assert "element.diameter" in model.dependent["E_A"]
+    return Record("test_30C", columns, {"time": "s", "strain": "1", "force": "N"}, interval=1.0)
+
+
+def test_assumed_section_is_named_at_the_moduli() -> None:
+    model = model_logs(pull_unknown_section())
+    assert "element.diameter" in model.dependent["E_A"] and not model.untested
     assert model.fit["E_A"] == pytest.approx(15e9, rel=0.01)  # by the assumed 1 mm
+
+
+def test_interrupted_fit_calls_nothing_determined_that_may_depend_on_assumptions() -> None:
+    evaluations = itertools.count()
+
+    def interrupt(_problem: Problem, _note: SearchNote) -> None:
+        if next(evaluations) == 12:
+            raise KeyboardInterrupt
+
+    model = model_logs(pull_unknown_section(), keep=interrupt)
+    assert model.stopped == "interruption" and "element.diameter" in model.untested
+    blocks = summarise_log_model(model).blocks
+    tables = [one for one in blocks if isinstance(one, DataTable) and "determined" in one.head]
+    marks = [row[-1] for table in tables for row in table.rows]
+    assert "yes" not in marks
+    assert any(one.startswith("not tested for assumed") and "diameter" in one for one in marks)
 
 
 SHARP = """

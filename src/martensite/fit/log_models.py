@@ -76,6 +76,8 @@ class LogModel:
     """Stop reason of an early end: `interruption` or `time box`."""
     moves: tuple[AssumedMove, ...] = ()
     """Sensitivity of the parameters to each assumed value."""
+    untested: tuple[str, ...] = ()
+    """Paths of assumed values whose effect on the parameters was not computed."""
 
     @property
     def fit(self) -> Fit:
@@ -274,8 +276,9 @@ def model_logs(
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, known.assumed, rebuild)
+    untested = tuple(path for path in known.assumed if path not in {one.path for one in moves})
     tried = tuple(trials.tried)
-    return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves))
+    return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves), untested)
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:

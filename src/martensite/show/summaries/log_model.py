@@ -127,7 +127,9 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
             why = _name_assumed(model.dependent[free.name])
         known = math.isfinite(high - low)
         shown = f"{format_quantity(low, free.unit)} to {format_quantity(high, free.unit)}" if known else ""
-        rows.append((free.name, format_quantity(fit[free.name], free.unit), shown, _mark_determined(why)))
+        rows.append(
+            (free.name, format_quantity(fit[free.name], free.unit), shown, _mark_determined(why, model.untested))
+        )
     if model.time_constant is not None:
         tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
         rows.insert(0, ("time constant", tau, f"{low} to {high}", "yes"))
@@ -137,13 +139,18 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
 
 def _name_assumed(paths: Sequence[str]) -> str:
     """Return `per assumed length, C_A` for the paths of assumed values."""
-    return f"per assumed {', '.join(path.rpartition('.')[2] for path in paths)}"
+    return f"per assumed {_name_paths(paths)}"
 
 
-def _mark_determined(why: str) -> str:
-    if not why:
-        return "yes"
-    return why if why.startswith("per assumed") else f"no: {why}"
+def _name_paths(paths: Sequence[str]) -> str:
+    return ", ".join(path.rpartition(".")[2] for path in paths)
+
+
+def _mark_determined(why: str, untested: Sequence[str]) -> str:
+    """Return `yes`, or why a number is not known to be determined; an untested assumption is such a reason."""
+    if why:
+        return why if why.startswith("per assumed") else f"no: {why}"
+    return f"not tested for assumed {_name_paths(untested)}" if untested else "yes"
 
 
 def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
@@ -155,7 +162,7 @@ def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
         paths = list(dict.fromkeys(path for one in own for path in one.assumed))
         cells = [f"{format_quantity(one.value, 'K')} ± {format_change(one.half_width, 'K', 2)}" for one in own]
         wide = [one.name for one in own if not one.half_width <= UNCERTAIN]
-        mark = _name_assumed(paths) if paths else f"no: {', '.join(wide)}" if wide else "yes"
+        mark = _mark_determined(_name_assumed(paths) if paths else ", ".join(wide), model.untested)
         rows.append((f"{stress / 1e6:g} MPa", *cells, mark))
     if rows:
         names = [one.name for one in found if one.stress == found[0].stress]
@@ -206,6 +213,7 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         "time_constant": model.time_constant,
         "undetermined": model.undetermined,
         "per_assumed": {name: list(paths) for name, paths in model.dependent.items()},
+        "untested_assumptions": list(model.untested),
         "temperatures": [asdict(one) for one in model.temperatures],
         "uncounted_noise": {one.column: one.sigma for one in model.input_noise[0]},
         "notes": list(model.notes),
