@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { isStatic } from "../engine/local.ts";
 import { call, sentence } from "../lib/api.ts";
-import { canRedo, canUndo, makeLink, redo, text, undo } from "../state/scenario.ts";
+import { canRedo, canUndo, makeAddress, redo, text, undo } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Editor } from "./editor.tsx";
 import { textOf } from "./files.ts";
@@ -28,7 +28,7 @@ function onKey(event: KeyboardEvent): void {
 }
 
 async function copyLink(): Promise<string> {
-  const link = `${location.origin}/#/bench?scenario=${await makeLink()}`;
+  const link = await makeAddress();
   try {
     await navigator.clipboard.writeText(link);
     return "The link is copied. It opens this scenario with pinned runs, cursor and view, in a bench on this machine.";

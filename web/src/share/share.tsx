@@ -9,7 +9,7 @@ import { printed } from "../plots/drawn.ts";
 import { Menu } from "../plots/menu.tsx";
 import { shownStage } from "../scene/shown.ts";
 import { run } from "../state/run.ts";
-import { makeLink } from "../state/scenario.ts";
+import { makeAddress } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { measures } from "../views/results.ts";
 import { HIGH, paintCard, WIDE, writeCard, type Card } from "./card.ts";
@@ -29,8 +29,6 @@ async function drawCard(card: Card): Promise<Blob> {
   return new Promise((resolve, reject) => canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be made."))), "image/png"));
 }
 
-const findAddress = async (): Promise<string> => `${location.href.replace(/[?#].*/, "")}#/bench?scenario=${await makeLink()}`;
-
 async function copy(text: string): Promise<string> {
   try {
     await navigator.clipboard.writeText(text);
@@ -44,7 +42,7 @@ async function copy(text: string): Promise<string> {
 async function send(card: Card): Promise<string> {
   const file = new File([await drawCard(card)], "martensite.png", { type: "image/png" });
   try {
-    await navigator.share({ title: card.title, text: writeCard(card, await findAddress()), files: [file] });
+    await navigator.share({ title: card.title, text: writeCard(card, await makeAddress()), files: [file] });
     return "";
   } catch (error) {
     return error instanceof DOMException && error.name === "AbortError" ? "" : sentence(error);
@@ -73,10 +71,10 @@ export function Share({ note = "" }: { note?: string }) {
             Send …
           </button>
         )}
-        <button type="button" title="An address that contains this scenario" onClick={doing(async () => copy(await findAddress()))}>
+        <button type="button" title="An address that contains this scenario" onClick={doing(async () => copy(await makeAddress()))}>
           Copy link
         </button>
-        <button type="button" title="Key numbers and address" onClick={doing(async (card) => copy(writeCard(card, await findAddress())))}>
+        <button type="button" title="Key numbers and address" onClick={doing(async (card) => copy(writeCard(card, await makeAddress())))}>
           Copy text
         </button>
         <button type="button" title="The mechanism with its key numbers, 1200 by 630 pixels" onClick={doing(keep)}>

@@ -94,6 +94,11 @@ export function makeLink(): Promise<string> {
   return packLink({ text: text.value, parts: Object.fromEntries(LINKED.map((name) => [name, shortened(readPart(name))])) });
 }
 
+/** Return the address of this bench with the scenario, without the token of a server. */
+export async function makeAddress(): Promise<string> {
+  return `${location.href.replace(/[?#].*/, "")}#/bench?scenario=${await makeLink()}`;
+}
+
 /** Without what is empty. */
 function shortened(part: unknown): unknown {
   const entries = Object.entries((part ?? {}) as Record<string, unknown>);
