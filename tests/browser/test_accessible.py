@@ -149,5 +149,5 @@ def test_a_number_to_vary_is_chosen_by_arrow_keys(page: Page) -> None:
     field.press("ArrowDown")
     expect(field).to_have_attribute("aria-activedescendant", second.get_attribute("id") or "")
     field.press("Enter")
-    expect(page.get_by_text(name, exact=True).first).to_be_visible()
+    expect(page.get_by_role("region", name="Axes").get_by_role("group", name=name)).to_be_visible()
     expect(field).to_have_value("")

@@ -198,4 +198,4 @@ def test_a_life_keeps_to_what_a_source_names_and_says_what_none_does() -> None:
     assert "Life: 100,000 cycles requested" in text
     assert "nitinolactuators.com" in text and "This is no prediction" in text
     for more in (("--life", "1e7"), ("--life", "1e5", "--element", "coil"), ("--life", "1e5", "--no-limits")):
-        assert "there is no source" in refused(*SMALL, *more)
+        assert "no source covers more" in refused(*SMALL, *more)

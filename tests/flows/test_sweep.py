@@ -231,7 +231,7 @@ def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
         (OVER, {"measures": ("strok",)}, "Did you mean `stroke`"),
         (OVER, {"measures": ("max(stres)",)}, "Did you mean `stress`"),
         (OVER, {"measures": ("at(position, time=9 s)",)}, "the run ends at 2 s"),
-        (OVER, {"measures": ()}, "keeps something"),
+        (OVER, {"measures": ()}, "at least one output"),
         (OVER, {"traces": (("strss", 3),)}, "Did you mean `stress`"),
         (OVER, {"sample": "sobl:8"}, "Did you mean `sobol`"),
         (OVER, {"sample": "sobol"}, "sobol:1024"),

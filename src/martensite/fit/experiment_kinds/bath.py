@@ -48,12 +48,13 @@ class BathTest(AbstractExperimentKind):
     own_zero = True
 
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
-        """Return the experiment if shape and temperature vary, with no load on record or that of a spring."""
+        """Return the experiment if shape and temperature vary, with no load (of a position) or that of a spring."""
         if survey.drives or not survey.is_heated or not survey.shapes:
             return None
         shape = survey.shapes[0]
         loads = [name for one in survey.records for name in ("stress", "force") if name in one.columns]
-        if not loads and not any(find_named_stress(one) for one in survey.records):
+        named = any(find_named_stress(one) for one in survey.records)
+        if shape != "strain" and not loads and not named:  # a strain is of a material test, which asks for its stress
             why = f"`{shape}` and `temperature` vary, and no load is on record"
             return RecognisedExperiment(self, why, "temperature", (shape,))
         if survey.loads and all(_is_spring(one, shape, survey.loads[0]) for one in survey.records):
