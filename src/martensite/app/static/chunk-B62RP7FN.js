@@ -1,1 +1,0 @@
-import{a as r}from"./chunk-JMQYWZT5.js";import{ta as t}from"./chunk-MJGXFWYA.js";function i({picture:n,children:p}){let o=r[n];return t("div",{class:"empty",children:[o&&t(o,{}),t("p",{class:"soft",children:p})]})}export{i as a};
