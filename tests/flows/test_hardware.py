@@ -51,9 +51,14 @@ needs_arm = pytest.mark.skipif(not ARM, reason="gcc-arm-none-eabi or qemu-system
 @pytest.fixture(scope="module")
 def uno(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A project of the loop with a position sensor, compiled for the Uno."""
-    folder = tmp_path_factory.mktemp("boards") / "uno"
-    build_firmware(ms.load(EXAMPLES / "closed_loop.toml"), "uno", name="uno").write(folder)
-    compile_sketch(folder, "uno")
+    return compile_loop(tmp_path_factory.mktemp("boards"), "uno")
+
+
+def compile_loop(parent: Path, board: str) -> Path:
+    """Write and compile the loop with a position sensor for an AVR board."""
+    folder = parent / board
+    build_firmware(ms.load(EXAMPLES / "closed_loop.toml"), board, name=board).write(folder)
+    compile_sketch(folder, board)
     return folder
 
 
@@ -76,6 +81,18 @@ def test_a_loop_on_an_uno_is_that_of_the_simulation(uno: Path, board: SimavrBoar
     far = {name: share for name, _, _, share in compare_runs(scenario, found)}
     assert far["position"] < 1e-4 and far["temperature"] < 1e-4 and len(found.times) == 251
     assert found.lost == 0 and link.reader.counts.garbled == 0
+
+
+@needs_avr
+def test_a_nano_runs_the_loop_as_an_uno_does(tmp_path: Path) -> None:
+    folder = compile_loop(tmp_path, "nano")
+    board = SimavrBoard(folder / "firmware.elf", "nano", 500_000, folder)
+    board.run(0.1)
+    link = BoardLink(board, now=board.now)
+    scenario = ms.load(EXAMPLES / "closed_loop.toml")
+    found = run_hil(scenario, link, read_description(folder), word="ARM", duration=1.0)
+    board.close()
+    assert max(share for _, _, _, share in compare_runs(scenario, found)) < 1e-3 and found.lost == 0
 
 
 @needs_avr

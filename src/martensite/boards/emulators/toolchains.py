@@ -21,7 +21,11 @@ from martensite.kernels.compiler import find_compiler
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 """Arduino core for AVR on Debian."""
 SIMAVR = Path("/usr/include/simavr/sim_avr.h")
-MCUS = {"uno": ("atmega328p", "standard", "AVR_UNO"), "mega2560": ("atmega2560", "mega", "AVR_MEGA2560")}
+MCUS = {
+    "uno": ("atmega328p", "standard", "AVR_UNO"),
+    "nano": ("atmega328p", "eightanaloginputs", "AVR_NANO"),
+    "mega2560": ("atmega2560", "mega", "AVR_MEGA2560"),
+}
 """Processor, variant and name of a board in the Arduino core."""
 PACKAGES = {
     "avr-gcc": "gcc-avr and avr-libc",
@@ -62,9 +66,7 @@ def compile_sketch(folder: Path, board: str, flags: Sequence[str] = ()) -> Path:
         CompileError: the compiler failed.
     """
     if board not in MCUS:
-        raise InputError(
-            f"Only {' and '.join(MCUS)} are compiled here; use PlatformIO or the Arduino IDE for `{board}`."
-        )
+        raise InputError(f"Only {', '.join(MCUS)} are compiled here; use PlatformIO or the Arduino IDE for `{board}`.")
     plus, core = require_tool("avr-g++"), CORE / "cores" / "arduino"
     if not core.is_dir():
         raise InputError("This needs the Arduino core for AVR; on Debian: arduino-core-avr.")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @spread_options
 def firmware(
     source: ScenarioSource,
-    board: Annotated[str, Option(help="Board: uno, mega2560, esp32 or stm32f405.")],
+    board: Annotated[str, Option(help="Board: uno, nano, mega2560, esp32 or stm32f405.")],
     out: Annotated[Path | None, Option(metavar="FOLDER", help="Output folder [default: ./SCENARIO_BOARD].")] = None,
     silence: Annotated[
         str, Option(help='Time without a message of the host after which the board disarms, e.g. "0.5 s".')
@@ -51,7 +51,7 @@ def firmware(
         Text,
         Option(
             metavar="pin|power-up",
-            help="Operation without a host on uno or mega2560: armed by a switch at a pin, or after power-up.",
+            help="Operation without a host on uno, nano or mega2560: armed by a switch at a pin, or after power-up.",
         ),
     ] = None,
     force: Force = False,
