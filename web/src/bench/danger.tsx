@@ -2,6 +2,7 @@
 
 import { useEffect } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
+import { capital } from "../lib/words.ts";
 import { printed } from "../plots/drawn.ts";
 import { AlarmItem } from "../plots/warnings.tsx";
 import { run } from "../state/run.ts";
@@ -12,8 +13,6 @@ import { tryOut } from "./insight.tsx";
 import { isQuick } from "./trials.ts";
 
 const KEYS: Record<string, string[]> = { stress: ["stress", "stroke"], temperature: ["temperature", "stroke"] };
-
-const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** Results of a cure that the reader compares: the limited quantity and the stroke. */
 function effectOf(cure: Cure, kind: string): string {

@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import { send } from "../form/state.ts";
 import type { Run } from "../lib/types.ts";
+import { capital } from "../lib/words.ts";
 import { printed } from "../plots/drawn.ts";
 import { pin, pinned, run } from "../state/run.ts";
 import { Table } from "../ui/table.tsx";
@@ -23,8 +24,6 @@ export function tryOut(changes: Changes): void {
 
 /** A number stays on the line of its unit. */
 const unbroken = (text: string): string => text.replaceAll(/(\d) /g, "$1\u00a0");
-
-const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** Results of trials next to the run itself. */
 function Trials({ now, of, caption }: { now: Run; of: Trial[]; caption: string }) {

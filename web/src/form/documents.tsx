@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { isStatic } from "../engine/local.ts";
 import { call, sentence } from "../lib/api.ts";
+import { copyText } from "../lib/words.ts";
 import { canRedo, canUndo, makeAddress, redo, text, undo } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Editor } from "./editor.tsx";
@@ -29,12 +30,8 @@ function onKey(event: KeyboardEvent): void {
 
 async function copyLink(): Promise<string> {
   const link = await makeAddress();
-  try {
-    await navigator.clipboard.writeText(link);
-    return "The link is copied. It opens this scenario with pinned runs, cursor and view, in a bench on this machine.";
-  } catch {
-    return `The browser does not allow copying; the link is ${link}`;
-  }
+  const done = "The link is copied. It opens this scenario with pinned runs, cursor and view, in a bench on this machine.";
+  return copyText(link, done, `The browser does not allow copying; the link is ${link}`);
 }
 
 export function Documents() {

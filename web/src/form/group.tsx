@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { KindControl, MaterialControl, OptionControl, TextControl } from "./choice.tsx";
 import { NumberControl } from "./number.tsx";
+import { capital } from "../lib/words.ts";
 import { keepSignals } from "../state/session.ts";
 import { search } from "./state.ts";
 import type { GroupNode, FormNode, SingleNode } from "./types.ts";
@@ -13,8 +14,6 @@ const FEW = 6;
 /** Groups that were folded or unfolded by hand, by path. */
 const folded = signal<Record<string, boolean>>({});
 keepSignals("form", { folded, search });
-
-const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 function One({ node }: { node: SingleNode }) {
   switch (node.sort) {

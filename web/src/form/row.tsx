@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { whyFixed } from "../engine/fixed.ts";
 import { tellBesideField } from "../lib/refusal.ts";
+import { capital } from "../lib/words.ts";
 import { Details, hint } from "./details.tsx";
 import { isOnTop, putOnTop } from "./pinned.ts";
 import { refusals } from "./state.ts";
@@ -17,8 +18,6 @@ const faultId = (path: string): string => `${idOf(path)}-fault`;
 export function faulty(path: string): { "aria-invalid"?: "true"; "aria-describedby"?: string } {
   return refusals.value[path] ? { "aria-invalid": "true", "aria-describedby": faultId(path) } : {};
 }
-
-const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 export function nameOf(node: SingleNode): ComponentChildren {
   return node.symbol ? <Symbol text={node.symbol} /> : capital(node.title);

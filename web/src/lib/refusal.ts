@@ -1,5 +1,7 @@
 // A refusal is an error with its sentence.
 
+import { capital } from "./words.ts";
+
 export class Refusal extends Error {
   constructor(
     message: string,
@@ -12,7 +14,6 @@ export class Refusal extends Error {
 
 const SECTION = /^\[[^\]]*\] /;
 const NAMED = /^Parameter `?([^` ]+)`? of `?([^` :]+)`?(:?) /;
-const beginUpper = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** Options of the command line stand in parentheses at the end of a clause. */
 const OPTION = / \(`?--(?:`[^`]*`|[^)])*\)/g;
@@ -26,7 +27,7 @@ export const dropMarks = (sentence: string): string => dropOptions(sentence).rep
 /** A refusal of the library for who sees a form, not a file: without the place in the text of the scenario. */
 export const tellRefusal = (sentence: string): string => {
   const plain = sentence.replace(SECTION, "");
-  return beginUpper(dropMarks(plain.replace(NAMED, (_, name: string, kind: string, colon: string) => `${name.replaceAll("_", " ")} of ${kind}${colon} `)));
+  return capital(dropMarks(plain.replace(NAMED, (_, name: string, kind: string, colon: string) => `${name.replaceAll("_", " ")} of ${kind}${colon} `)));
 };
 
 /** What was typed, at the beginning of a sentence. */
@@ -36,4 +37,4 @@ const EXAMPLE = /write for example `[^`]*`/;
 
 /** The same beside the field that it is about, which shows a unit. */
 export const tellBesideField = (sentence: string, unit = ""): string =>
-  beginUpper(dropMarks(sentence.replace(SECTION, "").replace(NAMED, "").replace(TYPED, "“$1” ").replace(EXAMPLE, `write for example 1.5${unit && ` ${unit}`}`)));
+  capital(dropMarks(sentence.replace(SECTION, "").replace(NAMED, "").replace(TYPED, "“$1” ").replace(EXAMPLE, `write for example 1.5${unit && ` ${unit}`}`)));

@@ -16,6 +16,7 @@ import { Traces } from "../plots/traces.tsx";
 import { Warnings } from "../plots/warnings.tsx";
 import { liveLook, pinLook } from "../plots/palette.ts";
 import { Swatch } from "../plots/swatch.tsx";
+import { copyText } from "../lib/words.ts";
 import { pinned, run } from "../state/run.ts";
 import { writePart } from "../state/session.ts";
 import { Message } from "../ui/message.tsx";
@@ -128,11 +129,9 @@ function Differences({ data }: { data: ReportData }) {
 
 function Scenario({ text, title }: { text: string; title: string }) {
   const said = useSignal("");
-  const copy = (): void =>
-    void navigator.clipboard.writeText(text).then(
-      () => (said.value = "Copied."),
-      () => (said.value = "The browser does not allow copying; choose the text below."),
-    );
+  const copy = async (): Promise<void> => {
+    said.value = await copyText(text, "Copied.", "The browser does not allow copying; choose the text below.");
+  };
   return (
     <section class="stack" aria-label="Scenario">
       <h2>Scenario</h2>

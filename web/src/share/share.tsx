@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { save, sentence } from "../lib/api.ts";
 import { digits, toShown } from "../lib/numbers.ts";
 import { palette } from "../lib/theme.ts";
+import { copyText } from "../lib/words.ts";
 import type { Run } from "../lib/types.ts";
 import { printed } from "../plots/drawn.ts";
 import { Menu } from "../plots/menu.tsx";
@@ -29,14 +30,7 @@ async function drawCard(card: Card): Promise<Blob> {
   return new Promise((resolve, reject) => canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be made."))), "image/png"));
 }
 
-async function copy(text: string): Promise<string> {
-  try {
-    await navigator.clipboard.writeText(text);
-    return "Copied.";
-  } catch {
-    return `The browser does not allow copying: ${text}`;
-  }
-}
+const copy = (text: string): Promise<string> => copyText(text, "Copied.", `The browser does not allow copying: ${text}`);
 
 /** Hand picture, text and link to a program of the device. */
 async function send(card: Card): Promise<string> {

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { isStatic } from "../engine/local.ts";
+import { copyText } from "../lib/words.ts";
 import type { About } from "./types.ts";
 
 /** Address of a study: a page of its own where there is no server, else a place on this page. */
@@ -11,11 +12,9 @@ export const addressOf = (name: string, page: string, alone: boolean): string =>
 export function Cite({ study }: { study: About }) {
   const said = useSignal("");
   const address = addressOf(study.name, location.href, isStatic());
-  const copy = (): void =>
-    void navigator.clipboard.writeText(address).then(
-      () => (said.value = "Copied."),
-      () => (said.value = "The browser does not allow it; select the address."),
-    );
+  const copy = async (): Promise<void> => {
+    said.value = await copyText(address, "Copied.", "The browser does not allow it; select the address.");
+  };
   return (
     <section class="panel stack" aria-label="Address">
       <h2>Cite this study</h2>

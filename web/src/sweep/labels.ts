@@ -1,5 +1,6 @@
 // What parameters are called: as on the bench, with their part where two would have one name.
 
+import { capital } from "../lib/words.ts";
 import type { Target } from "./types.ts";
 
 /** What the bench calls a drive, by the last letter of its unit. */
@@ -8,7 +9,6 @@ const DRIVE = /^drives?\..*(high|values?|amplitude)$/;
 const SURROUNDINGS = "environment.temperature";
 
 const words = (name: string): string => name.replaceAll("_", " ");
-const capital = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 /** Symbols keep their letters: `A_s`, `E_M`, `h`. */
 const isSymbol = (name: string): boolean => name.length === 1 || /^[A-Za-z]+_[A-Za-z]{1,2}$/.test(name);
 

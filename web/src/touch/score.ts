@@ -1,6 +1,7 @@
 // What the challenge asks for, and the score of what was held.
 
-import type { Output, Run } from "../lib/types.ts";
+import { toShown } from "../lib/numbers.ts";
+import type { Run } from "../lib/types.ts";
 import { formatGeneral } from "../views/formulas.ts";
 
 /** Share of the target within which a position counts as held. */
@@ -22,8 +23,6 @@ export interface Score {
   /** Root mean square of the error [SI]. */
   rms: number;
 }
-
-const toShown = (value: number, how: Output): number => value * how.factor + how.offset;
 
 /** A quarter of the stroke of a run, as a round number; null if nothing moves. */
 export function chooseTarget(now: Run): Target | null {

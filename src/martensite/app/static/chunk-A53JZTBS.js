@@ -1,1 +1,0 @@
-import{a as r}from"./chunk-2LHZCC3D.js";import{ta as t}from"./chunk-ORVMHUB3.js";function i({picture:n,children:p}){let o=r[n];return t("div",{class:"empty",children:[o&&t(o,{}),t("p",{class:"soft",children:p})]})}export{i as a};
