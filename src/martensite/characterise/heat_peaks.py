@@ -3,7 +3,7 @@
 The outer lines are least squares through the rows beside a group of peaks. The baseline below the group is
 
     sigmoid    from the line before to the line behind in proportion to the area so far
-    line       straight from the end of the line before to the begin of the line behind
+    line       straight from the end of the line before to the start of the line behind
 
 Onset and endset are the intersections of the baseline with the tangents at the steepest rows of both flanks (ASTM
 F2004, where lines are drawn by eye). For a Gaussian peak exp(-((T - T_p)/w)²) they lie √2 w from the peak. The
@@ -103,7 +103,7 @@ def find_peaks(ramp: HeatRamp, sign: float, baseline: str = SIGMOID) -> RampPeak
     """
     x, y = ramp.temperature, sign * ramp.capacity
     first, last, tops = _find_group(ramp, x, y)
-    lines = [np.polyfit(x[rows], y[rows], 1) for rows in _outer_rows(ramp, first, last, len(x))]
+    lines = [np.polyfit(x[rows], y[rows], 1) for rows in _outer_rows(first, last, len(x))]
     both = {name: _build_baseline(name, x, y, (first, last), lines) for name in BASELINES}
     areas = {name: float(np.trapezoid((y - z)[first : last + 1], x[first : last + 1])) for name, z in both.items()}
     base = both[baseline]
@@ -132,7 +132,7 @@ def _find_group(ramp: HeatRamp, x: Any, y: Any) -> tuple[int, int, list[int]]:
     least = max(SMALLEST * top, CLEAR * scatter)
     tops = [int(k) for k in find_maxima(over, height=least, prominence=0.5 * least)[0]]
     if not tops:
-        raise _incomplete(ramp, "begins or ends within the peak")
+        raise _incomplete(ramp)
     # the foot is read against lines through the far rows of both sides
     foot = FOOT * top + 2.0 * scatter / math.sqrt(max(len(x) / 200.0, 1.0))
     first, last = tops[0], tops[-1]
@@ -143,7 +143,7 @@ def _find_group(ramp: HeatRamp, x: Any, y: Any) -> tuple[int, int, list[int]]:
     pad = int(MARGIN * (last - first))
     first, last = first - pad, last + pad
     if first < OUTER or last > len(x) - 1 - OUTER:
-        raise _incomplete(ramp, "begins or ends within the peak")
+        raise _incomplete(ramp)
     return first, last, tops
 
 
@@ -153,7 +153,7 @@ def _rises_again(over: Any, row: int, way: int, top: float) -> bool:
     return bool(over[row] < 0.1 * top and ahead >= over[row])
 
 
-def _outer_rows(ramp: HeatRamp, first: int, last: int, count: int) -> tuple[slice, slice]:
+def _outer_rows(first: int, last: int, count: int) -> tuple[slice, slice]:
     """Return the rows of the lines before and behind the peaks, at most as wide as the peaks."""
     wide = last - first
     return slice(max(first - wide, 0), first), slice(last + 1, min(last + 1 + wide, count))
@@ -209,7 +209,8 @@ def _find_crossing(x: Any, smooth: Any, first: int, last: int) -> float:
     return float(x[first + steep] - level / slope) if slope else float(x[first + steep])
 
 
-def _incomplete(ramp: HeatRamp, what: str) -> DataError:
+def _incomplete(ramp: HeatRamp) -> DataError:
     return DataError(
-        f"The {ramp.label} of `{ramp.name}` {what}, so that no baseline can be drawn; record a wider range."
+        f"The {ramp.label} of `{ramp.name}` begins or ends within the peak, so that no baseline can be drawn; record a "
+        "wider range."
     )

@@ -125,7 +125,7 @@ def read_mass(said: Mapping[str, str]) -> float | None:
             unit = next((u for u in ("mg", "g") if re.search(rf"\b{u}\b", f"{text} {key}")), "")
             number = re.search(r"\d+(?:[.,]\d+)?", text)
             if unit and number:
-                return float(number[0].replace(",", ".")) * (1e-6 if unit == "mg" else 1e-3)
+                return units.parse_quantity(f"{number[0].replace(',', '.')} {unit}", "kg")
     return None
 
 

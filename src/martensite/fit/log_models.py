@@ -276,7 +276,8 @@ def model_logs(
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, known.assumed, rebuild)
-    untested = tuple(path for path in known.assumed if path not in {one.path for one in moves})
+    traced = {one.path for one in moves}
+    untested = tuple(path for path in known.assumed if path not in traced)
     tried = tuple(trials.tried)
     return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves), untested)
 

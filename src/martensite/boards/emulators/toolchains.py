@@ -15,7 +15,7 @@ from pathlib import Path
 
 from martensite.base.caches import is_private_file
 from martensite.base.errors import CompileError, InputError
-from martensite.boards.firmware.boards import find_board
+from martensite.boards.firmware.boards import LARGER, find_board
 from martensite.kernels.compiler import find_compiler
 
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")
@@ -36,7 +36,6 @@ PACKAGES = {
 
 STACK = 400
 """Assumed least stack of the loop and the link [bytes]."""
-LARGER = "Take a larger board, such as mega2560 or stm32f405."
 
 
 def require_tool(name: str) -> str:
@@ -107,7 +106,7 @@ def explain_overflow(message: str, board: str) -> None:
         memory = "flash" if match[1] == "text" else "RAM"
         raise InputError(
             f"This loop does not fit into the {memory} of {title}: it has {int(match[2]):,} bytes too many"
-            f"{f' for the {room:,} there are' if memory == 'flash' else ''}. {LARGER}"
+            f"{f' for the {room:,} there are' if memory == 'flash' else ''}. Take {LARGER}."
         ) from None
 
 
@@ -126,7 +125,7 @@ def check_room(elf: Path, tool: str, board: str) -> None:
         elf.unlink()
         raise InputError(
             f"This loop does not fit {limits.title}: it takes {flash:,} of {limits.flash:,} bytes of flash, and "
-            f"{ram:,} of {limits.ram:,} bytes of RAM, of which the stack needs {STACK}. {LARGER}"
+            f"{ram:,} of {limits.ram:,} bytes of RAM, of which the stack needs {STACK}. Take {LARGER}."
         )
 
 

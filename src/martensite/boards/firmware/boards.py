@@ -10,6 +10,9 @@ from typing import Any
 
 from martensite.base.errors import UnknownNameError
 
+LARGER = "a larger board, such as mega2560 or stm32f405"
+"""Advice for a firmware that does not fit."""
+
 
 @dataclass(frozen=True)
 class Board:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.errors import InputError
 from martensite.base.files import make_folder, replace_together, write_file
 from martensite.boards.firmware.alone import plan_alone, print_reference
-from martensite.boards.firmware.boards import Board, find_board
+from martensite.boards.firmware.boards import LARGER, Board, find_board
 from martensite.boards.firmware.bounds import list_bounds
 from martensite.boards.firmware.channels import plan_inputs
 from martensite.boards.firmware.drawing import draw_wiring
@@ -73,7 +73,7 @@ class Firmware:
     @property
     def flash(self) -> float:
         """Return the approximate flash on an AVR [bytes]; 0 for other processors."""
-        if self.plan.board.layer != "arduino" or self.plan.board.steps != 1024:
+        if not self.plan.board.avr:
             return 0.0
         return AROUND + PER_LETTER * len(self.plan.core.source)
 
@@ -83,7 +83,7 @@ class Firmware:
         if self.flash > TOO_LARGE * board.flash:
             raise InputError(
                 f"This loop takes about {1e-3 * self.flash:.0f} kB of flash, but {board.title} has "
-                f"{1e-3 * board.flash:.0f} kB: use a larger board, such as mega2560 or stm32f405."
+                f"{1e-3 * board.flash:.0f} kB: use {LARGER}."
             )
 
     def write(self, folder: str | Path) -> list[Path]:

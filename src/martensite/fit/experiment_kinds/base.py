@@ -39,7 +39,6 @@ SIZES = {
     ),
 }
 """Size of the element -> its pattern in the lines above a table, and the entries that may hold it alone."""
-LENGTH_UNITS = {"mm": 1e-3, "um": 1e-6, "µm": 1e-6, "cm": 1e-2, "m": 1.0}
 
 
 @dataclass(frozen=True)
@@ -123,7 +122,8 @@ class Assumptions:
             for key, text in entries.items():
                 match = pattern.search(f"{key}={text}" if key.strip() in keys else text)
                 if match is not None:
-                    found[float(match[1].replace(",", ".")) * LENGTH_UNITS[match[2].lower()]] = f"`{key}` of `{name}`"
+                    size = units.parse_quantity(f"{match[1].replace(',', '.')} {match[2]}", "m")
+                    found[size] = f"`{key}` of `{name}`"
         if len(found) != 1:
             return None
         ((value, where),) = found.items()

@@ -80,7 +80,7 @@ class BathTest(AbstractExperimentKind):
         if len(found.measured) > 1:
             loads = [("a bias spring", _read_spring(found, rows, (section, sign), known), ())]
         else:
-            loads = list(_vary_loads(known, SIGMA * section, 0.03 * length if shape == "strain" else stroke))
+            loads = list(_vary_loads(known, SIGMA * section, stroke))
         for name, mechanism, more in loads:
             document = base | {"mechanism": mechanism}
             yield Proposal(name, document, (*FREE, *more), (column,), rows, (f"offset.{output}",))

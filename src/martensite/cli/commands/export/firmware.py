@@ -114,12 +114,14 @@ def _write_range(one: Setting) -> str:
 
 
 def _warn_of_room(found: Firmware) -> list[Block]:
+    from martensite.boards.firmware.boards import LARGER
+
     board = found.plan.board
     if found.flash <= board.flash:
         return []
     words = (
         f"It may not fit: by the length of its C it takes about {1e-3 * found.flash:.0f} kB of flash, and the board "
-        f"has {1e-3 * board.flash:.0f} kB. Take a larger board, such as mega2560 or stm32f405."
+        f"has {1e-3 * board.flash:.0f} kB. Take {LARGER}."
     )
     return [Sentence(words, "bad")]
 
