@@ -57,7 +57,7 @@ def judge_given(kind: str, seed: int) -> dict[str, Any]:
 
 
 def judge_driven(_: str, seed: int) -> dict[str, Any]:
-    """Return the numbers of a driven rig; every fifth seed is outside of what is fitted."""
+    """Return the numbers of a driven rig; every fifth rig does not follow the fitted models."""
     rig = draw_rig(seed)
     model = model_logs(rig.records)
     (predicted,) = model.predict_record(rig.unseen).values()

@@ -38,19 +38,19 @@ CHUNK = 200
 """Periods whose outputs are kept at a time."""
 NO_FAULT = "none"
 MEASURES = (
-    "error",
-    "settling",
-    "overshoot",
-    "energy",
-    "hottest",
-    "above",
+    "error",  # fraction of the span
+    "settling",  # [s]
+    "overshoot",  # fraction of the span
+    "energy",  # [J]
+    "hottest",  # [K]
+    "above",  # 1 if true, as the next two
     "alarm",
     "failed",
-    "itae",
-    "activity",
-    "cost",
+    "itae",  # [s²]
+    "activity",  # change of the duty cycle
+    "cost",  # [s]
 )
-"""Measures of a run: shares of the span, s, shares, J, K, 1 if true, s², change of the duty, s."""
+"""Measures of a run."""
 
 
 def add_faults(bench: Bench, tasks: Sequence[BenchmarkTask]) -> Bench:

@@ -183,7 +183,7 @@ def test_nothing_beside_the_page_is_served(bench: Bench, path: str) -> None:
 
 
 def test_browsers_keep_files_that_never_change(bench: Bench) -> None:
-    """RFC 9111: a fresh answer is used again without a request; the page itself must be asked for."""
+    """RFC 9111: the browser uses a fresh answer again without a request, but requests the page itself each time."""
     with bench.client() as client:
         page = client.get("/")
         module = re.search(r'href="([\w-]+-[0-9A-Z]{8}\.js)"', page.text)

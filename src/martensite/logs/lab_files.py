@@ -346,7 +346,7 @@ def _explain_unknown(raw: RawTable, meant: list[Meaning]) -> str:
         rest = " ".join(f"--as {k + 1}=position[mm]" for k in numbered if k != place)
         return (
             f"`{raw.name}`: column {place + 1} begins again every {raw.rows // count} rows, as a time in blocks does; "
-            "give the time between rows (`--interval`), and say what the other columns are, for example "
+            "give the time between rows (`--interval`) and the meaning of the other columns, for example "
             f"`{rest}`."
         )
     free = next((k for k in numbered if meant[k].name != "time"), numbered[0])
