@@ -8,8 +8,8 @@ from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.graph import VARYING
+from martensite.kernels.partials import compute_gradient, compute_partials
 from martensite.kernels.program import Function, Program
-from martensite.kernels.slopes import compute_gradient, compute_partials
 
 RNG = np.random.default_rng(1)
 

@@ -14,9 +14,10 @@ from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.floats import expand_power, find_whole_exponent
 from martensite.kernels.graph import VARYING
+from martensite.kernels.partials import compute_gradient, compute_partials
 from martensite.kernels.printer import Printer
 from martensite.kernels.program import Program
-from martensite.kernels.slopes import compute_gradient, compute_partials, differentiate_program
+from martensite.kernels.slopes import differentiate_program
 
 RNG = np.random.default_rng(5)
 POINTS = np.column_stack([RNG.uniform(0.05, 20.0, 48), RNG.uniform(-4.0, 4.0, 48)])

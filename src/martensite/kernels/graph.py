@@ -36,15 +36,11 @@ COMMUTATIVE = ("add", "mul", "both", "either")
 """Operations whose two arguments commute exactly."""
 
 
-def _divide_numbers(a: float, b: float) -> float:
-    return a / b
-
-
 OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
-    "div": _divide_numbers,
+    "div": operator.truediv,
     "neg": operator.neg,
     "lt": operator.lt,
     "le": operator.le,

@@ -1,27 +1,23 @@
-"""Exact derivatives of traced functions, as a second graph, forwards or backwards.
+"""Exact derivatives of traced functions along directions, as a second graph.
 
-Forwards, each node v = op(a, b) has the derivative v' = ∂op/∂a a' + ∂op/∂b b' as a further node. In
-`differentiate_program` derivatives of all directions are short vectors in C, and values are shared scalars. In
-`compute_partials` each node has one derivative per variable on which it depends. Backwards (`compute_gradient`), the
-adjoint of a node is ā = Σ ȳ ∂y/∂a over its users y. One sweep costs a few evaluations for any number of variables.
-
-All three use the rules of dual numbers (`martensite.kernels.dual`): the factor of a tangent forwards is the factor of
-ȳ backwards. Nodes without derivatives cost nothing, and detached nodes end a chain.
+Each node v = op(a, b) has the derivative v' = ∂op/∂a a' + ∂op/∂b b' as a further node, by the rules of dual numbers
+(`martensite.kernels.dual`). In `differentiate_program` derivatives of all directions are short vectors in C, and values
+are shared scalars. Nodes without derivatives cost nothing, and detached nodes end a chain. Derivatives by variable, and
+gradients, are in `martensite.kernels.partials`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from itertools import compress, repeat
 from typing import Any
 
 from martensite.kernels.dual import Dual, DualNamespace
-from martensite.kernels.graph import FLAGS, OPERATORS, PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
+from martensite.kernels.graph import OPERATORS, PARAMETER, SLOPE, VARYING, Expr, Graph
 from martensite.kernels.program import Function, Program
 
 ZERO = "ZERO"
 """Input that represents a zero derivative in all directions."""
-LOOPS = frozenset({"each", "item", "repeat", "result"})
 TINY = 1e-300
 """Constant added to a divisor before its reciprocal, without effect above 1e-284.
 
@@ -44,7 +40,7 @@ def differentiate_program(
     then one derivative per value.
     """
     twin = Program(program.graph, program.parameters)
-    duals = _Slopes(program.xp, program.graph.input(ZERO, SLOPE))
+    duals = GraphDuals(program.xp, program.graph.input(ZERO, SLOPE))
     seeds = {f"p{i}": PARAMETER for i in wrt}
     for name, count in states.items():
         function = program.functions[name]
@@ -53,7 +49,7 @@ def differentiate_program(
         places = shown if name == "observe" else range(len(function.outputs))
         pairs = [walk.pair(function.outputs[i].index) for i in places]
         values = tuple(value for value, _ in pairs)
-        slopes = tuple(duals.zero if slope is None else slope for _, slope in pairs)
+        slopes = tuple(duals.fill(slope) for _, slope in pairs)
         twin.functions[name] = Function(name, function.inputs, values + slopes)
     return twin
 
@@ -74,15 +70,15 @@ def differentiate_along(
 ) -> list[Expr]:
     """Differentiate along one direction, in which inputs or parameters (`p3`) move by a node or a number."""
     graph = program.graph
-    duals = _Slopes(program.xp, graph.constant(0.0))
+    duals = GraphDuals(program.xp, graph.constant(0.0))
     nodes = [graph.input(one, VARYING) for one in moving]
     known = {n.index: duals.pair(n, program.as_node(s)) for n, s in zip(nodes, moving.values(), strict=True)}
     walk = TangentWalk(graph, duals, known)
-    slopes = [walk.pair(program.functions[name].outputs[i].index)[1] for i in places]
-    return [duals.zero if slope is None else slope for slope in slopes]
+    outputs = program.functions[name].outputs
+    return [duals.fill(walk.pair(outputs[i].index)[1]) for i in places]
 
 
-def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dict[int, Any]:
+def _seed_inputs(graph: Graph, duals: GraphDuals, moving: Mapping[str, int]) -> dict[int, Any]:
     """Return the inputs and their dependents as dual numbers with inputs as tangents."""
     return {
         graph.input(name, depends).index: duals.pair(
@@ -92,7 +88,7 @@ def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dic
     }
 
 
-class _Slopes(DualNamespace):
+class GraphDuals(DualNamespace):
     """Dual numbers over a graph; a choice uses `zero` for a missing tangent."""
 
     def __init__(self, base: Any, zero: Any = 0.0) -> None:
@@ -106,6 +102,10 @@ class _Slopes(DualNamespace):
         rule = OPERATORS.get(operation)
         return rule(*arguments) if rule else getattr(self, operation)(*arguments)
 
+    def fill(self, slope: Any) -> Any:
+        """Return a tangent, or `zero` for a missing one."""
+        return self.zero if slope is None else slope
+
     def _divide_once(self, top: Any, bottom: Any) -> Any:
         """a/b with one division for all directions."""
         (a, da), (b, db) = self.parts(top), self.parts(bottom)
@@ -114,9 +114,6 @@ class _Slopes(DualNamespace):
         if db is not None:
             change = -(db * ratio) if da is None else da - db * ratio
         return self.pair(ratio, None if change is None else change * share)
-
-
-# ---------------------------------------------------------------- forwards
 
 
 class _Level:
@@ -136,7 +133,7 @@ class TangentWalk:
     follows_roots = False
     """True to re-evaluate roots; their derivatives always come from their Newton step."""
 
-    def __init__(self, graph: Graph, duals: _Slopes, moving: Mapping[int, Any]) -> None:
+    def __init__(self, graph: Graph, duals: GraphDuals, moving: Mapping[int, Any]) -> None:
         """Prepare the walk from a graph, its dual numbers, and the nodes with derivatives."""
         self._graph, self._duals = graph, duals
         self._levels = [_Level(0, dict(moving))]
@@ -218,11 +215,7 @@ class TangentWalk:
         columns = [[self._duals.parts(self._read(i)) for i in column] for column in loop.columns]
         moving = [any(slope is not None for _, slope in column) for column in columns]
         values = [[value for value, _ in column] for column in columns]
-        slopes = [
-            [self._duals.zero if slope is None else slope for _, slope in column]
-            for column, moves in zip(columns, moving, strict=True)
-            if moves
-        ]
+        slopes = [[self._duals.fill(slope) for _, slope in column] for column in compress(columns, moving)]
         kept: list[bool] = []
 
         def body(*row: Expr) -> Sequence[Expr]:
@@ -231,11 +224,8 @@ class TangentWalk:
 
         found = self._graph.loop(body, *self._part(values, slopes))
         rest = iter(found[len(loop.outputs) :])
-        rows = range(len(values[0]))
-        return [
-            [self._duals.pair(v[k], s[k] if s else None) for k in rows]
-            for v, s in ((found[i], next(rest) if has else None) for i, has in enumerate(kept))
-        ]
+        tangents = [next(rest) if has else repeat(None) for has in kept]
+        return [list(map(self._duals.pair, *columns)) for columns in zip(found, tangents, strict=False)]
 
     def _repeat(self, index: int) -> list[list[Any]]:
         """Return the results of a loop over a state, by place, in rows of one."""
@@ -250,11 +240,11 @@ class TangentWalk:
             slopes = iter(flat[count:])
             every = [next(slopes) if h else self._duals.zero for h in has]
             found[:] = has
-            return [*flat[:count], *(s for s, m in zip(every, moving, strict=True) if m)]
+            return [*flat[:count], *compress(every, moving)]
 
         found: list[bool] = []
         while True:
-            slopes = [self._duals.zero if s is None else s for (_, s), m in zip(begin, moving, strict=True) if m]
+            slopes = [self._duals.fill(slope) for _, slope in compress(begin, moving)]
             results = graph.repeat(loop.turns, body, *self._part(values, slopes), loop.stops)
             spread = [a or b for a, b in zip(moving, found, strict=True)]
             if spread == moving:
@@ -287,143 +277,3 @@ class TangentWalk:
             return [self._read(index) for index in outputs]
         finally:
             self._levels.pop()
-
-
-# ---------------------------------------------------------------- one derivative for each variable
-
-
-class _Row:
-    """Tangent as derivatives by variable, with the arithmetic of dual numbers."""
-
-    __slots__ = ("row",)
-
-    def __init__(self, row: dict[int, Any]) -> None:
-        self.row = row
-
-    def __add__(self, other: _Row) -> _Row:
-        joined = dict(self.row)
-        for i, slope in other.row.items():
-            joined[i] = joined[i] + slope if i in joined else slope
-        return _Row(joined)
-
-    def __sub__(self, other: _Row) -> _Row:
-        return self + (-other)
-
-    def __neg__(self) -> _Row:
-        return _Row({i: -slope for i, slope in self.row.items()})
-
-    def __mul__(self, factor: Any) -> _Row:
-        return _Row({i: slope * factor for i, slope in self.row.items()})
-
-
-class _Choosing(GraphNamespace):
-    """Graph operations in which a choice of tangents is a choice of their entries."""
-
-    def where(self, flag: Any, yes: Any, no: Any) -> Any:
-        if not (isinstance(yes, _Row) or isinstance(no, _Row)):
-            return self.graph.apply("where", flag, yes, no)
-        a, b = (x.row if isinstance(x, _Row) else {} for x in (yes, no))
-        keys = [*a, *(i for i in b if i not in a)]
-        return _Row({i: self.graph.apply("where", flag, a.get(i, 0.0), b.get(i, 0.0)) for i in keys})
-
-
-class _PartialsWalk(TangentWalk):
-    """Walk with rows as tangents; loops over values with tangents are unrolled."""
-
-    ends = frozenset({"input", "constant"})
-    follows_roots = True
-
-    def _simple(self, read: Any) -> Any:
-        if not isinstance(read, Dual):
-            return read
-        kept = {i: s for i, s in read.tangent.row.items() if self._graph.value_of(s) != 0.0}
-        return self._duals.pair(read.value, _Row(kept) if kept else None)
-
-    def _each(self, index: int) -> list[list[Any]]:
-        loop = self._graph.loops[index]
-        columns = [[self._read(i) for i in column] for column in loop.columns]
-        rows = (dict(zip(loop.row, row, strict=True)) for row in zip(*columns, strict=True))
-        found = [self._write_body(loop.bit, row, loop.outputs) for row in rows]
-        return [list(column) for column in zip(*found, strict=True)]
-
-    def _repeat(self, index: int) -> list[list[Any]]:
-        """Keep a root search as a loop; its derivatives come from the following Newton step."""
-        loop = self._graph.repeats[index]
-        begin = [self._read(i) for i in loop.begin]
-
-        def turn(*state: Any) -> list[Any]:
-            known = dict(zip(loop.state, state, strict=True))
-            return self._write_body(loop.bit, known, loop.outputs)
-
-        def turn_values(*state: Any) -> list[Any]:
-            return [self._duals.parts(one)[0] for one in turn(*state)]
-
-        found = begin
-        for _ in range(0 if loop.stops else loop.turns):
-            found = turn(*found)
-        if loop.stops or not any(isinstance(one, Dual) for one in found):
-            values = [self._duals.parts(one)[0] for one in begin]
-            found = self._graph.repeat(loop.turns, turn_values, values, (), loop.stops)
-        return [[one] for one in found]
-
-
-def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple[list[Expr], list[dict[int, Expr]]]:
-    """Return the traced values and their forward derivatives.
-
-    Each value has a row, number of the variable -> derivative, without zeros.
-    """
-    graph = values[0].graph if values else None
-    if graph is None:
-        return [], []
-    duals, one = _Slopes(_Choosing(graph)), graph.constant(1.0)
-    moving = {v.index: duals.pair(v, _Row({i: one})) for i, v in enumerate(variables)}
-    walk = _PartialsWalk(graph, duals, moving)
-    pairs = [walk.pair(value.index) for value in values]
-    rows: list[Any] = [slopes for _, slopes in pairs]
-    return [value for value, _ in pairs], [{} if row is None else row.row for row in rows]
-
-
-# ---------------------------------------------------------------- backwards
-
-
-def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:
-    """Compute the gradient of one value backwards; None if a loop is on the path."""
-    graph, places = value.graph, {v.index: i for i, v in enumerate(variables)}
-    order = _list_dependent(graph, value.index, frozenset(places))
-    if order is None:
-        return None
-    duals, moving = _Slopes(GraphNamespace(graph)), frozenset(order)
-    bars: dict[int, Any] = {value.index: graph.constant(1.0)} if order else {}
-    found: dict[int, Expr] = {}
-    for index in reversed(order):
-        bar = bars[index]
-        if index in places:
-            found[places[index]] = bar
-            continue
-        arguments = [Expr(graph, i) for i in graph.arguments[index]]
-        for k, argument in enumerate(graph.arguments[index]):
-            if argument in moving:
-                one = [*arguments[:k], duals.pair(arguments[k], bar), *arguments[k + 1 :]]
-                _, share = duals.parts(duals.apply(graph.operations[index], one))
-                if share is not None:
-                    bars[argument] = bars[argument] + share if argument in bars else share
-    return {i: slope for i, slope in found.items() if graph.value_of(slope) != 0.0}
-
-
-def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | None:
-    """Return the nodes between value and variables, in order of computation; None if they contain loops."""
-    moving: set[int] = set()
-    for index in sorted(graph.walk([value], partial(_list_arguments, graph))):
-        if index in variables or any(a in moving for a in _list_arguments(graph, index)):
-            moving.add(index)
-    if any(graph.operations[index] in LOOPS for index in moving):
-        return None
-    return sorted(moving)
-
-
-def _list_arguments(graph: Graph, index: int) -> tuple[int, ...]:
-    """Return the differentiable arguments: no flags, no detached nodes, and the Newton step of a root."""
-    operation, arguments = graph.operations[index], graph.arguments[index]
-    if operation in ("input", "constant", "detach") or operation in FLAGS:
-        return ()
-    return arguments[1:] if operation in ("where", "implicit_root") else arguments

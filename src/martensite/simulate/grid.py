@@ -33,6 +33,21 @@ Signals = tuple[float, ...]
 """One value per drive of a system, or the drive inputs of a step."""
 
 
+class _Thinning:
+    """Rule that skips samples at step ends, but none at an edge of a drive."""
+
+    def __init__(self, edges: Sequence[float], begin: float) -> None:
+        self._edges, self._place = edges, 0
+        self._event = begin
+
+    def skips(self, time: float, length: float, stored: float) -> bool:
+        """Return whether no sample is needed at the end of a step; `stored` is the time of the last sample [s]."""
+        if self._place < len(self._edges) and self._edges[self._place] < time + JUST_AFTER * length:
+            self._place, self._event = self._place + 1, time
+            return False
+        return time - stored + 0.5 * length < THINNED * (time - self._event)
+
+
 @dataclass(frozen=True)
 class TimeGrid:
     """Sample times and the steps between them."""
@@ -49,30 +64,32 @@ class TimeGrid:
     stored: Any = ...
     """True for requested samples, False for additional step ends."""
 
+    def _plan_thinning(self, waveforms: Sequence[AbstractWaveform]) -> _Thinning | None:
+        """Return the rule for more than `MOST_ROWS` steps; None for fewer."""
+        if len(self.lengths) <= MOST_ROWS:
+            return None
+        return _Thinning(sorted({edge for wave in waveforms for edge in wave.edges(self.times[-1])}), self.times[0])
+
     def keep_steps(self, waveforms: Sequence[AbstractWaveform]) -> TimeGrid:
         """Return the grid with a sample at the end of every step and on each side of a jump.
 
         Above `MOST_ROWS` steps, the sample interval grows to `THINNED` of the time since the last jump or stored
         sample.
         """
-        readers, thin = [Reader(waveform) for waveform in waveforms], len(self.lengths) > MOST_ROWS
-        edges = [] if not thin else sorted({edge for wave in waveforms for edge in wave.edges(self.times[-1])})
+        readers, thinning = [Reader(waveform) for waveform in waveforms], self._plan_thinning(waveforms)
         times, sampled, counts, stored = self.times[:1], self.sampled[:1], list[int](), [0]
-        lengths, skipped, event, place = iter(self.lengths), 0, self.times[0], 0
+        lengths, skipped = iter(self.lengths), 0
         for interval, count in enumerate(self.counts, 1):
             time = self.times[interval - 1]
             for left in range(count - 1, -1, -1):
                 length = next(lengths)
                 time, hair = (time + length if left else self.times[interval]), JUST_AFTER * length
-                at_edge = place < len(edges) and edges[place] < time + hair
-                if left and thin and not at_edge and time - times[-1] + 0.5 * length < THINNED * (time - event):
+                if thinning and thinning.skips(time, length, times[-1]) and left:
                     skipped += 1
                     continue
                 after = tuple(reader.value(time + hair) for reader in readers) if left else self.sampled[interval]
                 before = tuple(reader.value(time - hair) for reader in readers)
                 jumps = is_jump(before, after)
-                place += at_edge
-                event = time if at_edge else event
                 times += [time] * (1 + jumps)
                 sampled += [before, after] if jumps else [after]
                 counts += [1 + skipped, 0] if jumps else [1 + skipped]

@@ -262,21 +262,17 @@ def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> M
         return last
     worst = max(legs, key=lambda one: one.status)
     low, high = last.extremes
-    ranges = tuple(b - a for a, b in zip(low, high, strict=True))
-    end = last if last.status.failed or not worst.status else worst
+    parts = [*legs, before] if before else legs
     return replace(
         last,
+        **{name: sum(getattr(one, name) for one in legs) for name in ("steps", "rejected", "put_in", "lost")},
         rows=rows,
-        ranges=ranges,
+        ranges=tuple(b - a for a, b in zip(low, high, strict=True)),
         status=worst.status,
-        time=end.time,
-        steps=sum(one.steps for one in legs),
-        rejected=sum(one.rejected for one in legs),
+        time=last.time if last.status.failed or not worst.status else worst.time,
         longest=max(one.longest for one in legs),
-        ripple=max([*(one.ripple for one in legs), before.ripple if before else 0.0]),
-        residual=sum(one.residual for one in legs) + (before.residual if before else 0.0),
-        put_in=sum(one.put_in for one in legs),
-        lost=sum(one.lost for one in legs),
+        ripple=max(one.ripple for one in parts),
+        residual=sum(one.residual for one in parts),
         accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),
         record=join_rows([one.record for one in legs]),
         gap=before.gap if before else (),

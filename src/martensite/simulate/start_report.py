@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
 from martensite.base.formats import typeset_unit, write_quantity
 from martensite.kernels import floats
@@ -31,8 +31,8 @@ def describe_start(begin: Restart, result: Result) -> str:
         begin: initial state; `HOME` if the run found its start.
         result: the run.
     """
-    actuators, names = result.system.actuators(), _name_shown(result.system)
-    if not actuators or not all(name in result.columns for row in names for name in row):
+    names = _name_shown(result)
+    if not names:
         return ""
     temperatures, stresses, fractions = ([float(result[name][0]) for name in row] for row in names)
     where = f"{_write_range(temperatures, 'K')} and {_write_range(stresses, 'Pa')}"
@@ -40,7 +40,7 @@ def describe_start(begin: Restart, result: Result) -> str:
     if begin.passes:
         origin = f"kept by an earlier run at {begin.time:.6g} s" if begin.time else "given, or found, as the start"
         return f"Start: the state {origin}, at {where} ({phases})."
-    elements: list[AbstractElement] = [one.element for one in actuators.values()]
+    elements = _list_elements(result)
     given = [min(_list_numbers(one, "initial_fraction"), default=1.0) for one in elements]
     if max(given) < 1.0 and given == fractions:
         return f"Start: as given, at {where} ({phases})."
@@ -52,12 +52,8 @@ def describe_start(begin: Restart, result: Result) -> str:
 
 def describe_batch_start(result: Result) -> str:
     """Describe the starts of a batch as ranges; empty without shape-memory elements."""
-    system, variants = result.system, result.variants
-    actuators = system.actuators()
-    if not actuators or variants is None:
-        return ""
-    names = _name_shown(system)
-    if not all(name in result.columns for row in names for name in row):
+    names, variants = _name_shown(result), result.variants
+    if not names or variants is None:
         return ""
     count = len(variants)
     temperatures, stresses, fractions = (
@@ -65,16 +61,22 @@ def describe_batch_start(result: Result) -> str:
         for row in names
     )
     where = f"{_write_range(temperatures, 'K')} and {_write_range(stresses, 'Pa')}"
-    elements: list[AbstractElement] = [one.element for one in actuators.values()]
+    elements = _list_elements(result)
     given = any(path.endswith("initial_fraction") for path in variants.over)
     given = given or any(share < 1.0 for one in elements for share in _list_numbers(one, "initial_fraction"))
     how = "as given" if given else f"in equilibrium, {_name_history(elements)}"
     return f"Start of {len(variants)} variants: {how}, at {where} (martensite fraction {_write_fractions(fractions)})."
 
 
-def _name_shown(system: AbstractSystem) -> list[list[str]]:
-    """Return the outputs that describe a start, by quantity and element."""
-    return [[system.label(port, name) for port in system.actuators()] for name in SHOWN]
+def _name_shown(result: Result) -> list[list[str]]:
+    """Return the columns that describe a start, by quantity and element; empty if there are none or one is missing."""
+    system = result.system
+    names = [[system.label(port, name) for port in system.actuators()] for name in SHOWN]
+    return names if all(names) and result.columns.keys() >= set(chain.from_iterable(names)) else []
+
+
+def _list_elements(result: Result) -> list[AbstractElement]:
+    return [one.element for one in result.system.actuators().values()]
 
 
 def _name_history(elements: Sequence[AbstractElement]) -> str:

@@ -17,8 +17,8 @@ from typing import Any
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import VARYING
+from martensite.kernels.partials import compute_gradient, compute_partials
 from martensite.kernels.program import Function, Program
-from martensite.kernels.slopes import compute_gradient, compute_partials
 
 
 @dataclass(frozen=True)
