@@ -19,7 +19,6 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "martensite"
 MOST_LINES = 400
 LONG_FILES = {
-    "physics/kinetics/history.py",
     "physics/kinetics/two_fractions.py",
     "scenario/scenario.py",
     "simulate/adaptive.py",

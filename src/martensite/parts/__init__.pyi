@@ -49,7 +49,7 @@ from martensite.physics.fluids.base import AbstractFluid as AbstractFluid
 from martensite.physics.fluids.base import FluidProperties as FluidProperties
 from martensite.physics.kinetics import history as history
 from martensite.physics.kinetics.history import OneFractionMemory as OneFractionMemory
-from martensite.physics.kinetics.history import Strip as Strip
+from martensite.physics.kinetics.strip_legs import Strip as Strip
 from martensite.physics.kinetics.strips import AbstractStripLaw as AbstractStripLaw
 from martensite.physics.laws.base import LAWS as LAWS
 from martensite.physics.laws.base import AbstractLaw as AbstractLaw

@@ -20,7 +20,8 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.physics.kinetics.history import RESTART, PathPoint, find_zero_stress, follow_strip
+from martensite.physics.kinetics.history import RESTART
+from martensite.physics.kinetics.strip_legs import PathPoint, find_zero_stress, follow_strip
 from martensite.physics.laws.base import Fractions
 
 NONE = "none"

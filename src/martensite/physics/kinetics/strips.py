@@ -11,20 +11,18 @@ from typing import ClassVar, TypeAlias
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.physics.kinetics import history
+from martensite.physics.kinetics import history, strip_legs
 from martensite.physics.kinetics.asymmetry import NONE, TURNS, compare_parts_left
 from martensite.physics.kinetics.diagram import AbstractSidedDiagram
 from martensite.physics.kinetics.history import (
     RESUME,
     RETURN_POINT,
-    STRAIGHT,
     BranchedLeft,
     OneFractionMemory,
     OneFractionProcess,
-    Strip,
-    StripCurve,
 )
 from martensite.physics.kinetics.return_points import start_points
+from martensite.physics.kinetics.strip_legs import STRAIGHT, Strip, StripCurve
 from martensite.physics.laws.base import Doubt, Fractions
 
 Point: TypeAlias = tuple[Scalar, Scalar]
@@ -98,7 +96,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         """Return the point of a leg where the process changes or a line turns; else its end."""
         end = stress, temperature
         if self.curves()[0]:
-            end = history.find_turn(xp, self.strips(), memory, *end)
+            end = strip_legs.find_turn(xp, self.strips(), memory, *end)
         return history.find_handover(xp, *self.strips(), memory, *end)
 
     def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
@@ -186,7 +184,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     ) -> tuple[OneFractionMemory, Fractions]:
         """Advance along a straight leg, cut at turns of curved lines; both processes may act."""
         for _ in range(TURNS if self.curves()[0] else 0):
-            turn = history.find_turn(xp, self.strips(), memory, stress, temperature)
+            turn = strip_legs.find_turn(xp, self.strips(), memory, stress, temperature)
             memory, _ = self._advance(xp, memory, *turn, dt)
         return self._advance(xp, memory, stress, temperature, dt)
 
@@ -238,7 +236,7 @@ class AbstractCosineLaw(AbstractStripLaw):
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """Return sin²(π/2 · distance)."""
-        return history.compute_cosine_rest(xp, distance)
+        return strip_legs.compute_cosine_rest(xp, distance)
 
     def young(self, fractions: Fractions) -> Scalar:
         """Return E_A + ξ (E_M - E_A) [Pa]."""

@@ -1,6 +1,6 @@
 """Kinetics of two martensite fractions: detwinned by stress (S), twinned by cooling (T).
 
-The strips are `history.Strip`; the rules resume and restart are the same. S runs along s = σ - C_M max(T - M_s, 0),
+The strips are `strip_legs.Strip`; the rules resume and restart are the same. S runs along s = σ - C_M max(T - M_s, 0),
 which is straight on a leg except for a kink at T = M_s, and never convex: its deepest point is the kink or an end of
 the leg. S and T may act together in any order (product law): with r = (1 - P₁)/(1 - P₀) of each,
 
@@ -20,19 +20,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.physics.kinetics.history import (
-    LEAST_REST,
-    RESTART,
-    RETURN_POINT,
-    PathPoint,
-    Strip,
-    StripLeg,
-    compare_parts,
-    compute_cosine_rest,
-    follow_strip,
-    round_off,
-    turning_point,
-)
+from martensite.physics.kinetics.history import LEAST_REST, RESTART, RETURN_POINT, compare_parts
 from martensite.physics.kinetics.return_points import (
     COMPLETE_REST,
     SHARE_TOLERANCE,
@@ -47,6 +35,15 @@ from martensite.physics.kinetics.return_points import (
     scale_points,
     select_course,
     start_points,
+)
+from martensite.physics.kinetics.strip_legs import (
+    PathPoint,
+    Strip,
+    StripLeg,
+    compute_cosine_rest,
+    follow_strip,
+    round_off,
+    turning_point,
 )
 from martensite.physics.laws.base import Fractions
 

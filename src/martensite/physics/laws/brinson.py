@@ -25,7 +25,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
 from martensite.physics.kinetics.asymmetry import NONE
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractSidedDiagram
-from martensite.physics.kinetics.history import Strip, compute_cosine_rest
+from martensite.physics.kinetics.strip_legs import Strip, compute_cosine_rest
 from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
 

@@ -23,7 +23,7 @@ from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.diagram import AbstractShapes
 from martensite.physics.kinetics.hardening import invert_hardening, remove_waist
-from martensite.physics.kinetics.history import StripCurve
+from martensite.physics.kinetics.strip_legs import StripCurve
 from martensite.physics.kinetics.strips import AbstractCosineLaw, AbstractStripLaw
 from martensite.physics.laws.base import LAWS, Fractions
 
