@@ -27,7 +27,7 @@ from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
-from martensite.scenario.scenario import Run
+from martensite.scenario.run_section import Run
 
 PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
 """Laws whose page lists their parameters."""

@@ -17,23 +17,22 @@ from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem, System
-from martensite.base import units
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import read_text_file, toml_document
 from martensite.base.formats import write_quantity
-from martensite.base.interfaces import override
 from martensite.base.lazy import import_extra
-from martensite.base.parameters import Leaf, Number, Parametrised, param, text
+from martensite.base.parameters import Leaf, Parametrised
 from martensite.base.services import import_service
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.base.toml_text import as_toml
 from martensite.physics.materials.base import Material
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.assemble import Assembly, section_of
-from martensite.scenario.build import Builder, Table, name_section, refuse_unknown
+from martensite.scenario.build import Builder, Table, refuse_unknown
 from martensite.scenario.overrides import change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded_waveforms import Recorded
+from martensite.scenario.run_section import Run
 from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.sections import check_sections, has_controllers, is_bench
 from martensite.signals.base import AbstractWaveform
@@ -63,31 +62,6 @@ SECTIONS = (
     "measured",
     *BENCH_SECTIONS,
 )
-
-
-class Run(Parametrised):
-    """Duration, tolerance and number of samples of a run."""
-
-    duration: Number = param("s", "length of the run", above=0.0, default=math.inf)
-    tolerance: Number = param(
-        "1", "accepted change on halving the step, as a share of range", above=0.0, high=0.5, default=1e-4
-    )
-    samples: Number = param("1", "number of samples", low=2.0, high=1e7, default=1001)
-    step: Number = param("s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf)
-
-    lead: Number = param(
-        "s", "time before a log that is followed, to come from elsewhere to its beginning", low=0.0, default=0.0
-    )
-
-    restart: str | tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
-    seed: Number = param("1", "seed of the noise of the sensors, a whole number", low=0.0, high=2**53, default=0)
-
-    @override
-    def check(self) -> None:
-        for name in ("samples", "seed"):
-            value = getattr(self, name)
-            if value != int(value):
-                raise ParameterError(f"Parameter `{name}` of `Run` must be a whole number, but is {value}.")
 
 
 @dataclass(frozen=True)
@@ -360,7 +334,7 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
     assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
     system, places = assembly.system(), Places(assembly.drive)
     bench, noisy = _build_bench(assembly, system, places)
-    waveform, duration = assembly.list_waveforms(system), _find_duration(run, assembly.end)
+    waveform, duration = assembly.list_waveforms(system), run.find_duration(assembly.end)
     _require_countable_edges(waveform, duration)
     return Scenario(
         system=system,
@@ -382,14 +356,8 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
         seed=int(run.seed) if noisy else None,
         places=places,
         initial=_read_initial(document, system if bench is None else bench),
-        restart_at=_read_restarts(run.restart),
+        restart_at=run.list_restarts(),
     )
-
-
-def _read_restarts(given: str | tuple[str, ...]) -> tuple[float, ...]:
-    """Return the times [s] of one or several texts."""
-    with name_section("run.restart"):
-        return tuple(units.parse_quantity(one, "s") for one in ([given] if isinstance(given, str) else given))
 
 
 def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:
@@ -418,14 +386,6 @@ def _build_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> t
     from martensite.scenario.bench import BenchBuilder
 
     return BenchBuilder(assembly, plant, places).build()
-
-
-def _find_duration(run: Run, end: float) -> float:
-    if math.isfinite(run.duration):
-        return run.duration
-    if not math.isfinite(end):
-        raise ParameterError('[run] needs `duration`; write for example `duration = "60 s"`.')
-    return end
 
 
 def _read_measured(document: Table, folder: Path) -> Recorded | None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.remember_results import remember
 from martensite.base.status import Status
@@ -26,7 +26,7 @@ from martensite.simulate.ledger import HeatBalance, WorkBalance, balance_heat, b
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
-from martensite.simulate.result import Result, profiles_of
+from martensite.simulate.result import Result
 from martensite.simulate.start_report import describe_start
 from martensite.simulate.stops import end_at_envelope
 from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
@@ -242,7 +242,7 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, conte
         context.accuracy,
         notes=[*notes, *context.notes],
         judged=judge_limits,
-        profiles=profiles_of(len(names), rows),
+        profiles=_part_profiles(len(names), rows),
         runtime=found.used,
         rejected=found.rejected,
         heat=heat,
@@ -272,3 +272,10 @@ def check_run(duration: float, tolerance: float, step: float | None, samples: in
             raise ParameterError(f"Argument `{name}` must be above 0, but is {value}.")
     if samples < 2:
         raise ParameterError(f"Argument `samples` must be at least 2, but is {samples}.")
+
+
+def _part_profiles(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
+    """Return the profiles in rows from column `first` on."""
+    cells = (len(rows[0]) - first) // len(PROFILES)
+    starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
+    return {name: [[row[start + i] for row in rows] for i in range(cells)] for name, start in starts.items() if cells}

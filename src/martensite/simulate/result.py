@@ -6,27 +6,25 @@ import math
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import SolveError, UnknownNameError
-from martensite.base.formats import show_quantity
 from martensite.base.services import import_service
 from martensite.base.status import Status
-from martensite.base.summary import Sentence, Summary
+from martensite.base.summary import Summary
 from martensite.simulate.alarms import Alarm, RunWarnings
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.measures.base import measure_samples, parse_measure
 from martensite.simulate.measures.run_table import find_extremes, tabulate_track
-from martensite.simulate.provenance import NOT_TRIED, tell_conformance
-from martensite.simulate.range_table import tabulate_ranges
+from martensite.simulate.provenance import tell_conformance
 from martensite.simulate.restarts import Restart, name_state
+from martensite.simulate.run_report import describe_result, summarise_result
 from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import Track
 
@@ -166,8 +164,6 @@ class Result:
             raise UnknownNameError("column", name, self.columns)
         return self.columns[name]
 
-    # ---------------------------------------------------------------- ways out
-
     def plot(
         self,
         path: str | os.PathLike[str] | None = None,
@@ -223,46 +219,7 @@ class Result:
 
     def summary(self) -> Summary:
         """Summarise the run: ranges of all columns, balances, remarks and warnings."""
-        told = [Sentence(one) for one in (self.start, *self.balances(), *self.remarks()) if one]
-        warned = [Sentence(one, "caution") for one in self.warnings]
-        return Summary("", [tabulate_ranges(self), *told, *warned], self._collect_numbers(), self._lead())
-
-    def _collect_numbers(self) -> dict[str, Any]:
-        """Return all values except columns, by name in SI."""
-        ends = {name: self.find_range(name) for name in self.outputs}
-        return {
-            "duration": float(self.times[-1]),
-            "start": self.start,
-            "steps": self.steps,
-            "step": self.step,
-            "accuracy": self._list_accuracy(),
-            "runtime": self.runtime or None,
-            "rejected_steps": self.rejected,
-            "ripple": self.ripple,
-            "heat": None if self.heat is None else self.heat.as_dict(),
-            "work": None if self.work is None else self.work.as_dict(),
-            "unbalanced": list(self.unbalanced),
-            "conformance": self.conformance,
-            "status": self.status.name,
-            "status_time": self.status_time,
-            "stroke": self._list_stroke(),
-            "columns": {
-                name: {"lowest": low, "highest": high, "unit": self.unit(name)} for name, (low, high) in ends.items()
-            },
-            "warnings": list(self.warnings),
-            "alarms": [asdict(alarm) for alarm in self.alarms],
-        }
-
-    def _list_accuracy(self) -> Any:
-        """Return the bound, or one per variant."""
-        known = None if self.variants is None else self.variants.accuracy
-        return self.accuracy if known is None else known.tolist()
-
-    def _list_stroke(self) -> Any:
-        """Return the stroke, or one per variant; None for a batch without the first coordinate."""
-        if self.variants is None:
-            return self.stroke
-        return self.stroke.tolist() if self.coordinate in self.columns else None
+        return summarise_result(self)
 
     @property
     def energy(self) -> dict[str, HeatBalance | WorkBalance]:
@@ -415,20 +372,7 @@ class Result:
 
     def __str__(self) -> str:
         """Return a summary of a few lines."""
-        judged = self.columns if self.variants is not None else self.system.convergence_scales()
-        lines = [self._lead(), *map(self._line, judged)]
-        own = [] if self.variants is not None else self.balances()
-        return "\n".join([*lines, *own, *self.remarks(), *self.warnings])
-
-    def _lead(self) -> str:
-        """Return one line with the end, steps and accuracy of the run."""
-        if self.variants is not None:
-            return self._describe_variants(self.variants)
-        error = "not estimated" if self.accuracy is None else f"at most {self.accuracy:.1e} of each range"
-        where = f", runtime {self.runtime}" if self.runtime else ""
-        begin = f"{self.times[0]:.6g} s to " if self.times[0] else ""
-        steps = f"{self.steps} steps of at most {self.step:.3g} s{where}"
-        return f"Run: {begin}{self.times[-1]:.6g} s in {steps}; numerical error: {error}"
+        return describe_result(self)
 
     @property
     def conformance(self) -> dict[str, str]:
@@ -438,48 +382,13 @@ class Result:
         """
         return tell_conformance([self.system, self.waveform])
 
-    def remarks(self) -> list[str]:
-        """Return remarks on user-defined parts, in sentences."""
-        remedies = {"conforms": ".", NOT_TRIED: "; `martensite conform FILE` does."}
-        return [
-            f"Part `{name}` is none of this package's; its promises: {found}"
-            f"{remedies.get(found, '; what it computes cannot be trusted.')}"
-            for name, found in self.conformance.items()
-        ]
-
-    def _describe_variants(self, variants: Variants) -> str:
-        """Return the endings and accuracy of the runs of a batch."""
-        bounds: list[float] = []
-        if variants.accuracy is not None:
-            bounds = variants.accuracy.tolist()
-        known = [one for one in bounds if not math.isnan(one)]
-        error = f"at most {max(known):.1e} of each range" if known else "not estimated"
-        return (
-            f"{len(variants)} variants of {self.times[-1]:.6g} s over "
-            f"{', '.join(variants.over)}: {variants.count_endings()}; numerical error: {error}"
-        )
-
     def balances(self) -> list[str]:
         """Return the balances of heat and work, one line each, and reasons for missing balances."""
         known = [str(one) for one in (self.heat, self.work) if one is not None]
         return known + self.unbalanced
-
-    def _line(self, name: str) -> str:
-        """Return the first and last value of a column in a readable unit."""
-        low, high = (show_quantity(end, self.unit(name)) for end in self.find_range(name))
-        number, _, unit = low.partition(" ")
-        same = unit and high.endswith(f" {unit}")
-        return f"{self.outputs[name].long_name} {number if same else low} to {high}"
 
 
 LINES = 6
 """Lines of the summary in `repr`."""
 ROUNDING = 1e-9
 """Fraction of the largest value of a column that counts as 0."""
-
-
-def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
-    """Return the profiles in rows from column `first` on."""
-    cells = (len(rows[0]) - first) // len(PROFILES)
-    starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
-    return {name: [[row[start + i] for row in rows] for i in range(cells)] for name, start in starts.items() if cells}

@@ -19,7 +19,8 @@ from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
 from martensite.scenario.catalogue import list_named, list_registries
-from martensite.scenario.scenario import Run, Scenario
+from martensite.scenario.run_section import Run
+from martensite.scenario.scenario import Scenario
 from martensite.scenario.sections import BENCH, PERIOD, RUN, SUPERVISOR
 from martensite.signals.base import WAVEFORMS
 from martensite.simulate.drive_waveforms import by_name

@@ -1,7 +1,8 @@
 """History of transformations with two strips: active process, its start, and the new memory.
 
 A process multiplies the remaining fraction by left(v₁)/left(v₀), with the distance v to its finish line
-(`strip_legs`). Forward (austenite → martensite) acts on y = 1 - ξ, reverse on y = ξ. Three rules define the memory; the first two differ in v₀ only:
+(`strip_legs`). Forward (austenite → martensite) acts on y = 1 - ξ, reverse on y = ξ. Three rules define the memory; the
+first two differ in v₀ only:
 
 - resume: v₀ is the v at which the branch was opened, and y never grows on it. An interrupted transformation continues
   when the path passes the point of interruption. An opposite move inside the opposite strip forgets it. This is one
