@@ -20,8 +20,9 @@ from martensite.simulate.api import simulate
 from martensite.simulate.chords import bend_chords
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.measures.base import parse_measure
+from martensite.simulate.recorded_track import HIGH, LOW, MEAN, PER_DRIVE, SQUARE, spread_levels
 from martensite.simulate.result import Result
-from martensite.simulate.track import HIGH, LOW, MEAN, PER_DRIVE, SQUARE, interpolate_nodes, spread_levels
+from martensite.simulate.track import interpolate_nodes
 from martensite.simulate.variants import VariantSetup
 
 SYSTEM = problem_a().with_parts(source=PowerSource())

@@ -22,7 +22,6 @@ LONG_FILES = {
     "physics/kinetics/two_fractions.py",
     "simulate/adaptive.py",
     "simulate/marching_native.py",
-    "simulate/track.py",
 }
 """Files that are too long today."""
 MOST_BRANCHES = 15

@@ -30,7 +30,8 @@ from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.march import FixedMarch
 from martensite.simulate.marching import Marched, MarchPlan
-from martensite.simulate.track import Numbers, Observe, observe_on_floats
+from martensite.simulate.recorded_track import Observe, observe_on_floats
+from martensite.simulate.track import Numbers
 
 Tell = Callable[[str, float], None]
 """Callback with the current activity and the completed fraction."""

@@ -36,8 +36,9 @@ from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.extremes import Change, Largest, Smallest, Stroke
 from martensite.simulate.measures.means import ElectricalEnergy, Integral, Mean
 from martensite.simulate.measures.run_table import RunTable, tabulate_samples, tabulate_track
+from martensite.simulate.recorded_track import observe_on_floats
 from martensite.simulate.tracing import assemble_track
-from martensite.simulate.track import Track, observe_on_floats
+from martensite.simulate.track import Track
 
 Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]

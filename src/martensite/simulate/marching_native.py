@@ -30,7 +30,7 @@ from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.ledger import EMPTY, STORES, TURNED_OVER
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread, spread_column, spread_limits
-from martensite.simulate.track import Observe, record_width
+from martensite.simulate.recorded_track import Observe, record_width
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)

@@ -27,8 +27,9 @@ from martensite.simulate.envelope import cut_outside
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.run_table import Numbers, RunTable, tabulate_track
+from martensite.simulate.recorded_track import Observe, build_long_track, build_track, tabulate_tones
 from martensite.simulate.restarts import Relay
-from martensite.simulate.track import Observe, Track, build_long_track, build_track, tabulate_tones, track_rows
+from martensite.simulate.track import Track, track_rows
 
 ROUNDING = 1e-11
 """Smallest reported bound, as a fraction of a measure or of its values."""
