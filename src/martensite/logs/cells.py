@@ -93,23 +93,30 @@ def find_kind(cell: str) -> str:
     return kind if match is not None and find_listed(match[2]) else ""
 
 
+_ENGLISH = re.compile(r",.*[.,]")
+"""Comma before a point or another comma."""
+_GERMAN = re.compile(r"\..*,")
+_POINTS = re.compile(r"\..*\.")
+_LIKE_THOUSANDS = re.compile(r"[+\-−]?[1-9]\d{0,2},\d{3}")
+
+
 def find_style(cells: Iterable[str]) -> NumberStyle:
     """Return the notation of the numbers in some cells."""
-    texts = [t for t in (cell.strip() for cell in cells) if _PATTERNS["number"].fullmatch(t)]
-    commas, points = [t for t in texts if "," in t], [t for t in texts if "." in t]
-    quote = next((sign for sign in "'’" if any(sign in t for t in texts)), "")
+    numbers = [text for text in map(str.strip, cells) if _PATTERNS["number"].fullmatch(text)]
+    joined = "\n".join(numbers)
+    quote = re.search("['’]", joined)
     if quote:
-        return NumberStyle(bool(commas), quote)
-    if not commas:
-        several = any(t.count(".") > 1 for t in points)
+        return NumberStyle("," in joined, quote[0])
+    if "," not in joined:
+        several = bool(_POINTS.search(joined))
         return NumberStyle(several, "." if several else "")
-    if any(t.rfind(".") > t.find(",") for t in commas if "." in t) or any(t.count(",") > 1 for t in commas):
+    if _ENGLISH.search(joined):
         return NumberStyle(False, ",")
-    mixed = any("." in t for t in commas)
-    like_thousands = all(re.fullmatch(r"[+\-−]?[1-9]\d{0,2},\d{3}", t) for t in commas)
-    if like_thousands and points and not mixed:
+    mixed = bool(_GERMAN.search(joined))
+    unsure = not mixed and all(_LIKE_THOUSANDS.fullmatch(text) for text in numbers if "," in text)
+    if unsure and "." in joined:
         return NumberStyle(False, ",")
-    return NumberStyle(True, "." if mixed else "", like_thousands and not mixed)
+    return NumberStyle(True, "." if mixed else "", unsure)
 
 
 def read_cells(cells: Sequence[str], style: NumberStyle) -> ReadCells:

@@ -10,7 +10,7 @@ import numpy as np
 
 from martensite.base.errors import DataError, UnitError, suggest_name
 from martensite.logs.cells import Numbers
-from martensite.logs.heading_guess import HEAT, find_listed, find_worded_unit, guess_heading
+from martensite.logs.heading_guess import HEAT, Guess, find_listed, find_worded_unit, guess_heading
 from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.logs.raw_table import RawColumn, RawTable
 from martensite.logs.table_times import is_part_of_clock
@@ -87,6 +87,12 @@ def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
 def _guess_column(raw: RawTable, place: int) -> Meaning:
     """Return the meaning of one column by heading and unit; a missing unit is guessed from the values."""
     column = raw.columns[place]
+    listed = find_listed(column.unit.strip("()[] "))
+    return _find_special(raw, column, listed) or _guess_quantity(raw, column, listed)
+
+
+def _find_special(raw: RawTable, column: RawColumn, listed: str) -> Meaning | None:
+    """Return the meaning of a column of text, of a clock, or of a counter of rows; otherwise None."""
     if column.kind in ("clock", "stamp"):
         return Meaning("time", CLOCK, "values" if not column.heading else "heading")
     if column.kind in ("text", "date"):
@@ -96,32 +102,48 @@ def _guess_column(raw: RawTable, place: int) -> Meaning:
         return Meaning(IGNORED, "", "")
     if words in IMPLIED:
         return Meaning("time", IMPLIED[words], "heading")
-    listed = find_listed(column.unit.strip("()[] "))
-    if COUNTER.fullmatch(words) and not listed and is_even_time(column.numbers):
+    if listed:
+        return None
+    counts = COUNTER.fullmatch(words) and is_even_time(column.numbers)
+    if counts or (raw.headed and not words and _is_row_count(column.numbers)):
         return Meaning(IGNORED, "", "")
-    if raw.headed and not words and not listed and _is_row_count(column.numbers):
-        return Meaning(IGNORED, "", "")
+    return None
+
+
+def _guess_quantity(raw: RawTable, column: RawColumn, listed: str) -> Meaning:
+    """Return the quantity of a column; a missing unit is guessed from the values."""
     plain = guess_heading(column.heading)
+    listed = listed or _find_scope_unit(raw, column, plain)
     guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
-    if not listed and not plain.unit and "vertical units" in raw.said:  # an oscilloscope
-        timed = plain.name == "time" or (not column.heading and is_even_time(column.numbers))
-        listed = find_listed(raw.said.get("horizontal units" if timed else "vertical units", ""))
-        guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
-    if not guess.name and not guess.unit and "emissivity" in raw.said and column.heading:
-        return Meaning("temperature", "degC", "values")  # an infrared camera writes nothing else
-    if not guess.name or (guess.name == "time" and not guess.worded and not is_rising(column.numbers)):
+    if not guess.name:
+        infrared = not guess.unit and "emissivity" in raw.said and column.heading
+        return Meaning("temperature", "degC", "values") if infrared else Meaning("", guess.unit, "")
+    if guess.name == "time" and not guess.worded and not is_rising(column.numbers):
         return Meaning("", guess.unit, "")
-    if guess.unit and not (guess.worded or plain.worded):
-        return Meaning(guess.name, guess.unit, "unit")
     if guess.unit:
-        return Meaning(guess.name, guess.unit, "heading" if plain.name == guess.name and plain.name else "unit")
-    worded = find_worded_unit(column.heading, guess.name.rpartition(".")[2])
+        headed = plain.name == guess.name and (guess.worded or plain.worded)
+        return Meaning(guess.name, guess.unit, "heading" if headed else "unit")
+    return _guess_unit(column, guess.name)
+
+
+def _find_scope_unit(raw: RawTable, column: RawColumn, plain: Guess) -> str:
+    """Return the unit that the head of a file of an oscilloscope gives to a column without a unit; otherwise empty."""
+    if plain.unit or "vertical units" not in raw.said:
+        return ""
+    timed = plain.name == "time" or (not column.heading and is_even_time(column.numbers))
+    return find_listed(raw.said.get("horizontal units" if timed else "vertical units", ""))
+
+
+def _guess_unit(column: RawColumn, name: str) -> Meaning:
+    """Return the meaning of a column of a known quantity without a unit."""
+    quantity = name.rpartition(".")[2]
+    worded = find_worded_unit(column.heading, quantity)
     if worded:
-        return Meaning(guess.name, worded, "heading")
-    by_values: ValueGuess = guess_unit(guess.name.rpartition(".")[2], column.numbers)
+        return Meaning(name, worded, "heading")
+    by_values: ValueGuess = guess_unit(quantity, column.numbers)
     if not by_values.unit:
         return Meaning(IGNORED, "", AMBIGUOUS)
-    return Meaning(guess.name, by_values.unit, "values", by_values.sure)
+    return Meaning(name, by_values.unit, "values", by_values.sure)
 
 
 def _is_row_count(numbers: Numbers) -> bool:

@@ -31,28 +31,42 @@ def find_headings(
     above: Sequence[Row], texts: Mapping[int, str], width: int, sign: str | None
 ) -> tuple[list[str], Above, set[int]]:
     """Return the headings, units, and their row numbers, from the lines above the numbers."""
-    signals = {int(m[1]): m[2] for _, row in above if (m := _SIGNAL.match(" ".join(row)))}
+    signals = _list_signals(above)
     if len(signals) == width:
-        return [signals[k] for k in sorted(signals)], {}, {n for n, _ in above}
-    units: Above = {}
+        return signals, {}, {number for number, _ in above}
+    units: dict[int, str] = {}
+    values: dict[int, str] = {}
     used: set[int] = set()
     for number, cells in reversed(above):
         row = _fit_width(cells, texts.get(number, ""), width, sign)
         if row is None:
             continue
-        filled = [(place, cell.strip()) for place, cell in enumerate(row) if cell.strip()]
-        plain = [(place, cell.strip("()[] ")) for place, cell in filled if not find_kind(cell)]
-        listed = [place for place, cell in plain if find_listed(cell) or cell in ("Sequence", "-")]
-        if not units and not used and listed and len(listed) * 2 >= len(plain) and not _names_more(plain):
-            units = dict(plain) | {f"at {place}": cell for place, cell in filled if find_kind(cell)}
-            used.add(number)
-        elif len(plain) * 3 >= 2 * len(filled) and plain:
-            used.add(number)
-            labelled: Above = {
-                row[int(str(key)[3:])].strip().lower(): text for key, text in units.items() if isinstance(key, str)
-            }
-            return row, {key: text for key, text in units.items() if isinstance(key, int)} | labelled, used
-    return [""] * width, {k: u for k, u in units.items() if isinstance(k, int)}, used
+        plain, numbers = _split_row(row)
+        if not used and _is_unit_row(plain):
+            units, values, used = dict(plain), numbers, {number}
+        elif plain and len(plain) >= 2 * len(numbers):
+            labelled: Above = {row[place].strip().lower(): text for place, text in values.items()}
+            return row, {**units, **labelled}, used | {number}
+    return [""] * width, {**units}, used
+
+
+def _list_signals(above: Sequence[Row]) -> list[str]:
+    """Return the names of numbered signals, a line each."""
+    signals = {int(m[1]): m[2] for _, row in above if (m := _SIGNAL.match(" ".join(row)))}
+    return [signals[k] for k in sorted(signals)]
+
+
+def _split_row(row: Sequence[str]) -> tuple[list[tuple[int, str]], dict[int, str]]:
+    """Return the words of a row without brackets, and its numbers, by place."""
+    filled = [(place, cell.strip()) for place, cell in enumerate(row) if cell.strip()]
+    numbers = {place: cell for place, cell in filled if find_kind(cell)}
+    return [(place, cell.strip("()[] ")) for place, cell in filled if place not in numbers], numbers
+
+
+def _is_unit_row(cells: Sequence[tuple[int, str]]) -> bool:
+    """Return whether at least half of the cells are units, and none a further name."""
+    listed = [cell for _, cell in cells if find_listed(cell) or cell in ("Sequence", "-")]
+    return bool(listed) and len(listed) * 2 >= len(cells) and not _names_more(cells)
 
 
 def _names_more(cells: Sequence[tuple[int, str]]) -> bool:

@@ -26,6 +26,20 @@ STIFFEST = 1.2e11
 EVEN = 0.02
 """Largest relative deviation of equal time steps from their median."""
 
+INFINITE = float("inf")
+FRACTION = (("1", 1.0), ("%", INFINITE)), ((-1.0, INFINITE),)
+SIZES = {
+    "strain": ((("1", LARGEST_STRAIN), ("%", 15.0), ("ppm", INFINITE)), ((-1.0, 0.09), (0.15, 15.0))),
+    "stress": ((("MPa", 1e5), ("Pa", INFINITE)), ((20.0, INFINITE),)),
+    "martensite_fraction": FRACTION,
+    "duty": FRACTION,
+    "voltage": ((("V", 60.0), ("mV", INFINITE)), ((-1.0, 24.0),)),
+    "current": ((("A", 15.0), ("mA", INFINITE)), ((-1.0, 15.0),)),
+}
+"""Units with the largest size of their values, and ranges of sizes without an alternative, by quantity."""
+ROTATIONS = frozenset({"angle", "rotor_angle", "rotor_speed", "drive"})
+"""Quantities in degrees or radians, or in rpm or rad/s."""
+
 
 @dataclass(frozen=True)
 class ValueGuess:
@@ -45,22 +59,13 @@ def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
     low, high, size = float(finite.min()), float(finite.max()), float(np.abs(finite).max())
     if name == "temperature":
         return ValueGuess(name, "K", high < 700.0) if low > 200.0 else ValueGuess(name, "degC", size < 400.0)
-    if name == "strain":
-        unit = "1" if size <= LARGEST_STRAIN else "%" if size <= 15.0 else "ppm"
-        return ValueGuess(name, unit, size < 0.09 or 0.15 < size <= 15.0)
-    if name == "stress":
-        return ValueGuess(name, "Pa" if size > 1e5 else "MPa", size > 1e5 or size > 20.0)
     if name == "time":
         return ValueGuess(name, *_guess_time_unit(finite))
-    if name in ("martensite_fraction", "duty"):
-        return ValueGuess(name, "1" if size <= 1.0 else "%", True)
-    if name == "voltage":
-        return ValueGuess(name, "V" if size <= 60.0 else "mV", size <= 24.0)
-    if name == "current":
-        return ValueGuess(name, "A" if size <= 15.0 else "mA", size <= 15.0)
-    if name in ("angle", "rotor_angle"):
-        return ValueGuess(name, "", False)  # degrees or radians
-    usual = CANONICAL.get(name, "") if name not in ("rotor_speed", "drive") else ""  # rpm or rad/s
+    if name in SIZES:
+        units, sure = SIZES[name]
+        unit = next(unit for unit, most in units if size <= most)
+        return ValueGuess(name, unit, any(above < size <= most for above, most in sure))
+    usual = "" if name in ROTATIONS else CANONICAL.get(name, "")
     return ValueGuess(name, usual and choose_readable_unit(usual), False)
 
 
@@ -131,37 +136,41 @@ def _correlate(one: Numbers, other: Numbers) -> float:
 
 def _guess_loop(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
     """Return temperature, strain and stress of a loop with constant temperature or stress."""
-    if len(columns) != 3:
+    places = _sort_loop(columns) if len(columns) == 3 else None
+    if places is None:
         return {}
-    by_size = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
-    strain, others = by_size[0], by_size[1:]
-    steady = [place for place in others if _is_steady(columns[place])]
-    if not _is_strain(columns[strain]) or not steady:
-        steady = [place for place in columns if _is_steady(columns[place])]  # 7 MPa is less than strains in percent
-        moved = [place for place in columns if place not in steady[:1]]
-        if len(steady) != 1 or len(moved) != 2:
-            return {}
-        strain = min(moved, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
-    steady = sorted(steady, key=lambda place: float(np.nanstd(columns[place]) / np.nanmean(columns[place])))
-    level = next(place for place in steady if place != strain)
-    swept = next(place for place in columns if place not in (strain, level))
+    strain, level, swept = places
     unit = guess_unit("strain", columns[strain])
     slope = _correlate(columns[swept], columns[strain])
-    guesses = {strain: unit}
-    modulus = (
-        1e6 * float(np.ptp(columns[swept])) / (float(np.ptp(columns[strain])) * (0.01 if unit.unit == "%" else 1.0))
-    )
-    if (slope < -0.3 or modulus > STIFFEST) and _is_temperature(columns[swept]):
+    strains = float(np.ptp(columns[strain])) * (0.01 if unit.unit == "%" else 1.0)
+    stiff = 1e6 * float(np.ptp(columns[swept])) / strains > STIFFEST
+    if (slope < -0.3 or stiff) and _is_temperature(columns[swept]):
         heat, stress = swept, level
     elif slope > 0.3 and _is_temperature(columns[level]):
         heat, stress = level, swept
     else:
         return {}
-    kelvin = guess_unit("temperature", columns[heat]).unit
-    sure = abs(slope) > 0.5 or modulus > STIFFEST
-    guesses[heat] = ValueGuess("temperature", kelvin, sure)
-    guesses[stress] = ValueGuess("stress", guess_unit("stress", columns[stress]).unit, sure)
-    return guesses
+    sure = abs(slope) > 0.5 or stiff
+    units = {"temperature": heat, "stress": stress}
+    guesses = {place: ValueGuess(name, guess_unit(name, columns[place]).unit, sure) for name, place in units.items()}
+    return {strain: unit} | guesses
+
+
+def _sort_loop(columns: Mapping[int, Numbers]) -> tuple[int, int, int] | None:
+    """Return the places of the strain, of the constant quantity and of the other one of three columns."""
+
+    def size(place: int) -> float:
+        return float(np.nanmax(np.abs(columns[place])))
+
+    strain, *others = sorted(columns, key=size)
+    steady = [place for place in others if _is_steady(columns[place])]
+    if not _is_strain(columns[strain]) or not steady:
+        steady = [place for place in columns if _is_steady(columns[place])]  # 7 MPa is less than strains in percent
+        if len(steady) != 1:
+            return None
+        strain = min((place for place in columns if place not in steady), key=size)
+    level = min(steady, key=lambda place: float(np.nanstd(columns[place]) / np.nanmean(columns[place])))
+    return strain, level, next(place for place in columns if place not in (strain, level))
 
 
 def _guess_pair(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
