@@ -136,6 +136,8 @@ def _catch_termination() -> Generator[None]:
 
 MOST_TEXT = 2**26
 """Size limit of scenario, material, fit and model files [bytes]."""
+SPECIAL = 2**20
+"""Limit for files of the system, which give their size as zero [bytes]."""
 MOST_LOG = 2**31
 """Size limit of logs [bytes]."""
 
@@ -167,9 +169,9 @@ def read_bounded(path: Path, most: int) -> bytes:
         OSError: the file cannot be read.
         DataError: see `check_ordinary`.
     """
-    check_ordinary(path, most)
+    size = max(check_ordinary(path, most), SPECIAL)
     with path.open("rb") as file:
-        return file.read(most)
+        return file.read(min(size, most))  # `read` reserves as much memory as is asked for
 
 
 def read_unpacked(path: Path, most: int) -> bytes:

@@ -26,7 +26,7 @@ from martensite.base.errors import DataError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
 from martensite.fit.condition_headings import find_measure_words, split_heading
 from martensite.logs.column_meanings import find_places
-from martensite.logs.exact_tables import is_gap, is_number, read_rows
+from martensite.logs.exact_rows import is_gap, is_number, read_rows
 from martensite.logs.layout import CANONICAL, IGNORED, Layout, list_quantities
 from martensite.logs.open_files import TEXT, describe_unreadable
 from martensite.logs.reader import read_table

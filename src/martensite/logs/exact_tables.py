@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,79 +18,22 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import DataError, UnitError
 from martensite.base.units import find_conversion
-from martensite.logs.cells import GAPS, OVERFLOW, Numbers, NumberStyle, find_kind, parse_cells
+from martensite.logs.cells import OVERFLOW, Numbers
 from martensite.logs.column_meanings import Meaning
+from martensite.logs.exact_rows import CellRows, ExactRows, is_gap, is_number, read_rows
 from martensite.logs.heading_guess import guess_heading
 from martensite.logs.lab_files import LabFile, ReadColumn, describe_column
 from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, FileColumn, Layout, name_column, read_headings
-from martensite.logs.open_files import read_lines, split_cells
-from martensite.logs.raw_table import RawColumn, RawTable, WrongCell, count_rows
-from martensite.logs.table_headings import SEPARATORS, split_heading
+from martensite.logs.raw_table import RawColumn, RawTable, count_rows
 from martensite.logs.table_times import find_step
 from martensite.signals.records import Record, out_of_order
 
 ASSUMED_INTERVAL = 1.0
 """Default time between rows [s] of a file without times."""
-SIGNS = {name: SEPARATORS[name] for name in ("tab", "semicolon", "comma", "whitespace")}
 
 
 class InexactError(DataError):
     """Error for a table with an incomplete heading."""
-
-
-@dataclass(frozen=True)
-class CellRows:
-    """Rows of text cells with their row numbers in the file."""
-
-    where: str
-    numbers: list[int]
-    rows: list[list[str]]
-    separator: str
-    above: tuple[str, ...] = ()
-    """Row of headings above them."""
-
-    def part(self, kept: Sequence[int]) -> CellRows:
-        """Return the rows of the given indices."""
-        numbers, rows = [self.numbers[i] for i in kept], [self.rows[i] for i in kept]
-        return CellRows(self.where, numbers, rows, self.separator)
-
-
-def read_rows(path: Path, layout: Layout) -> CellRows:
-    """Return the rows of cells of a text file.
-
-    Raises:
-        DataError: the file is missing, empty, or no text.
-    """
-    lines, _ = read_lines(path, spoilt=layout.drop)
-    lines = [(n, line) for n, line in lines if n > layout.skip and not line.lstrip().startswith("#")]
-    if not lines:
-        raise DataError(f"`{path.name}` is empty: it holds no rows.")
-    separator = _find_separator([line for _, line in lines], layout)
-    rows = [split_cells(line, SIGNS[separator]) for _, line in lines]
-    if not SIGNS[separator] and not layout.columns and not any(map(is_number, rows[0])):
-        rows[0] = split_heading(lines[0][1])
-    return CellRows(f"`{path.name}`", [n for n, _ in lines], rows, separator)
-
-
-def _find_separator(lines: list[str], layout: Layout) -> str:
-    """Return the separator of the first line; if rows may be dropped, of most lines."""
-    if layout.separator != "auto":
-        return layout.separator
-    if layout.drop and layout.columns:
-        width = len(layout.columns)
-        fitting = {name: sum(len(line.split(sign or None)) == width for line in lines) for name, sign in SIGNS.items()}
-        return max(fitting, key=fitting.__getitem__)
-    return next((name for name, sign in SIGNS.items() if sign in lines[0]), "whitespace")
-
-
-def is_number(cell: str) -> bool:
-    """Return whether a cell is a number, with decimal point or comma."""
-    return find_kind(cell) == "number" or cell.strip().lower() in ("nan", "inf", "-inf")
-
-
-def is_gap(cell: str) -> bool:
-    """Return whether a cell is a missing sample."""
-    return cell.strip().lower() in GAPS
 
 
 def read_exact_text(path: Path, layout: Layout, gaps: bool) -> tuple[RawTable, list[FileColumn]]:
@@ -107,30 +50,21 @@ def read_exact_text(path: Path, layout: Layout, gaps: bool) -> tuple[RawTable, l
     """
     sheet = read_rows(path, layout)
     headings, sheet = _read_headings(sheet, layout)
-    body, ragged = _part_ragged(sheet, len(headings))
+    body = ExactRows(sheet, headings, gaps)
     fault = DataError if any(not is_unknown(text) for text in layout.columns or sheet.above) else InexactError
-    if ragged and not layout.drop:
-        raise fault(_describe_ragged(sheet, ragged[0], headings))
-    cells = list(zip(*body.rows, strict=True)) or [()] * len(headings)
-    columns = [_read_column(*one, body, gaps) for one in zip(cells, headings, strict=True)]
+    if body.ragged and not layout.drop:
+        raise fault(_describe_ragged(sheet.where, body.ragged[0], headings))
+    columns = body.list_columns()
     if fault is InexactError and any(column.wrong for column in columns):
         raise fault(f"{sheet.where} does not begin with headings of a table, but with `{headings[0].name}`.")
-    left = count_rows("more or fewer cells than the table has columns", sheet.part(ragged).numbers)
-    raw = RawTable(path.name, "text", sheet.separator, True, tuple(columns), body.numbers, [], left)
-    return raw, headings
-
-
-def _part_ragged(sheet: CellRows, width: int) -> tuple[CellRows, list[int]]:
-    """Return the rows of a width, without trailing separators, and the indices of all other rows."""
-    rows = [row[:-1] if _ends_empty(row, width) else row for row in sheet.rows]
-    whole = [k for k, row in enumerate(rows) if len(row) == width]
-    ragged = [k for k, row in enumerate(rows) if len(row) != width]
-    return replace(sheet, rows=rows).part(whole), ragged
+    left = count_rows("more or fewer cells than the table has columns", [number for number, _ in body.ragged])
+    return RawTable(path.name, "text", sheet.separator, True, columns, body.numbers, [], left), headings
 
 
 def _read_headings(sheet: CellRows, layout: Layout) -> tuple[list[FileColumn], CellRows]:
     """Return the meanings of the columns, and the rows below the headings."""
-    first = sheet.rows[0][:-1] if len(sheet.rows[0]) > 1 and not sheet.rows[0][-1].strip() else sheet.rows[0]
+    first = sheet.row(0)
+    first = first[:-1] if len(first) > 1 and not first[-1].strip() else first
     numeric = any(map(is_number, first))
     if layout.columns:
         headings = read_headings(layout.columns, sheet.where)
@@ -145,8 +79,8 @@ def _read_headings(sheet: CellRows, layout: Layout) -> tuple[list[FileColumn], C
         _refuse_unsettled(first, sheet)
         refuse_mistaken(first, headings, sheet.where)
     if own:
-        sheet = replace(sheet.part(range(1, len(sheet.rows))), above=tuple(first))
-    if not sheet.rows:
+        sheet = replace(sheet.below(), above=tuple(first))
+    if not sheet.lines:
         raise DataError(f"{sheet.where} holds headings but no rows of numbers.")
     return headings, sheet
 
@@ -194,7 +128,7 @@ def _refuse_unsettled(first: Sequence[str], sheet: CellRows) -> None:
 
 def _has_numbers_below(sheet: CellRows) -> bool:
     """Return whether the second row has numbers and the width of the first, or begins an open quote."""
-    first, below = (_trim_end(row) for row in (*sheet.rows[:2], [], [])[:2])
+    first, below = _trim_end(sheet.row(0)), _trim_end(sheet.row(1)) if len(sheet.lines) > 1 else []
     alike = len(below) == len(first)
     return any(cell.count('"') % 2 for cell in below) or (alike and any(map(is_number, below)))
 
@@ -210,28 +144,9 @@ def _trim_end(row: Sequence[str]) -> Sequence[str]:
     return row[: filled[-1] + 1] if filled else []
 
 
-def _ends_empty(row: Sequence[str], width: int) -> bool:
-    """Return whether a separator ends a row of the given width."""
-    return len(row) == width + 1 and not row[-1].strip()
-
-
-def _read_column(cells: Sequence[str], head: FileColumn, body: CellRows, gaps: bool) -> RawColumn:
-    """Return a column with all cells that are not finite numbers; missing cells are allowed with `gaps`."""
-    if head.name == IGNORED:
-        return RawColumn(IGNORED, "", "text", np.empty(0))
-    kind = "clock" if head.spelling == CLOCK else "number"
-    read, _ = parse_cells(cells, NumberStyle(comma=body.separator != "comma"), kind)
-    if kind == "clock":
-        read[[k for k, cell in enumerate(cells) if cell.count(":") != 2]] = math.nan
-    allowed = gaps and head.name != "time"
-    wrong = [int(k) for k in np.flatnonzero(np.isnan(read)) if not (allowed and is_gap(cells[int(k)]))]
-    faults = tuple(WrongCell(body.numbers[k], cells[k].strip()) for k in wrong)
-    return RawColumn(head.name, head.spelling, kind, read, "", faults)
-
-
-def _describe_ragged(sheet: CellRows, row: int, headings: Sequence[FileColumn]) -> str:
-    cells = sheet.rows[row]
-    place = f"{sheet.where}, row {sheet.numbers[row]}"
+def _describe_ragged(where: str, ragged: tuple[int, list[str]], headings: Sequence[FileColumn]) -> str:
+    number, cells = ragged
+    place = f"{where}, row {number}"
     if any(cell.count('"') % 2 for cell in cells):
         return f"{place} has a quoted cell that goes over several rows; close the quote."
     listed = ", ".join(f"`{column.name}`" for column in headings)
@@ -261,10 +176,10 @@ def build_exact(
     kept = _choose_rows(raw, wanted, drop)
     columns: dict[str, Numbers] = {head.name: _convert(column.numbers[kept], head) for column, head in wanted}
     si_units = {head.name: head.unit for _, head in wanted}
-    numbers = [raw.numbers[k] for k in kept]
+    numbers = raw.numbers[kept]
     assumed: float | None = None
     if "time" in columns:
-        _refuse_disorder(raw.name, numbers, columns["time"].tolist())
+        _refuse_disorder(raw.name, numbers, columns["time"])
     else:
         interval = interval or find_step((head.name, head.spelling, column.numbers) for column, head in wanted)
         _refuse_other_time(raw.name, si_units, interval)
@@ -297,8 +212,8 @@ def _choose_rows(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]], 
     """Return the row indices; with `drop` only readable rows with a new time."""
     if not drop:
         _refuse_wrong(raw, wanted)
-    wrong = {cell.row for column, _ in wanted for cell in column.wrong}
-    kept = np.array([k for k, number in enumerate(raw.numbers) if number not in wrong], dtype=np.intp)
+    wrong = [cell.row for column, _ in wanted for cell in column.wrong]
+    kept = np.flatnonzero(~np.isin(raw.numbers, wrong))
     if not wanted or not kept.size:
         raise DataError(f"`{raw.name}` has no numeric column or row.")
     times = next((column.numbers for column, head in wanted if head.name == "time"), None)
@@ -323,7 +238,7 @@ def _is_infinite(text: str) -> bool:
         return is_gap(text) and bool(text)
 
 
-def _refuse_disorder(name: str, numbers: Sequence[int], times: list[float]) -> None:
+def _refuse_disorder(name: str, numbers: NDArray[np.intp], times: Numbers) -> None:
     index = out_of_order(times)
     if index is not None:
         raise DataError(

@@ -7,10 +7,15 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, read_unpacked
@@ -18,11 +23,66 @@ from martensite.base.files import MOST_LOG, read_unpacked
 TEXT = (".csv", ".txt", ".tsv", ".dat")
 """Usual suffixes of text files."""
 _QUOTED = re.compile(r'\s*"([^"]*[,;\t][^"]*)"\s*')
+BLOCK = 10_000
+"""Lines that are decoded at a time."""
 Line = tuple[int, str]
 """Line number in the file, and text."""
 
 
-def read_lines(path: Path, *, spoilt: bool = False) -> tuple[list[Line], str]:
+@dataclass(frozen=True, eq=False)
+class Lines(Sequence[Line]):
+    """Lines of a text, decoded on demand: a long log takes its bytes and 12 bytes per line."""
+
+    data: bytes
+    """Text in UTF-8, with `\\n` between lines."""
+    starts: NDArray[np.int64]
+    """Index of the first byte of each line."""
+    numbers: NDArray[np.int32]
+    """Line numbers in the file."""
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    @overload
+    def __getitem__(self, place: int) -> Line: ...
+    @overload
+    def __getitem__(self, place: slice) -> Lines: ...
+    def __getitem__(self, place: Any) -> Any:
+        if isinstance(place, slice):
+            return Lines(self.data, self.starts[place], self.numbers[place])
+        return int(self.numbers[place]), self._decode_from(int(self.starts[place]))
+
+    def __iter__(self) -> Iterator[Line]:
+        for block in self.list_blocks():
+            yield from zip(block.numbers.tolist(), block.list_texts(), strict=True)
+
+    def list_blocks(self) -> Iterator[Lines]:
+        """Yield parts of at most `BLOCK` lines."""
+        for first in range(0, len(self), BLOCK):
+            yield self[first : first + BLOCK]
+
+    def list_texts(self) -> list[str]:
+        """Return the texts of all lines."""
+        return [self._decode_from(start) for start in self.starts.tolist()]
+
+    def select(self, fits: Callable[[str], bool]) -> Lines:
+        """Return the lines whose text meets a condition."""
+        kept = np.fromiter((fits(line) for _, line in self), bool, len(self))
+        return self if kept.all() else Lines(self.data, self.starts[kept], self.numbers[kept])
+
+    def _decode_from(self, start: int) -> str:
+        end = self.data.find(b"\n", start)
+        return self.data[start : end if end >= 0 else None].decode()
+
+
+def find_lines(text: str) -> Lines:
+    """Return all lines of a text."""
+    data = text.encode()
+    ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
+    return Lines(data, np.append(0, ends + 1), np.arange(1, len(ends) + 2, dtype=np.int32))
+
+
+def read_lines(path: Path, *, spoilt: bool = False) -> tuple[Lines, str]:
     """Return the nonempty lines of a text file, and its encoding; the encoding is empty for UTF-8.
 
     Args:
@@ -35,13 +95,19 @@ def read_lines(path: Path, *, spoilt: bool = False) -> tuple[list[Line], str]:
     with describe_unreadable(path):
         raw = read_unpacked(path, MOST_LOG)
     text, encoding = _decode(raw, path, spoilt)
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
-    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
-    if sum(_QUOTED.fullmatch(line) is not None for _, line in lines) * 10 > 9 * len(lines):
-        lines = [(number, _QUOTED.sub(r"\1", line)) for number, line in lines]  # every line is one quoted cell
+    del raw  # a large log is held twice at most
+    lines = find_lines(text.replace("\r\n", "\n").replace("\r", "\n")).select(lambda line: bool(line.strip()))
+    if lines.data.count(b'"') > len(lines) and _count_quoted(lines) * 10 > 9 * len(lines):
+        plain = find_lines("\n".join(_QUOTED.sub(r"\1", line) for _, line in lines))
+        lines = replace(plain, numbers=lines.numbers)  # every line was one quoted cell
     if not lines:
         raise DataError(f"`{path.name}` is empty: it holds no rows.")
     return lines, encoding
+
+
+def _count_quoted(lines: Lines) -> int:
+    """Return the number of lines that are one quoted cell."""
+    return sum(_QUOTED.fullmatch(line) is not None for _, line in lines)
 
 
 def _find_wide(raw: bytes) -> str:

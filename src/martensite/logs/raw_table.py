@@ -16,10 +16,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 from martensite.logs.cells import Numbers, NumberStyle, clear_extremes, find_kind, find_style, is_missing, read_cells
 from martensite.logs.layout import name_column
+from martensite.logs.open_files import Line
 from martensite.logs.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
 
 LOOKED_AT = 400
@@ -80,7 +82,7 @@ class RawTable:
     """Key of `SEPARATORS`; empty for a binary file."""
     headed: bool
     columns: tuple[RawColumn, ...]
-    numbers: list[int]
+    numbers: NDArray[np.intp]
     """Row numbers in the file."""
     preview: list[list[str]]
     left_out: tuple[LeftOut, ...] = ()
@@ -96,13 +98,13 @@ class RawTable:
         return len(self.numbers)
 
 
-def count_rows(reason: str, rows: Sequence[int]) -> tuple[LeftOut, ...]:
+def count_rows(reason: str, rows: Sequence[int] | NDArray[np.intp]) -> tuple[LeftOut, ...]:
     """Return the count of omitted rows with its reason; empty if all rows are kept."""
-    return (LeftOut(reason, len(rows), tuple(rows[:3])),) if rows else ()
+    return (LeftOut(reason, len(rows), tuple(map(int, rows[:3]))),) if len(rows) else ()
 
 
 def find_table(
-    path: Path, rows: list[Row], form: tuple[str, ...], separator: str = "", texts: Mapping[int, str] | None = None
+    path: Path, rows: list[Row], form: tuple[str, ...], separator: str = "", lines: Sequence[Line] = ()
 ) -> RawTable:
     """Return the table of numbers among rows of cells.
 
@@ -111,7 +113,7 @@ def find_table(
         rows: nonempty rows.
         form: kind, separator and encoding, in words.
         separator: key of `SEPARATORS`, if rows are text.
-        texts: row number -> line, because headings may have another separator.
+        lines: lines of the rows, because headings may have another separator.
 
     Raises:
         DataError: there is no table.
@@ -126,22 +128,23 @@ def find_table(
     body = _find_body(rows, alike, places, where)
     _refuse_larger_table(rows, numeric, body, where)
     sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]])
-    headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
+    above = slice(max(0, body[0] - ABOVE), body[0])
+    headings, units, used = find_headings(rows[above], dict(lines[above]), width, sign)
     body, again = _choose_block(rows, body, headings, where)
     table = [rows[k] for k in body]
     inside = [] if 0 in places else table[:40]
     said = collect_said(rows[: body[0]]) | collect_said(inside) | _select_texts(units)
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
-    left, above = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
+    left, spoilt = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
     columns = _read_columns(table, headings, channels | units, style, places)
     doubt = ("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.",) * style.unsure
     return RawTable(
         path.name,
-        _describe_form(form, style, rows[body[0]][0] - 1 - above),
+        _describe_form(form, style, rows[body[0]][0] - 1 - spoilt),
         separator,
         any(headings),
         columns,
-        [number for number, _ in table],
+        np.array([number for number, _ in table]),
         [[cell[:60] for cell in row] for _, row in table[:20]],
         left,
         said,
@@ -331,4 +334,4 @@ def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> Raw
         numbers = clear_extremes(array)
         columns.append(RawColumn(name, "", "number", numbers, f"{array[0]:.9g}", wrong))
     preview = [[f"{column.numbers[k]:.9g}" for column in columns] for k in range(min(length, 20))]
-    return RawTable(path.name, form, "", True, tuple(columns), [*range(1, length + 1)], preview, notes=notes)
+    return RawTable(path.name, form, "", True, tuple(columns), np.arange(1, length + 1), preview, notes=notes)

@@ -16,8 +16,8 @@ from martensite.base.errors import DataError, InputError, ParameterError, sugges
 from martensite.base.files import tell_once
 from martensite.logs.binary_files import BINARY, head_column
 from martensite.logs.container_files import KINDS, find_ending, list_sheets, read_container
+from martensite.logs.exact_rows import SIGNS
 from martensite.logs.exact_tables import (
-    SIGNS,
     InexactError,
     build_exact,
     is_all_known,

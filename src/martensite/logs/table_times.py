@@ -88,7 +88,7 @@ def build_times(raw: RawTable, times: Numbers, start: float | None, counted: boo
     """
     notes: list[str] = []
     rows = np.flatnonzero(np.isfinite(times))
-    left = count_rows("no time", [raw.numbers[k] for k in np.flatnonzero(~np.isfinite(times))])
+    left = count_rows("no time", raw.numbers[~np.isfinite(times)])
     if rows.size < 2:
         raise DataError(f"`{raw.name}`: its column of time holds {rows.size} times; at least 2 are needed.")
     seconds = times[rows]
@@ -109,7 +109,7 @@ def build_times(raw: RawTable, times: Numbers, start: float | None, counted: boo
         seconds = spread_rows(seconds)
         notes.append("The clock stands still over several rows: they are spread evenly until it goes on.")
         again = np.flatnonzero(np.diff(seconds) <= 0.0) + 1
-    left += count_rows("the time of the row before again", [raw.numbers[int(rows[k])] for k in again])
+    left += count_rows("the time of the row before again", raw.numbers[rows[again]])
     keep = np.setdiff1d(np.arange(seconds.size), again)
     if keep.size < 2:
         raise DataError(f"`{raw.name}`: all rows have the same time, {seconds[0]:.9g} s.")

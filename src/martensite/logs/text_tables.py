@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from martensite.logs.cells import find_kind, is_missing
-from martensite.logs.open_files import read_lines, split_cells
+from martensite.logs.open_files import Line, read_lines, split_cells
+from martensite.logs.plain_rows import read_regular
 from martensite.logs.raw_table import LOOKED_AT, RawTable, find_table
 from martensite.logs.table_headings import SEPARATORS
 
@@ -32,14 +33,17 @@ def read_text_table(path: Path, separator: str = "auto") -> RawTable:
     """
     lines, encoding = read_lines(path)
     lines = _expand_serial(lines)
-    chosen = _choose_separator([line for _, line in lines]) if separator == "auto" else separator
-    sign = SEPARATORS[chosen]
-    rows = [(n, split_cells(line, sign)) for n, line in lines]
-    texts = dict(lines)
-    return find_table(path, rows, ("text", f"separated by {NAMED[chosen]}", encoding), chosen, texts)
+    looked = [line for _, line in lines[:: max(1, len(lines) // LOOKED_AT)]]
+    chosen = _choose_separator(looked) if separator == "auto" else separator
+    form, sign = ("text", f"separated by {NAMED[chosen]}", encoding), SEPARATORS[chosen]
+
+    def find(lines: Sequence[Line]) -> RawTable:
+        return find_table(path, [(n, split_cells(line, sign)) for n, line in lines], form, chosen, lines)
+
+    return read_regular(lines, sign, find) or find(lines)
 
 
-def _expand_serial(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+def _expand_serial(lines: Sequence[Line]) -> Sequence[Line]:
     """Return lines of a serial monitor with the clock as a cell, and labels (`temp:25.1 I:0.4`) as headings."""
     lines = _split_clock(lines)
     labels = [_find_labels(line) for _, line in lines[:: max(1, len(lines) // 50)]]
@@ -52,7 +56,7 @@ def _expand_serial(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
     return [(0, head), *((n, row) for n, row in rows if row.count("\t") == len(names) - 1 or len(names) == 1)]
 
 
-def _split_clock(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+def _split_clock(lines: Sequence[Line]) -> Sequence[Line]:
     """Return lines with the clock of a serial monitor as a cell; unchanged lines without clocks."""
     if sum(_SERIAL.match(line) is not None for _, line in lines[:LOOKED_AT]) * 2 <= len(lines[:LOOKED_AT]):
         return lines
@@ -82,9 +86,8 @@ def _is_single(lines: Sequence[str]) -> bool:
     return not any("," in line for line in lines[first:]) or (first > 0 and "," not in lines[first - 1])
 
 
-def _choose_separator(lines: Sequence[str]) -> str:
+def _choose_separator(looked: Sequence[str]) -> str:
     """Return the separator that gives the most numeric cells in rows of equal width."""
-    looked = lines[:: max(1, len(lines) // LOOKED_AT)]
     best, most = "whitespace", 0.0
     for name, sign in SEPARATORS.items():
         rows = [split_cells(line, sign) for line in looked if sign in line]
