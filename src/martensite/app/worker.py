@@ -118,6 +118,8 @@ def main() -> None:
     limit_memory()
     find_call("run")  # makes the first call fast
     while True:
+        if work.empty():
+            find_call("model")  # imported while the page shows the answer before
         message, stop = work.get()
         desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
         try:

@@ -13,7 +13,9 @@ scenario with this material; [fit] describes the fitted records.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -98,10 +100,19 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
     if not isinstance(cast("Any", name), str | Path):
         raise InputError(f"A material must be a name or the path of a file, but is {name!r}.")
     if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
-        path = (folder or Path()) / name
-    else:
-        require_known("material", name, material_names())
-        path = _DATA / f"{name}.toml"
+        return _read_file((folder or Path()) / name)
+    require_known("material", name, material_names())
+    own = _read_packaged(name)
+    law, fit = deepcopy((own.law, own.fit))
+    return replace(own, sources=dict(own.sources), values=dict(own.values), law=law, fit=fit)
+
+
+@cache
+def _read_packaged(name: str) -> Material:
+    return _read_file(_DATA / f"{name}.toml")
+
+
+def _read_file(path: Path) -> Material:
     return _read_material(path.stem, read_toml(path, "material"), f"Material file `{path.name}`")
 
 
