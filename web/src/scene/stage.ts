@@ -14,7 +14,7 @@ import { Ground } from "./ground.ts";
 import { arrangeLabels, Labels, type Written } from "./labels.ts";
 import { Materials, type Colours } from "./materials.ts";
 import { round, type Motion } from "./motion.ts";
-import { Pace } from "./pace.ts";
+import { Pace, SELDOM } from "./pace.ts";
 import { Picker, Pointer, type Grabbing } from "./pick.ts";
 import { boundsOf, spotsOf } from "./spots.ts";
 import type { Rgb } from "./tint.ts";
@@ -42,9 +42,6 @@ const TURN = 0.12;
 const NEARER = 0.88;
 /** Share of half a frame that is filled: names need some room. */
 const ROOM: [number, number] = [0.93, 0.88];
-/** Between two pictures while something can be held, or runs follow a slider, where a processor has to draw: curves
- * come more often [ms]. */
-const SELDOM = 50;
 /** So soon after a run another one is taken to follow it [ms]. */
 const FOLLOWING = 300;
 const PRESSES = ["pointerdown", "pointerup", "pointercancel"] as const;
@@ -146,6 +143,11 @@ export class Stage {
   set grabbing(grabbing: Grabbing | null) {
     this.pointer.grabbing = grabbing;
     this.grabbed = grabbing !== null;
+  }
+
+  /** Shortest time between two pictures in motion [ms]. */
+  get interval(): number {
+    return this.quick ? 0 : SELDOM;
   }
 
   get motion(): Motion | null {
@@ -351,7 +353,7 @@ export class Stage {
   private next(): void {
     const begun = performance.now();
     const isHurried = this.grabbed || begun - this.shown < FOLLOWING;
-    const isEarly = this.fence !== null || (isHurried && begun - this.drawn < SELDOM);
+    const isEarly = this.fence !== null || (isHurried && begun - this.drawn < this.interval);
     if (!this.quick && isEarly) return void (this.waiting = requestAnimationFrame(() => this.next()));
     this.waiting = 0;
     this.drawn = begun;

@@ -11,6 +11,7 @@ import type { Run } from "../lib/types.ts";
 import { before, cursor, run } from "../state/run.ts";
 import { text } from "../state/scenario.ts";
 import { pause, rate } from "../scene/playing.ts";
+import { shownStage } from "../scene/shown.ts";
 import { clampLoad, dragLoad, findLoad, type Load } from "./handles.ts";
 import { findModel, type Model } from "./model.ts";
 import { Recording } from "./recording.ts";
@@ -153,12 +154,12 @@ function takeUp(now: Hand, first: Run): void {
   frame = requestAnimationFrame(tick);
 }
 
-/** The clock went on: the model follows, if it is not still at the step before. */
+/** The clock went on: the model follows, if it is not still at the step before, as often as the mechanism is drawn. */
 function tick(): void {
   const stamp = performance.now();
   frame = hand.peek() ? requestAnimationFrame(tick) : 0;
   const now = hand.peek();
-  if (!now || busy) return;
+  if (!now || busy || stamp - clock < (shownStage.current?.interval ?? 0)) return;
   const seconds = Math.min(Math.max((stamp - clock) / 1000, 0), LONGEST);
   clock = stamp;
   if (seconds > 0) void step(now, seconds);
