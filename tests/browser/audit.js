@@ -1,5 +1,6 @@
 // What is wrong with a page for those who cannot see, point or tell colours well. Gives sentences.
 () => {
+  const ARROW = 14; // room for the arrow of a select [px]
   const faults = [];
   const shownBox = (element) => {
     const style = getComputedStyle(element);
@@ -96,6 +97,14 @@
   // layout and motion
   const root = document.documentElement;
   if (root.scrollWidth > root.clientWidth) faults.push(`the page is ${root.scrollWidth - root.clientWidth} px too wide`);
+  const pen = window.auditCanvas ?? new OffscreenCanvas(1, 1).getContext("2d");
+  for (const choice of document.querySelectorAll("select")) {
+    if (!shownBox(choice) || choice.closest(".select")) continue; // its text breaks into lines
+    const style = getComputedStyle(choice);
+    pen.font = style.font;
+    const room = choice.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) - ARROW;
+    if (pen.measureText(choice.selectedOptions[0]?.text ?? "").width > room) faults.push(`${called(choice)} cuts “${choice.selectedOptions[0].text}”`);
+  }
   for (const moving of document.getAnimations()) {
     if (moving.playState === "running") faults.push(`${called(moving.effect.target)} moves`);
   }

@@ -117,6 +117,7 @@ def test_the_audit_notices_faults(page: Page) -> None:
       made.innerHTML = `<h5>Deep</h5><p id="page" style="color:#aaa;background:#fff">Pale</p>
         <button style="height:10px;min-height:0;padding:0"></button>
         <label for="none">x</label><img src="icon.svg"><div style="width:3000px">wide</div>
+        <select style="width:90px"><option>A long choice</option></select>
         <a href="#x" tabindex="3">first</a>`;
       document.querySelector("main").append(made);
     }""")
@@ -129,6 +130,7 @@ def test_the_audit_notices_faults(page: Page) -> None:
         "by for to none",
         "has no alt",
         "too wide",
+        "cuts “A long choice”",
         "order of Tab",
     ):
         assert words in faults, words

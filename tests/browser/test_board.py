@@ -20,7 +20,7 @@ def test_a_board_is_watched_armed_by_a_word_and_stopped(page: Page) -> None:
     page.get_by_role("button", name="Dry run").click()
     expect(page.get_by_text("Dry run: nothing was armed.")).to_be_visible(timeout=STARTED)
 
-    page.get_by_label("levels of the duty").check()
+    page.get_by_label("duty-cycle levels").check()
     page.get_by_label("Time:duty").fill("300 s:0.3")
     page.get_by_label("Type ARM").fill("arm")
     expect(page.get_by_role("button", name="Dry run")).to_be_disabled()  # it is another word

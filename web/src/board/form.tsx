@@ -5,6 +5,7 @@ import { text as onBench } from "../state/scenario.ts";
 import {
   ARM, beginRun, BENCH, board, busy, calibration, document, duration, fetchFirmware, isRunning, kind, known, levels, port, readCalibration, scenario, unusable, word,
 } from "./state.ts";
+import { Select } from "../ui/select.tsx";
 
 function Board() {
   const there = known.value;
@@ -14,17 +15,17 @@ function Board() {
       <legend>Board</legend>
       <label class="board-field">
         Kind
-        <select value={board.value} onChange={(event) => (board.value = event.currentTarget.value)}>
+        <Select value={board.value} onChange={(event) => (board.value = event.currentTarget.value)}>
           {there?.boards?.map((one) => (
             <option key={one.name} value={one.name}>
               {one.title}
             </option>
           ))}
-        </select>
+        </Select>
       </label>
       <label class="board-field">
         Port
-        <select value={port.value} onChange={(event) => (port.value = event.currentTarget.value)}>
+        <Select value={port.value} onChange={(event) => (port.value = event.currentTarget.value)}>
           <option value={there?.emulator} disabled={!emulated || Boolean(there?.missing)}>
             emulator{!emulated ? " (none for this board)" : there?.missing ? " (tools are missing)" : ""}
           </option>
@@ -33,7 +34,7 @@ function Board() {
               {one.name} {one.about !== "n/a" && one.about}
             </option>
           ))}
-        </select>
+        </Select>
       </label>
       {unusable.value && <p class="small">{unusable.value}</p>}
       {unusable.value ? null : port.value === there?.emulator ? (
@@ -66,14 +67,14 @@ function Firmware() {
     <>
       <label class="board-field">
         Loop of the scenario
-        <select value={scenario.value} onChange={(event) => (scenario.value = event.currentTarget.value)}>
+        <Select value={scenario.value} onChange={(event) => (scenario.value = event.currentTarget.value)}>
           {onBench.value && <option value={BENCH}>the one on the bench</option>}
           {known.value?.scenarios?.map((one) => (
             <option key={one.name} value={one.name}>
               {one.title}
             </option>
           ))}
-        </select>
+        </Select>
       </label>
       <button type="button" title="Flash this firmware to a board at a port; an emulator loads it automatically." disabled={!document.value || busy.value !== ""} onClick={() => void write()}>
         {busy.value || "Download its firmware"}
@@ -89,18 +90,18 @@ function What() {
       <div class="row">
         {(["loop", "levels"] as const).map((one) => (
           <label key={one} class="row">
-            <input type="radio" name="kind" checked={kind.value === one} onChange={() => (kind.value = one)} /> {one === "loop" ? "the loop" : "levels of the duty"}
+            <input type="radio" name="kind" checked={kind.value === one} onChange={() => (kind.value = one)} /> {one === "loop" ? "the loop" : "duty-cycle levels"}
           </label>
         ))}
       </div>
       {kind.value === "loop" ? (
         <label class="board-field">
           Duration [s]
-          <input type="text" inputMode="decimal" value={duration.value} placeholder="that of the scenario" onInput={(event) => (duration.value = event.currentTarget.value)} />
+          <input type="text" inputMode="decimal" value={duration.value} placeholder="as in the scenario" onInput={(event) => (duration.value = event.currentTarget.value)} />
         </label>
       ) : (
         <label class="board-field">
-          Time:duty, …
+          Time:duty cycle, …
           <input type="text" value={levels.value} onInput={(event) => (levels.value = event.currentTarget.value)} />
         </label>
       )}

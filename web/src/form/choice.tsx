@@ -5,11 +5,12 @@ import { whyFixed } from "../engine/fixed.ts";
 import { faulty, Fixed, idOf, Row } from "./row.tsx";
 import { form, refusals, restructure, send } from "./state.ts";
 import type { NamedPart, GroupNode, MaterialNode, OptionNode, RowNode, TextNode } from "./types.ts";
+import { Select } from "../ui/select.tsx";
 
 export function OptionControl({ node }: { node: OptionNode }) {
   return (
     <Row node={node}>
-      <select
+      <Select
         id={idOf(node.path)}
         key={`${node.value} ${refusals.value[node.path] ?? ""}`}
         value={node.value}
@@ -22,7 +23,7 @@ export function OptionControl({ node }: { node: OptionNode }) {
             {choice}
           </option>
         ))}
-      </select>
+      </Select>
     </Row>
   );
 }
@@ -45,7 +46,7 @@ function Pick({ id, path, value, choices, label }: PickProps) {
   };
   return (
     <>
-      <select
+      <Select
         id={id}
         aria-label={label}
         value={value}
@@ -58,7 +59,7 @@ function Pick({ id, path, value, choices, label }: PickProps) {
             {one.name || "none"}
           </option>
         ))}
-      </select>
+      </Select>
       <p class="small soft summary" id={`${id}-about`}>
         {about?.replaceAll("`", "")}
       </p>

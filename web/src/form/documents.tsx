@@ -11,6 +11,7 @@ import { Editor } from "./editor.tsx";
 import { textOf } from "./files.ts";
 import { groupPackaged, type Packaged } from "./packaged.ts";
 import { leave, load } from "./state.ts";
+import { Select } from "../ui/select.tsx";
 
 const NEW = "";
 
@@ -79,7 +80,7 @@ export function Documents() {
       <label class="hidden" for="documents-packaged">
         Scenario
       </label>
-      <select
+      <Select
         id="documents-packaged"
         title={packaged.value.find((one) => one.name === chosen)?.title}
         value={chosen}
@@ -97,7 +98,7 @@ export function Documents() {
             ))}
           </optgroup>
         ))}
-      </select>
+      </Select>
       <div class="documents-buttons">
         {!isStatic() && (
           <button type="button" title="A wire with a dead weight" onClick={() => void put(NEW)}>

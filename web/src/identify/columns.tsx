@@ -3,6 +3,7 @@
 import { digits, readComma } from "../lib/numbers.ts";
 import { proposeSoon, put, state, table, type Column } from "./state.ts";
 import type { TableColumn } from "./types.ts";
+import { Select } from "../ui/select.tsx";
 
 const WIDTH = 120;
 const HEIGHT = 30;
@@ -37,7 +38,7 @@ function Meaning({ column, of }: { column: Column; of: TableColumn }) {
   const own = column.name !== "" && !(column.name in names);
   return (
     <div class="row tight">
-      <select
+      <Select
         aria-label={`Meaning of ${label}`}
         value={own ? "?" : column.name}
         onChange={(event) => change(column.at, { name: event.currentTarget.value === "?" ? label.replace(/[^\w.]+/g, "_").toLowerCase() : event.currentTarget.value })}
@@ -49,7 +50,7 @@ function Meaning({ column, of }: { column: Column; of: TableColumn }) {
           </option>
         ))}
         <option value="?">another name …</option>
-      </select>
+      </Select>
       {own && <input aria-label={`Name of ${label}`} size={12} value={column.name} onChange={(event) => change(column.at, { name: event.currentTarget.value.trim() })} />}
     </div>
   );

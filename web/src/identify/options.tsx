@@ -1,6 +1,7 @@
 // What is compared, what every record has for itself, what is kept back, and how to search.
 
 import { heldNames, put, scenario, state } from "./state.ts";
+import { Select } from "../ui/select.tsx";
 
 const without = (list: string[], name: string): string[] => list.filter((one) => one !== name);
 const toggled = (list: string[], name: string): string[] => (list.includes(name) ? without(list, name) : [...list, name]);
@@ -53,13 +54,13 @@ function Pick({ label, value, choices, onPick }: PickProps) {
   return (
     <label>
       {label}{" "}
-      <select value={value} title={choices[value]} onChange={(event) => onPick(event.currentTarget.value)}>
+      <Select value={value} title={choices[value]} onChange={(event) => onPick(event.currentTarget.value)}>
         {Object.entries(choices).map(([name, words]) => (
           <option key={name} value={name}>
             {words ? `${name}: ${words}` : name}
           </option>
         ))}
-      </select>
+      </Select>
     </label>
   );
 }

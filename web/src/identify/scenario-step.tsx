@@ -9,6 +9,7 @@ import { Numbers } from "./numbers.tsx";
 import { Options } from "./options.tsx";
 import { Said } from "./said.tsx";
 import { beginFit, proposal, put, readScenario, refused, scenario, simplest, state, takeModel } from "./state.ts";
+import { Select } from "../ui/select.tsx";
 
 interface Listed {
   scenarios: { name: string; title: string; text: string }[];
@@ -36,7 +37,7 @@ function Choose() {
     <div class="panel row">
       <label>
         Scenario{" "}
-        <select
+        <Select
           value=""
           onChange={(event) => {
             const one = listed.value.find((each) => each.name === event.currentTarget.value);
@@ -49,7 +50,7 @@ function Choose() {
               {one.title}
             </option>
           ))}
-        </select>
+        </Select>
       </label>
       <button type="button" disabled={!benchText.value} onClick={() => void taken(benchText.value, "the bench")}>
         Use the scenario on the bench
@@ -128,7 +129,7 @@ function Drives() {
           </span>
           <label>
             follow the column{" "}
-            <select
+            <Select
               aria-label={`Column that ${drive.path} follows`}
               value={drive.waveform === "log" ? drive.column : ""}
               onChange={(event) => event.currentTarget.value && void readScenario({ path: drive.path, column: event.currentTarget.value })}
@@ -139,7 +140,7 @@ function Drives() {
                   {name}
                 </option>
               ))}
-            </select>
+            </Select>
           </label>
         </div>
       ))}

@@ -17,6 +17,8 @@ const [SHADOW, SHADOWS] = [400, 10];
 const [CHEAP, DEAR] = [25, 120];
 /** Pixels of the picture per pixel of the page in motion. */
 const [COARSE, COARSEST] = [0.7, 0.5];
+/** Rows of a picture, at least: with fewer, a wire is thinner than a pixel and disappears. */
+const FEWEST = 150;
 
 export class Pace {
   /** Cost of the last picture with one pixel per pixel of the page [ms]. */
@@ -35,9 +37,10 @@ export class Pace {
     this.changed = now;
   }
 
-  /** Return resolution and shadow of the next picture. */
-  begin(now: number, isMoving: boolean): { pixels: number; shadow: boolean } {
-    const pixels = !isMoving || this.cost <= CHEAP ? 1 : this.cost < DEAR ? COARSE : COARSEST;
+  /** Return resolution and shadow of the next picture, which is `height` pixels of the page high. */
+  begin(now: number, isMoving: boolean, height: number): { pixels: number; shadow: boolean } {
+    const chosen = !isMoving || this.cost <= CHEAP ? 1 : this.cost < DEAR ? COARSE : COARSEST;
+    const pixels = Math.min(Math.max(chosen, FEWEST / height), 1);
     const shadow = !isMoving || now - this.shaded > Math.max(SHADOW, SHADOWS * this.cost);
     if (shadow) this.shaded = now;
     this.isCoarse = pixels < 1;

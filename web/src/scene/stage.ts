@@ -363,7 +363,7 @@ export class Stage {
 
   /** Draw by the processor, measure the cost, and draw what is missing after a rest. */
   private drawPaced(isMoving: boolean): void {
-    const { pixels, shadow } = this.pace.begin(performance.now(), isMoving);
+    const { pixels, shadow } = this.pace.begin(performance.now(), isMoving, this.host.clientHeight);
     if (this.renderer.getPixelRatio() !== pixels) this.renderer.setPixelRatio(pixels);
     const begun = performance.now();
     this.draw(shadow);

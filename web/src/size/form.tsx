@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { Message } from "../ui/message.tsx";
 import { fields, fill, form, put, trouble } from "./state.ts";
 import type { Field } from "./types.ts";
+import { Select } from "../ui/select.tsx";
 
 const named = (name: string): string => name.replaceAll("_", " ");
 
@@ -12,13 +13,13 @@ function Control({ field, id, refused }: { field: Field; id: string; refused: st
   const described = `${id}-about`;
   if (field.choices.length > 0) {
     return (
-      <select id={id} value={text || field.default} aria-describedby={described} onChange={(event) => put(field.name, event.currentTarget.value)}>
+      <Select id={id} value={text || field.default} aria-describedby={described} onChange={(event) => put(field.name, event.currentTarget.value)}>
         {field.choices.map((choice) => (
           <option key={choice} value={choice}>
             {choice}
           </option>
         ))}
-      </select>
+      </Select>
     );
   }
   return (

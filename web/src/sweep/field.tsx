@@ -1,6 +1,7 @@
 // A labelled field with the sentence of what is wrong with it.
 
 import type { ComponentChildren } from "preact";
+import { Select } from "../ui/select.tsx";
 
 export interface FieldProps {
   id: string;
@@ -48,9 +49,9 @@ export function Choice({ id, label, value, onChange, children, wrong = "" }: Cho
   return (
     <div class="sweep-field">
       <label for={id}>{label}</label>
-      <select id={id} value={value} aria-invalid={wrong ? "true" : undefined} onChange={(event) => onChange(event.currentTarget.value)}>
+      <Select id={id} value={value} aria-invalid={wrong ? "true" : undefined} onChange={(event) => onChange(event.currentTarget.value)}>
         {children}
-      </select>
+      </Select>
       <Wrong id={id}>{wrong}</Wrong>
     </div>
   );

@@ -26,7 +26,7 @@ class WireRequest(Parametrised):
     cites = ("dynalloy-vendor-page", "dynalloy-table-copy")
 
     force: Number = param("N", "pull on the load at the end of the stroke", above=0.0, high=1e5)
-    stroke: Number = param("m", "way of the load", above=0.0, high=10.0)
+    stroke: Number = param("m", "travel of the load", above=0.0, high=10.0)
     rate: Number = param("Hz", "cycles per second", above=0.0, high=1e3)
     supply: Number = param("V", "voltage of the supply", above=0.0, high=1e4)
     ambient: Number = param("K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15)
