@@ -9,57 +9,20 @@ from __future__ import annotations
 import json
 import math
 import os
-import random
 import sys
-import tomllib
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 import pytest
-from fault_trials import spoil_bytes
+from lab_cases import FILES, write_case
 from scipy.io import savemat
 
-from martensite.base.errors import DataError, InputError, MartensiteError
+from martensite.base.errors import DataError, InputError
 from martensite.logs.datasets import describe_dataset
 from martensite.logs.lab_files import LabFile, read_lab_file
 from martensite.logs.merged_files import merge_by_clock
 from martensite.logs.reader import read_log, read_one, read_parts, read_table
-
-FILES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "lab_files.toml").read_text("utf-8"))
-
-
-def write_clock(seconds: float, digits: int = 3) -> str:
-    minutes, rest = divmod(seconds, 60.0)
-    return f"{int(minutes // 60) % 24:02d}:{int(minutes % 60):02d}:{rest:0{digits + 3 if digits else 2}.{digits}f}"
-
-
-def write_row(case: dict[str, Any], k: int) -> str:
-    turn = min(k, 39 - k)
-    values = {
-        **{"k": k, "t": 0.1 * k, "T": 20.0 + 2.0 * k, "e": 4.0 - 0.1 * k, "s": 100.0 + 0.25 * k, "h": 100 * k},
-        **{"c": write_clock(86_398.0 + 0.1 * k), "S": write_clock(36_000.0 + k, 0), "m": 100 * (k % 10)},
-        **{"q": write_clock(36_000.0 + k // 10, 0), "w": (2**32 - 1000 + 100 * k) % 2**32, "d": 0.1 * (k - (k > 20))},
-        **{"v": (65_000 + 100 * k) % 2**16, "x": 20.0 + 5.0 * turn, "y": 0.04 - 0.0018 * turn, "z": 172 + k % 3},
-        **{
-            "g": 0.001 + 0.002 * turn,
-            "p": 1000 + 100 * (k // 20) - 1500 * (k >= 300),
-            "i": 20 * (k // 20) + k % 7 * 0.3,
-        },
-    }
-    side = [*case["side"], *[","] * 40][k] + "," if "side" in case else ""
-    return side + case["row"].format(**values)
-
-
-def write_case(folder: Path, name: str) -> Path:
-    case = FILES[name]
-    text = "\n".join(write_row(case, k) for k in range(case.get("rows", 40)))
-    text = (text.replace(".", ",") if case.get("comma") else text).replace(*case.get("replace", ("\r", "")))
-    head, end = (f"{case['head']}\n" if "head" in case else ""), case.get("end", "")
-    path = folder / name
-    path.write_bytes(f"{head}{text}\n{end}\n".encode(case.get("encoding", "utf-8")))
-    return path
 
 
 def check_columns(found: LabFile, ends: dict[str, tuple[float, float]]) -> None:
@@ -330,29 +293,3 @@ def test_clocks_that_cannot_be_compared_are_said(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="is unknown: one has no absolute time"):
         merge_by_clock(files)
     assert "as given" in " ".join(merge_by_clock(files, [2.0]).notes)
-
-
-def spoil_lines(raw: bytes, rng: random.Random) -> bytes:
-    """Lines cut, emptied, changed for hostile ones, or put elsewhere."""
-    lines = raw.split(b"\n")
-    hostile = (b"", b",,,,", b"nan,nan", b"1e999,2", b"12:61:99,3", b"99/99/9999,1", b'"')
-    for _ in range(rng.randrange(1, 6)):
-        at, other = rng.randrange(len(lines)), rng.randrange(len(lines))
-        lines[at] = rng.choice((*hostile, lines[at][: rng.randrange(1 + len(lines[at]))], lines[other]))
-    return b"\n".join(lines)
-
-
-def test_spoilt_files_are_read_or_refused(tmp_path: Path) -> None:
-    """Whatever is broken: a table of equally long columns with times that increase, or a sentence."""
-    rng, refused = random.Random(5), 0
-    names = [name for name in FILES if FILES[name].get("rows", 40) == 40]
-    for _ in range(100):
-        path = write_case(tmp_path, rng.choice(names))
-        path.write_bytes(rng.choice((spoil_bytes, spoil_lines))(path.read_bytes(), rng))
-        try:
-            found = read_lab_file(path)
-        except MartensiteError:
-            refused += 1
-        else:
-            assert not found.has_time or np.all(np.diff(found.record.times) > 0.0)
-    assert 0 < refused < 70

@@ -70,7 +70,7 @@ def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
     unknown = {
         place: raw.columns[place].numbers
         for place, one in enumerate(meanings)
-        if not one.name and raw.columns[place].kind == "number" and not raw.columns[place].heading
+        if not (one.name or one.unit or raw.columns[place].heading) and raw.columns[place].kind == "number"
     }
     timed = any(
         one.name == "time" or column.kind in ("clock", "stamp")
@@ -113,6 +113,8 @@ def _find_special(raw: RawTable, column: RawColumn, listed: str) -> Meaning | No
 def _guess_quantity(raw: RawTable, column: RawColumn, listed: str) -> Meaning:
     """Return the quantity of a column; a missing unit is guessed from the values."""
     plain = guess_heading(column.heading)
+    if listed and plain.worded and plain.unit not in ("", listed):
+        return Meaning(plain.name, plain.unit, "heading", False)
     listed = listed or _find_scope_unit(raw, column, plain)
     guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
     if not guess.name:
@@ -210,7 +212,7 @@ def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) 
         read_headings([f"{slug} [{unit}]"], "")
     except (DataError, UnitError):
         unit = "1"
-    return Meaning(slug, unit, "heading", one.sure)
+    return Meaning(slug, unit, "values" if one.known == "values" else "heading", one.sure)
 
 
 def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -> dict[int, str]:

@@ -165,7 +165,8 @@ def _find_unit(spelling: str) -> str:
     listed = find_listed(spelling)
     if listed:
         return listed
-    return spelling if any(_is_convertible(spelling, si) for si in (*BY_UNIT, "1", "m/s", "Hz")) else ""
+    known = len(spelling) > 1 and any(_is_convertible(spelling, si) for si in (*BY_UNIT, "1", "m/s", "Hz"))
+    return spelling if known else ""  # single letters that are not listed are physical constants
 
 
 @lru_cache(maxsize=4096)
@@ -179,7 +180,10 @@ def find_listed(spelling: str) -> str:
 
 
 def _name_by_unit(unit: str) -> str:
-    return next((name for si, name in BY_UNIT.items() if unit and _is_convertible(unit, si)), "")
+    """Return the column of a unit; empty for fractions, because these convert to angles."""
+    if not unit or (_is_convertible(unit, "1") and unit not in SPELLINGS["rad"] + SPELLINGS["deg"]):
+        return ""
+    return next((name for si, name in BY_UNIT.items() if _is_convertible(unit, si)), "")
 
 
 def _find_named(words: str, unit: str) -> str:
@@ -196,6 +200,8 @@ def _find_named(words: str, unit: str) -> str:
 
 
 def _is_unit(spelling: str) -> bool:
+    if len(spelling) == 1:
+        return False
     try:
         units.require_unit(spelling)
     except UnitError:

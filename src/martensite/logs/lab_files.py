@@ -307,6 +307,10 @@ def _describe_doubt(title: str, option: str, column: RawColumn, meaning: Meaning
     if clock or (name not in ("", IGNORED, "time") and by in ("values", "heading")):
         if by == "values" and not meaning.sure:
             return f"{title} is taken for {name} in {meaning.unit} by its values alone; `{option}=…` corrects it."
+        if not meaning.sure:
+            return (
+                f"{title} has another unit, {column.unit}, below it; {meaning.unit} is read; `{option}=…` corrects it."
+            )
         if by == "heading" and meaning.unit == "1" and name.rpartition(".")[2] not in CANONICAL:
             example = "heat_flow[W/g]" if name == HEAT_FLOW else "quantity[unit]"
             return f"{title} is kept as plain numbers, `{name}`; `{option}={example}` names it."

@@ -22,13 +22,11 @@ from martensite.base.errors import DataError
 from martensite.logs.cells import Numbers, NumberStyle, clear_extremes, find_kind, find_style, is_missing, read_cells
 from martensite.logs.layout import name_column
 from martensite.logs.open_files import Line
-from martensite.logs.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
+from martensite.logs.table_headings import ABOVE, SEPARATORS, Above, Row, collect_said, find_headings, names_columns
 
 LOOKED_AT = 400
 """Rows that determine the layout."""
 MOST_COLUMNS = 200
-ABOVE = 6
-"""Lines above the numbers that are searched for headings and units."""
 
 
 class WrongCell(NamedTuple):
@@ -127,9 +125,9 @@ def find_table(
         raise DataError(f"{where} has no numeric column.")
     body = _find_body(rows, alike, places, where)
     _refuse_larger_table(rows, numeric, body, where)
-    sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]])
-    above = slice(max(0, body[0] - ABOVE), body[0])
-    headings, units, used = find_headings(rows[above], dict(lines[above]), width, sign)
+    sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]], width)
+    texts = dict(lines[max(0, body[0] - ABOVE) : body[0]])
+    headings, units, used = find_headings(rows[: body[0]], texts, width, sign)
     body, again = _choose_block(rows, body, headings, where)
     table = [rows[k] for k in body]
     inside = [] if 0 in places else table[:40]
@@ -184,10 +182,11 @@ def _refuse_larger_table(rows: Sequence[Row], numeric: set[int], body: Sequence[
         )
 
 
-def _find_channel_units(above: Sequence[Row]) -> Above:
-    """Return column index -> unit of the channels of a LabVIEW file."""
+def _find_channel_units(above: Sequence[Row], width: int) -> Above:
+    """Return column index -> unit of the channels of a LabVIEW file; empty if they do not fit the table."""
     labelled = [row for _, row in above if row[0].strip() == "Y_Unit_Label"]
-    return {} if not labelled else {k: cell.strip() for k, cell in enumerate(labelled[-1]) if k and cell.strip()}
+    units = {} if not labelled else {k: cell.strip() for k, cell in enumerate(labelled[-1]) if k and cell.strip()}
+    return units if max(units, default=0) < width else {}
 
 
 def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
@@ -237,9 +236,11 @@ def _list_left(
 
 
 def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int]) -> bool:
-    """Return whether the first row is a labelled number above the table."""
+    """Return whether the first row is above the table: a labelled number, or a row above the headings."""
     apart = body[1] - body[0]
     (_, first), (_, second) = rows[body[0]], rows[body[1]]
+    if any(names_columns(row, len(first)) for _, row in rows[body[0] + 1 : body[1]]):
+        return True
     words = [cell for place, cell in enumerate(first) if place not in places and cell.strip()]
     alike = [find_kind(first[place]) == find_kind(second[place]) for place in places]
     return apart > ABOVE or (apart > 1 and (bool(words) or not any(alike)))
