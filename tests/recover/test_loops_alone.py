@@ -125,6 +125,13 @@ def test_repeated_tensile_loops_give_the_parameters_of_one(repeat: int) -> None:
     assert {name: found.fit.numbers[name] for name in truth} == pytest.approx(truth, rel=0.01)
 
 
+@pytest.mark.parametrize("fixed", ["E_M", "E_M=30 GPa"])
+def test_a_parameter_held_at_its_start_is_an_assumption(fixed: str) -> None:
+    """The strain at the end of the plateau is eps_L plus stress over E_M; a given E_M is no assumption."""
+    found = model_logs([superelastic(1, celsius) for celsius in (30, 70)], fixed=[fixed])
+    assert ("element.law.E_M" in found.dependent.get("eps_L", ())) == ("=" not in fixed)
+
+
 def with_force(record: Record, name: str) -> Record:
     """The load of the loops on a wire of 0.381 mm, and the travel of a gauge length of 50 mm."""
     force = np.asarray(record["stress"]) * np.pi / 4.0 * 0.381e-3**2

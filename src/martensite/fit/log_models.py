@@ -44,7 +44,7 @@ from martensite.fit.log_trials import (
 )
 from martensite.fit.logs import AUTO, Source
 from martensite.fit.problem import Problem
-from martensite.fit.proposal_changes import change_proposals
+from martensite.fit.proposal_changes import change_proposals, list_held
 from martensite.logs.lab_files import LabFile
 from martensite.logs.reader import read_parts
 from martensite.scenario.exact_text import exact_text
@@ -258,7 +258,7 @@ def model_logs(
     words = {one.record.name: one.said for one in files}
     proposals, known = propose_scenarios(seen, moving, overrides, words)
     notes += known.sentences
-    proposals = change_proposals(proposals, free, fixed)
+    offered, proposals = proposals, change_proposals(proposals, free, fixed)
 
     def announce(text: str) -> None:
         if tell is not None:
@@ -275,9 +275,11 @@ def model_logs(
         changed, _ = propose_scenarios(seen, moving, {**overrides, path: text}, words)
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
-    moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, known.assumed, rebuild)
+    given = [*overrides, *(name.strip() for name, equals, _ in (text.partition("=") for text in fixed) if equals)]
+    assumed = known.assumed | list_held(offered, best.proposal, best.fit.scenario, given)
+    moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, assumed, rebuild)
     traced = {one.path for one in moves}
-    untested = tuple(path for path in known.assumed if path not in traced)
+    untested = tuple(path for path in assumed if path not in traced)
     tried = tuple(trials.tried)
     return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves), untested)
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.fit.experiment_kinds.base import Proposal
 from martensite.scenario.overrides import change_document
-from martensite.scenario.scenario import read_scenario
+from martensite.scenario.scenario import Scenario, read_scenario
 
 
 def change_proposals(proposals: Sequence[Proposal], free: Sequence[str], fixed: Sequence[str]) -> list[Proposal]:
@@ -32,6 +32,28 @@ def change_proposals(proposals: Sequence[Proposal], free: Sequence[str], fixed: 
     for text in fixed:
         made = [_fix_parameter(one, text) if _is_free(one, text) else one for one in made]
     return made
+
+
+def list_held(
+    offered: Sequence[Proposal], chosen: Proposal, scenario: Scenario, given: Sequence[str]
+) -> dict[str, float]:
+    """Return path -> value [SI] of the offered parameters that a chosen proposal holds at their start.
+
+    Args:
+        offered: proposals for the logs, with all their free parameters.
+        chosen: one of them, with fewer free parameters.
+        scenario: scenario of the chosen proposal.
+        given: paths and names with a value by the user, which is no assumption.
+    """
+    own = [one for one in offered if chosen.name == one.name or chosen.name.startswith(f"{one.name}, ")]
+    names = {_find_name(text) for one in own for text in one.free} - {_find_name(text) for text in chosen.free}
+    found: dict[str, float] = {}
+    for leaf in scenario.system.leaves():
+        path = scenario.places.path(leaf.path)
+        held = any(f".{leaf.path}".endswith(f".{name}") or path == name for name in names)
+        if held and not any(f".{path}".endswith(f".{name}") for name in given):
+            found[path] = float(leaf.value)
+    return found
 
 
 def _find_name(text: str) -> str:
