@@ -7,8 +7,11 @@ text table, in the metadata of Parquet, and in metadata and an attachment of MCA
 from __future__ import annotations
 
 import json
+import struct
 from array import array
+from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -149,24 +152,35 @@ class BoardLog:
 
 
 def read_log_scenario(path: Path) -> str:
-    """Return the scenario in a log, or an empty text.
+    """Return the scenario in a log; an empty text without one, or for a damaged file, which its reader refuses.
 
     Raises:
-        DataError: the file cannot be read.
+        DataError: the line of the scenario is damaged.
     """
     ending = path.suffix.lower()
-    if ending == ".parquet":
-        parquet = import_extra("pyarrow.parquet", "parquet", "pyarrow")
-        metadata = parquet.read_schema(path).metadata or {}
-        return metadata.get(b"scenario", b"").decode()
-    if ending == ".mcap":
-        reader = import_extra("mcap.reader", "mcap", "mcap").make_reader
-        with path.open("rb") as file:
-            return next((one.data.decode() for one in reader(file).iter_attachments()), "")
-    with path.open(encoding="utf-8") as file:
-        for line in file:
-            if line.startswith("# scenario: "):
-                return str(json.loads(line.removeprefix("# scenario: ")))
-            if not line.startswith("#"):
-                break
+    with suppress(ValueError, OSError):  # also errors of pyarrow
+        if ending == ".parquet":
+            parquet = import_extra("pyarrow.parquet", "parquet", "pyarrow")
+            return (parquet.read_schema(path).metadata or {}).get(b"scenario", b"").decode()
+        if ending == ".mcap":
+            return _read_attachment(path)
+        with path.open(encoding="utf-8", errors="replace") as file:
+            for line in takewhile(lambda one: one.startswith("#"), file):
+                if line.startswith("# scenario: "):
+                    return _read_line(path, line)
+    return ""
+
+
+def _read_line(path: Path, line: str) -> str:
+    try:
+        return str(json.loads(line.removeprefix("# scenario: ")))
+    except ValueError:
+        raise DataError(f"`{path.name}`: its line `# scenario: …` is damaged; delete it, or give --scenario.") from None
+
+
+def _read_attachment(path: Path) -> str:
+    reader = import_extra("mcap.reader", "mcap", "mcap").make_reader
+    damaged = import_extra("mcap.exceptions", "mcap", "mcap").McapError
+    with path.open("rb") as file, suppress(damaged, struct.error):
+        return next((one.data.decode() for one in reader(file).iter_attachments()), "")
     return ""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import ParameterError
+from martensite.base.errors import DataError, ParameterError
 from martensite.base.toml_text import as_toml
 from martensite.boards.board_log import ENDINGS, read_log_scenario
 from martensite.fit.api import build_task
@@ -27,8 +27,15 @@ SILENT = 1e-3
 
 
 def write_rig_scenario(text: str) -> str:
-    """Return an open-loop copy of a scenario; its drive follows the column `duty` of a log."""
-    document: dict[str, Any] = tomllib.loads(text)
+    """Return an open-loop copy of a scenario; its drive follows the column `duty` of a log.
+
+    Raises:
+        DataError: the text is no TOML.
+    """
+    try:
+        document: dict[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DataError(f"The scenario in the log is damaged ({error}); give --scenario.") from None
     source = document.get("driver", {"kind": "pwm-voltage"})
     followed = {"waveform": {"kind": "log", "column": "duty", "between": "hold"}}
     sections = {name: section for name, section in document.items() if name not in (*SECTIONS, "driver", "run")}
