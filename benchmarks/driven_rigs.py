@@ -1,6 +1,7 @@
 """Rigs drawn at random: a driven element under a weight, against a spring or between grips, and its logs.
 
-Every fifth rig is outside of what is fitted: another law, a drifting ambient, a delay, or a sensor that is not linear.
+Every fifth rig is outside of what is fitted: another law, another heat loss, a drifting ambient, friction, a delay, or
+a sensor that is nonlinear, slow or drifts.
 A rig gives three logs of different cadence and one more, of a cadence that none of the three has.
 """
 
@@ -16,7 +17,7 @@ from martensite.signals.records import Record
 
 DRIVES = ("voltage", "current", "power", "duty")
 SHAPES = ("steps", "sine", "pulses", "pwm")
-OUTSIDE = ("law", "ambient", "delay", "sensor")
+OUTSIDE = ("law", "loss", "ambient", "friction", "delay", "sensor", "lag", "drift")
 UNIT = {"voltage": "V", "current": "A", "power": "W", "duty": "1"}
 TEXT = """
 [element]
@@ -31,7 +32,7 @@ latent_heat = "{latent} J/kg"
 
 [environment]
 temperature = "{ambient} degC"
-cooling = {{ kind = "constant", h = "{h} W/m^2/K" }}
+cooling = {{ {cooling} }}
 
 [mechanism]
 {mechanism}
@@ -87,6 +88,9 @@ def draw_rig(seed: int, records: int = 3) -> Rig:
             f'sigma_cal = "150 MPa", n_1 = 0.4, n_2 = 0.6, n_3 = 0.4, n_4 = 0.6, waist_f = 0.9, waist_r = 0.9'
         )
         wire |= {"A_s": top - 60.0, "M_f": top - apart - 60.0}
+    cooling = f'kind = "constant", h = "{wire["h"]} W/m^2/K"'
+    if outside == "loss":  # from 40 % at the ambient temperature to 130 % at the highest
+        cooling = f'kind = "polynomial", h0 = "{0.2 * wire["h"]} W/m^2/K", h1 = "{0.012 * wire["h"]} W/m^2/K^2"'
     force = sigma * np.pi / 4.0 * (1e-3 * d) ** 2
     stroke = 1e-3 * wire["length"] * eps
     words = {
@@ -103,7 +107,7 @@ def draw_rig(seed: int, records: int = 3) -> Rig:
     kind = f'kind = "{drive}"'
     if drive == "duty":
         kind = f'kind = "pwm-voltage"\nsupply = "{np.sqrt(power * ohms / 0.6)} V"'
-    text = TEXT.format(**wire, law=law, mechanism=words[mechanism], signals=signals, drive=kind)
+    text = TEXT.format(**wire, cooling=cooling, law=law, mechanism=words[mechanism], signals=signals, drive=kind)
     tau = 6450.0 * wire["c"] * 1e-3 * d / (4.0 * wire["h"])
     output = "force" if mechanism == "clamped" else "position"
     shape, noise = str(chance.choice(SHAPES)), chance.uniform(0.003, 0.02)
@@ -149,6 +153,18 @@ def simulate_log(
     found = np.asarray(scenario.run()[output], float)
     if outside == "delay":
         found = np.interp(times - chance.uniform(0.8, 2.0) * tau, times, found)
+    if outside == "lag":
+        keep, slow = np.exp(-np.diff(times) / (chance.uniform(0.7, 2.0) * tau)), [found[0]]
+        for one, level in zip(keep, found[1:], strict=True):
+            slow.append(level + (slow[-1] - level) * one)
+        found = np.array(slow)
+    if outside == "drift":
+        found = found + chance.uniform(0.1, 0.3) * np.ptp(found) * times / times[-1]
+    if outside == "friction":  # the slider follows when the wire has moved by the slack
+        slack, stuck = chance.uniform(0.04, 0.1) * np.ptp(found), [found[0]]
+        for level in found[1:]:
+            stuck.append(min(max(stuck[-1], level - slack), level + slack))
+        found = np.array(stuck)
     if outside == "sensor":
         share = (found - found.min()) / max(np.ptp(found), 1e-30)
         found = found.min() + np.ptp(found) * share ** chance.uniform(1.6, 2.4)

@@ -61,9 +61,9 @@ def judge_driven(_: str, seed: int) -> dict[str, Any]:
     rig = draw_rig(seed)
     model = model_logs(rig.records)
     (predicted,) = model.predict_record(rig.unseen).values()
-    lag = fit_drive_lag(rig.records, rig.drive, rig.column).predict(rig.unseen, rig.drive)
+    lag = fit_drive_lag(rig.records, rig.drive, rig.column, refined=2).predict(rig.unseen, rig.drive)
     naive = float(np.sqrt(np.mean((lag - np.asarray(rig.unseen[rig.column])) ** 2)))
-    return compare(model, predicted, rig.unseen[rig.column], naive)
+    return {"outside": rig.outside} | compare(model, predicted, rig.unseen[rig.column], naive)
 
 
 def compare(model: LogModel, predicted: Any, measured: Any, naive: float) -> dict[str, Any]:
@@ -116,13 +116,13 @@ def judge_dsc(_: str, seed: int) -> dict[str, Any]:
     }
 
 
-def run(kinds: Iterable[str], rigs: int, seed: int, numbers: Path) -> list[dict[str, Any]]:
-    """Judge rigs of some kinds in turn, and return all results."""
+def run(kinds: Iterable[str], rigs: int, seed: int, numbers: Path, every: int = 1) -> list[dict[str, Any]]:
+    """Judge rigs of some kinds in turn, with seeds that are `every` apart, and return all results."""
     done: list[dict[str, Any]] = json.loads(numbers.read_text("utf-8")) if numbers.exists() else []
     names = list(kinds)
     known = {(one["kind"], one["seed"]) for one in done}
     for k in range(rigs):
-        kind, own = names[k % len(names)], seed + k // len(names)
+        kind, own = names[k % len(names)], seed + every * (k // len(names))
         if (kind, own) in known:
             continue
         begin = time.process_time()
@@ -179,11 +179,14 @@ def main() -> None:
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("--rigs", type=int, default=40)
     parser.add_argument("--seed", type=int, default=7000)
+    parser.add_argument(
+        "--every", type=int, default=1, help="distance of the seeds; 5 from a seed that ends with 4 or 9"
+    )
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
     parser.add_argument("--numbers", type=Path, default=NUMBERS)
     parser.add_argument("--page", action="store_true")
     given = parser.parse_args()
-    done = run(given.kinds, given.rigs, given.seed, given.numbers)
+    done = run(given.kinds, given.rigs, given.seed, given.numbers, given.every)
     print(write_table(done))
     if given.page:
         write_page(done)

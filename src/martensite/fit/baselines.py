@@ -134,7 +134,7 @@ def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: st
     found: dict[str, Any] = {}
     late = find_drive(one) in [x.name for x in one.system.drives() if x.at_end]
     if driving != "K":
-        lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, 0 if late else LAGS)
+        lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, 0 if late else LAGS, refined=2)
         found = {LINE if late else LAG: lag.predict(mine, DRIVE)[one.rows]}
     return found | (_predict_loop(one, [x for x in alike if x.name != one.name], output) if late else {})
 

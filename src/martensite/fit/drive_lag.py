@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.search.lags import filter_lag, fit_lag
 from martensite.signals.records import Record
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ class DriveLag:
     gain: float
     """Measured unit per unit of the heating drive."""
     zero: float
-    rms: float
-    """Error over the fitted rows."""
 
     def predict(self, record: Record, drive: str) -> Any:
         """Return the prediction (rows,) of a record."""
@@ -40,18 +39,14 @@ class DriveLag:
 
 def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
     """Return the heating column, (rows,), behind a lag [s] from an initial steady state."""
-    times, u = np.asarray(record.times), np.asarray(record[drive], float)
+    u = np.asarray(record[drive], float)
     heat = np.where(np.isfinite(u), u, 0.0) ** (2.0 if record.units[drive] in SQUARED else 1.0)
-    if time_constant <= 0.0:
-        return heat
-    kept = np.exp(-np.diff(times) / time_constant).tolist()
-    found, rows = [float(heat[0])], heat.tolist()
-    for keep, level in zip(kept, rows[:-1], strict=True):
-        found.append(level + (found[-1] - level) * keep)
-    return np.array(found)
+    return filter_lag(record.times, heat[:, None], time_constant)[:, 0]
 
 
-def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int = LAGS) -> DriveLag:
+def fit_drive_lag(
+    records: Sequence[Record], drive: str, column: str, lags: int = LAGS, *, refined: int = 0
+) -> DriveLag:
     """Return the lag that explains a column of some records best; rows with NaN are ignored.
 
     Args:
@@ -59,20 +54,18 @@ def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int 
         drive: drive column.
         column: explained column.
         lags: number of time constants tried, besides no lag.
+        refined: number of finer grids around the best time constant.
     """
     seen = [np.isfinite(np.asarray(one[column], float)) for one in records]
     y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, seen, strict=True)])
+
+    def gather(lag: float) -> Any:
+        return np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, seen, strict=True)])[:, None]
+
     longest = max(r.times[-1] - r.times[0] for r in records)
     least = min(float(np.median(np.diff(r.times))) for r in records)
-    best = DriveLag(0.0, 0.0, float(y.mean()), float(y.std()))
-    for lag in (0.0, *np.geomspace(least, longest, lags)):
-        x = np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, seen, strict=True)])
-        slope = float(np.cov(x, y, bias=True)[0, 1] / max(float(np.var(x)), 1e-300))
-        zero = float(y.mean() - slope * x.mean())
-        rms = float(np.sqrt(np.mean((zero + slope * x - y) ** 2)))
-        if rms < best.rms:
-            best = DriveLag(float(lag), slope, zero, rms)
-    return best
+    best = fit_lag(gather, y[:, None], (least, longest), lags, refined)
+    return DriveLag(best.time_constant, float(best.gains[0, 0]), float(best.zeros[0]))
 
 
 def find_drive(one: Experiment) -> str:

@@ -65,13 +65,14 @@ class Cooling(AbstractExperimentKind):
         lead, span = f"{10.0 * tau:.4g} s", max(one.times[-1] for one in rows)
         document["run"] |= {"lead": lead, "duration": f"{10.0 * tau + span:.4g} s"}
         document["drive"] |= {"supply": f"{volts:.4g} V", "waveform": {"kind": "step", "high": 1, "until": lead}}
-        begun = DrivenElement(rows, DriveLag(tau, 0.0, room, 0.0), area, document, ())
+        begun = DrivenElement(rows, DriveLag(tau, 0.0, room), area, document, ())
         low, high = max(room - fall, 200.0), min(room + 0.5 * fall, hot)
         free = FILM.format(h / 6.0, h * 6.0), f"environment.temperature={low}..{high} K"
         each, column = (f"drive.supply={0.3 * volts:.4g}..{3.0 * volts:.4g} V",), ("temperature",)
-        yield replace(begun.make_proposal("heat alone", begun.dead_weight, free, column), each=each)
+        weight = begun.take_weight(known)
+        yield replace(begun.make_proposal("heat alone", weight, free, column), each=each)
         more = ("A_f=30..140 degC", f"latent_heat={0.3 * c:.4g}..{60.0 * c:.4g} J/kg log", *ORDER)
-        warm = change_document(document | begun.dead_weight, {"element.latent_heat": f"{10.0 * c:.4g} J/kg"})
+        warm = change_document(document | weight, {"element.latent_heat": f"{10.0 * c:.4g} J/kg"})
         yield replace(begun.make_proposal("with transformation", warm, (*free, *more), column), each=each)
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.ladder.blocked_records import BlockedRecord, measure_blocks
+from martensite.search.lags import filter_lag, fit_lag
 
 LAG, CYCLE = "first-order lag", "last cycle"
 LAGS = 12
@@ -29,31 +30,20 @@ def score_rivals(blocked: Sequence[BlockedRecord], whole: bool) -> dict[str, flo
 def run_lag(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
     """Return all records as the linear function of lagged inputs that explains the fitted outputs best."""
     fitted = [one for one in blocked if one.fitted]
-    seen = [one.hide(whole).outputs for one in fitted]
-    y = np.concatenate(seen)
+    y = np.concatenate([one.hide(whole).outputs for one in fitted])
     known = np.isfinite(y).all(axis=1)
+
+    def gather(lag: float) -> Numbers:
+        return np.concatenate([_filter_inputs(one, lag) for one in fitted])[known]
+
     ends = fitted[0].record.interval, max(one.record.duration for one in fitted)
-    lags, best = np.array([0.0, *np.geomspace(*ends, LAGS)]), (np.inf, 0.0, np.zeros(0))
-    step = (ends[1] / ends[0]) ** (1.0 / LAGS)
-    for _ in range(3):  # then around the best
-        for lag in lags:
-            x = np.concatenate([_filter_inputs(one, lag) for one in fitted])[known]
-            numbers, *_ = np.linalg.lstsq(x, y[known], rcond=None)
-            error = float(np.sum((x @ numbers - y[known]) ** 2))
-            best = min(best, (error, float(lag), numbers), key=lambda one: one[0])
-        lags = best[1] * np.geomspace(1.0 / step, step, LAGS)
-        step **= 2.0 / LAGS
-    return [_filter_inputs(one, best[1]) @ best[2] for one in blocked]
+    best = fit_lag(gather, y[known], ends, LAGS, refined=2)
+    return [best.zeros + _filter_inputs(one, best.time_constant) @ best.gains for one in blocked]
 
 
 def _filter_inputs(one: BlockedRecord, lag: float) -> Numbers:
-    """Return the inputs behind a lag [s] that begins in the steady state, and a column of ones."""
-    from scipy.signal import lfilter
-
     u = one.record.inputs
-    keep = np.exp(-one.record.interval / lag) if lag > 0.0 else 0.0
-    slow = u[:1] + lfilter([1.0 - keep], [1.0, -keep], u - u[:1], axis=0)
-    return np.concatenate([slow, np.ones((len(u), 1))], axis=1)
+    return filter_lag(one.record.interval * np.arange(len(u)), u, lag, early=True)
 
 
 def repeat_cycles(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers] | None:
