@@ -71,6 +71,38 @@ def make_record(kind: str, seed: int = 1) -> Record:
     return Record(kind, {n: x.tolist() for n, x in columns.items()}, {n: units[n] for n in columns})
 
 
+COIL = {"element.diameter": "0.5 mm", "element.coil_diameter": "4 mm", "element.turns": "12"}
+
+
+def make_coil_record(mass: float) -> Record:
+    """Travel of the coil under a weight: force and elongation of the stress and strain at the surface of its wire."""
+    d, wide, turns = 0.5e-3, 4e-3, 12.0
+    celsius = np.concatenate([np.linspace(25.0, 125.0, 150), np.linspace(125.0, 25.0, 150)])
+    stress = math.sqrt(3.0) * 8.0 * mass * 9.80665 * wide / (math.pi * d**3)
+    turn, xi, strain = 1.0, 1.0, []
+    for k, T in enumerate(celsius):
+        turn = xi if k == 150 else turn
+        xi = find_fraction(float(T), stress, turn, k < 150)
+        strain.append(stress / (E_A + xi * (E_M - E_A)) + EPS * xi)
+    travel = math.sqrt(3.0) * math.pi * turns * wide**2 / d * (strain[0] - np.array(strain))
+    travel += 1e-3 * float(np.ptp(travel)) * np.random.default_rng(2).standard_normal(300)
+    columns = {"time": np.arange(300.0), "temperature": celsius + 273.15, "position": travel}
+    units = {"time": "s", "temperature": "K", "position": "m"}
+    return Record("coil", {n: x.tolist() for n, x in columns.items()}, units)
+
+
+def test_a_coil_in_a_bath_gives_its_law() -> None:
+    moduli = {"element.law.E_A": f"{E_A} Pa", "element.law.E_M": f"{E_M} Pa"}
+    slopes = {f"element.law.{name}": f"{LAW[name]} Pa/K" for name in ("C_A", "C_M")}
+    found = model_logs(make_coil_record(0.15), overrides=COIL | moduli | slopes | {"mechanism.mass": "0.15 kg"})
+    assert found.experiment.name == "bath" and found.predicts
+    assert found.fit.numbers["eps_L"] == pytest.approx(EPS, rel=0.01)
+    zeros = {one.name: one.value - 273.15 for one in found.temperatures if one.stress == 0.0}
+    assert zeros == pytest.approx({name: LAW[name] for name in zeros}, abs=0.3)
+    assumed = model_logs(make_coil_record(0.15), overrides={"element.kind": "coil-spring"})
+    assert {"element.turns", "element.law.E_M"} <= set(assumed.dependent["eps_L"])
+
+
 @pytest.mark.parametrize(("kind", "name"), [("weight", "bath"), ("spring", "bath"), ("recovery", "recovery")])
 def test_given_temperatures_are_recognised_and_the_law_is_found(kind: str, name: str) -> None:
     record = make_record(kind)

@@ -63,12 +63,10 @@ def trace_assumptions(fit: Fit, assumed: Mapping[str, float], rebuild: Rebuild) 
     """Return the change of the parameters of a fit with each assumed value."""
     found: list[AssumedMove] = []
     for path, value in assumed.items():
-        warm = path.endswith("temperature")
+        unit = "K" if path.endswith("temperature") else _find_unit(path, fit)
         try:
-            text = (
-                f"{value + SMALL * WARMER} K" if warm else f"{(1.0 + SMALL * CHANGE) * value} {_find_unit(path, fit)}"
-            )
-            changed = rebuild(path, text).evaluate(fit.values)
+            moved = value + SMALL * WARMER if unit == "K" else (1.0 + SMALL * CHANGE) * value
+            changed = rebuild(path, f"{moved} {unit}").evaluate(fit.values)
         except MartensiteError:
             continue
         before = fit.evaluation.residuals

@@ -276,7 +276,9 @@ def model_logs(
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
     given = [*overrides, *(name.strip() for name, equals, _ in (text.partition("=") for text in fixed) if equals)]
-    assumed = known.assumed | list_held(offered, best.proposal, best.fit.scenario, given)
+    load = {f"mechanism.{name}" for name in best.proposal.document.get("mechanism", {})}
+    assumed = {path: x for path, x in known.assumed.items() if path in load or not path.startswith("mechanism.")}
+    assumed |= list_held(offered, best.proposal, read_proposal(best.proposal), given)
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, assumed, rebuild)
     traced = {one.path for one in moves}
     untested = tuple(path for path in assumed if path not in traced)

@@ -185,8 +185,8 @@ def _refuse_larger_table(rows: Sequence[Row], numeric: set[int], body: Sequence[
 def _find_channel_units(above: Sequence[Row], width: int) -> Above:
     """Return column index -> unit of the channels of a LabVIEW file; empty if they do not fit the table."""
     labelled = [row for _, row in above if row[0].strip() == "Y_Unit_Label"]
-    units = {} if not labelled else {k: cell.strip() for k, cell in enumerate(labelled[-1]) if k and cell.strip()}
-    return units if max(units, default=0) < width else {}
+    places = [k for k, cell in enumerate(labelled[-1]) if k and cell.strip()] if labelled else []
+    return {k: labelled[-1][k].strip() for k in places} if max(places, default=0) < width else {}
 
 
 def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:

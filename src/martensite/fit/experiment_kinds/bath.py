@@ -1,4 +1,10 @@
-"""Bath experiment: an element at a given temperature moves a weight or a spring."""
+"""Bath experiment: a wire or a coil at a given temperature moves a weight or a spring.
+
+A setting of the element that only a coil has, or `element.kind = "coil-spring"`, makes it a coil. With wire diameter d,
+coil diameter D and N turns, its force and travel are those of the equivalent stress and strain at the surface,
+
+    F = π d³ σ/(8 √3 D),    y = √3 π N D² ε/d
+"""
 
 from __future__ import annotations
 
@@ -10,6 +16,7 @@ import numpy as np
 
 from martensite.characterise.isobaric_cycles import find_named_stress
 from martensite.fit.experiment_kinds.base import (
+    DIAMETER,
     EXPERIMENT_KINDS,
     LENGTH,
     AbstractExperimentKind,
@@ -18,13 +25,14 @@ from martensite.fit.experiment_kinds.base import (
     Proposal,
     RecognisedExperiment,
 )
-from martensite.fit.experiment_kinds.driven import A_F
+from martensite.fit.experiment_kinds.driven import A_F, vary_loads
 from martensite.fit.experiment_kinds.loops import find_column, read_loop
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
 from martensite.fit.experiment_kinds.values import EPS, SIGMA, SLOPE, Document, make_loop, make_record, write_values
 from martensite.search.quantity_text import format_number
 from martensite.signals.records import Record
 
+_COILED = {"element.coil_diameter", "element.turns", "element.free_length"}
 STRAIGHT = 0.98
 """Least squared correlation of a load with the shape that makes it the load of a spring."""
 FREE = (
@@ -34,7 +42,6 @@ FREE = (
     "M_f-M_s=-100..-0.5 K",
     "eps_L=0.002..0.19",
 )
-RATES = "stiffness={:.4g}..{:.4g} N/m log"
 
 
 @EXPERIMENT_KINDS.register("bath")
@@ -67,20 +74,18 @@ class BathTest(AbstractExperimentKind):
         shape = found.measured[0]
         rows = [read_loop(one, "temperature", find_column(one, shape, DEFORMATIONS), known) for one in records]
         stroke = max(float(np.ptp(one[shape])) for one in rows)
-        size = 0.1 if shape == "strain" else stroke / (0.8 * EPS)
-        length = known.take(LENGTH, "m", size, "the transformation strain absorbs it")
-        width = known.take("element.diameter", "m", 1e-3, "the load absorbs it")
-        section = math.pi / 4.0 * width**2
+        coil = _COILED & known.settings.keys() or known.settings.get("element.kind") == "coil-spring"
+        sizes, section = _take_coil(known, stroke) if coil else _take_wire(known, shape, stroke)
         output, sign = _name_output(rows, shape, known)
         column = output if (shape, sign) == (output, 1.0) else f"{output}={shape}*{sign:g}"
         effect = "the shape within a transformation is counted from it"
         moduli = {n: known.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", 70e9), ("E_M", 28e9))}
         slopes = {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
-        base = _describe_bath(rows, width, length, write_values("Pa", **moduli) | write_values("Pa/K", **slopes))
+        base = _describe_bath(rows, sizes, write_values("Pa", **moduli) | write_values("Pa/K", **slopes))
         if len(found.measured) > 1:
             loads = [("a bias spring", _read_spring(found, rows, (section, sign), known), ())]
         else:
-            loads = list(_vary_loads(known, SIGMA * section, stroke))
+            loads = list(vary_loads(known, SIGMA * section, stroke))
         for name, mechanism, more in loads:
             document = base | {"mechanism": mechanism}
             yield Proposal(name, document, (*FREE, *more), (column,), rows, (f"offset.{output}",))
@@ -98,6 +103,25 @@ class BathTest(AbstractExperimentKind):
         ]
 
 
+def _take_wire(known: Assumptions, shape: str, stroke: float) -> tuple[Document, float]:
+    """Return the entries of a wire, and its section [m²]."""
+    size = 0.1 if shape == "strain" else stroke / (0.8 * EPS)
+    length = known.take(LENGTH, "m", size, "the transformation strain absorbs it")
+    width = known.take(DIAMETER, "m", 1e-3, "the load absorbs it")
+    return {"kind": "wire"} | write_values("m", diameter=width, length=length), math.pi / 4.0 * width**2
+
+
+def _take_coil(known: Assumptions, stroke: float) -> tuple[Document, float]:
+    """Return the entries of a close-wound coil, and its force over the equivalent stress [m²]."""
+    width = known.take(DIAMETER, "m", 0.75e-3, "the load absorbs it")
+    wide = known.take("element.coil_diameter", "m", 6.0 * width, "load and transformation strain absorb it")
+    per_turn = math.sqrt(3.0) * math.pi * wide**2 / width
+    turns = known.take("element.turns", "1", stroke / (0.8 * EPS * per_turn), "the transformation strain absorbs it")
+    entries: Document = {"kind": "coil-spring", "coil_measure": "mean", "turns": turns}
+    entries |= write_values("m", diameter=width, coil_diameter=wide, free_length=1.05 * turns * width)
+    return entries, math.pi * width**3 / (8.0 * math.sqrt(3.0) * wide)
+
+
 def _name_output(rows: Sequence[Record], shape: str, known: Assumptions) -> tuple[str, float]:
     """Return the output of a shape, and the sign that makes it grow as the element shortens."""
     if shape == "strain":
@@ -107,18 +131,6 @@ def _name_output(rows: Sequence[Record], shape: str, known: Assumptions) -> tupl
         return "position", 1.0
     known.sentences.append(f"`{shape}` falls on heating: its sign is turned.")
     return "position", -1.0
-
-
-def _vary_loads(known: Assumptions, force: float, stroke: float) -> Iterator[tuple[str, Document, tuple[str, ...]]]:
-    """Yield a weight and a bias spring of some force [N] and stroke [m], with the free parameters of the spring."""
-    given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
-    if not given & {"stiffness", "preload"}:
-        mass = known.take("mechanism.mass", "kg", force / 9.80665, "temperatures at zero stress absorb it")
-        yield "a weight", {"kind": "dead-weight", "mass": f"{mass:.6g} kg"}, ()
-    if "mass" not in given:
-        rate = 0.6 * force / stroke
-        spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
-        yield "a bias spring", spring, () if "stiffness" in given else (RATES.format(rate / 20.0, 10.0 * rate),)
 
 
 def _read_spring(
@@ -145,7 +157,7 @@ def _is_spring(record: Record, shape: str, load: str) -> bool:
     return float(np.corrcoef(x[good], y[good])[0, 1]) ** 2 > STRAIGHT
 
 
-def _describe_bath(rows: Sequence[Record], width: float, length: float, elastic: Document) -> Document:
+def _describe_bath(rows: Sequence[Record], sizes: Document, elastic: Document) -> Document:
     """Return an element at the logged temperature, from martensite or, if it begins hot, from austenite."""
     kelvin = list(chain.from_iterable(one["temperature"] for one in rows))
     middle = 0.5 * (min(kelvin) + max(kelvin)) if kelvin else A_F + 273.15
@@ -154,8 +166,7 @@ def _describe_bath(rows: Sequence[Record], width: float, length: float, elastic:
     law |= elastic
     law |= write_values("K", A_f=zero + 14.0, A_s=zero + 2.0, M_s=zero - 2.0, M_f=zero - 14.0)
     cold = float(np.mean([one["temperature"][0] for one in rows])) <= middle
-    element = {"kind": "wire", "material": "flexinol-90", "initial_fraction": 1.0 if cold else 0.0, "law": law}
-    element |= write_values("m", diameter=width, length=length)
+    element = sizes | {"material": "flexinol-90", "initial_fraction": 1.0 if cold else 0.0, "law": law}
     return {
         "title": "Stroke over temperature",
         "element": element,

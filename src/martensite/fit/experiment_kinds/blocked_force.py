@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS, Assumptions, Proposal, RecognisedExperiment
-from martensite.fit.experiment_kinds.driven import ABSORBED, WIDTH, AbstractDrivenKind, start_driven
+from martensite.fit.experiment_kinds.driven import ABSORBED, WIDTH, AbstractDrivenKind, assume_law, start_driven
 from martensite.fit.experiment_kinds.survey import LOADS
 from martensite.fit.experiment_kinds.values import make_pulses, make_record
 from martensite.signals.records import Record
@@ -33,7 +33,7 @@ class BlockedForce(AbstractDrivenKind):
         length = known.take("element.length", "m", 0.1, "without effect on a force")
         wide = math.sqrt(4.0 * max(most, 1e-4) / (math.pi * 250e6))
         guess = (wide, f"at it the largest force is 250 MPa; {ABSORBED}") if column == "force" else (WIDTH, ABSORBED)
-        begun = start_driven(found, records, known, length, guess)
+        begun = assume_law(start_driven(found, records, known, length, guess), known, ("A_f",))
         preload = max(least * (1.0 if column == "force" else begun.section), 1e-4)
         machine = {"kind": "testing-machine", "control": "elongation", "preload": f"{preload:.5g} N"}
         document = {"mechanism": machine, "signals": {"command": {"kind": "constant", "level": "0 mm"}}}

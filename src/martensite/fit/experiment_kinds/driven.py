@@ -62,6 +62,16 @@ E_A = "70 GPa"
 E_M = "28 GPa"
 """
 """Element heated by a logged drive."""
+ABSORBED_LOAD = "temperatures at zero stress absorb it"
+"""Effect of an assumed load."""
+LAW = {
+    "A_f": ("K", A_F + 273.15),
+    "C_A": ("Pa/K", SLOPE),
+    "C_M": ("Pa/K", SLOPE),
+    "E_A": ("Pa", 70e9),
+    "E_M": ("Pa", 28e9),
+}
+"""Parameter of the law -> its unit and assumed value [SI]."""
 FILM = "environment.cooling.h={:.4g}..{:.4g} W/m^2/K log"
 ORDER = ("A_s-A_f=-60..-1 K", "M_s-A_f=-70..-1 K", "M_f-M_s=-60..-1 K")
 """Temperatures of a driven element, the scale-setting temperature first."""
@@ -79,10 +89,9 @@ class DrivenElement:
     """Element, ambient and drive."""
     free: tuple[str, ...]
 
-    @property
-    def dead_weight(self) -> Document:
-        """Return a mechanism with the assumed stress."""
-        return {"mechanism": {"kind": "dead-weight", "mass": f"{SIGMA * self.section / 9.80665:.5g} kg"}}
+    def take_weight(self, known: Assumptions) -> Document:
+        """Return a mechanism with the given or assumed weight."""
+        return {"mechanism": _take_weight(known, SIGMA * self.section)}
 
     def make_proposal(
         self, name: str, document: Document, free: Sequence[str], columns: Sequence[str], zero: str = ""
@@ -175,7 +184,7 @@ def start_driven(
     tau = lag.time_constant or 2.0 * min(float(np.median(np.diff(r.times))) for r in records)
     per_volume = 0.6 * 4.0 * h * tau / width
     density = min(max(6450.0, per_volume / 2000.0), 29000.0)
-    h, c = min(max(h, 1e-2), 9e4), min(max(per_volume / density, 1.0), 9e3)
+    h, c = min(max(h, 1e-2), 1.6e4), min(max(per_volume / density, 1.0), 9e3)
     document = describe_element(found.drive, (width, length), ambient, (h, density, c, 25.0 * c))
     if found.drive == "duty":
         document["drive"] |= {"kind": "pwm-voltage", "supply": "5 V"}
@@ -191,6 +200,45 @@ def start_driven(
     ohmic = found.drive != "power" and found.name != "resistance"
     free += ("rho_M=5.5e-7..1.4e-6 ohm*m",) if ohmic else ()
     return DrivenElement(list(records), lag, math.pi / 4.0 * width**2, document, free)
+
+
+def vary_loads(known: Assumptions, force: float, travel: float) -> Iterator[tuple[str, Document, tuple[str, ...]]]:
+    """Yield a weight and a bias spring, with the free parameters of the spring.
+
+    Args:
+        known: settings and assumptions.
+        force: usual force of the element [N].
+        travel: usual travel [m].
+    """
+    given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
+    if not given:
+        known.sentences.append("The load is not on record: a weight and a bias spring are tried.")
+    if not given & {"stiffness", "preload"}:
+        yield "a weight", _take_weight(known, force), ()
+    if "mass" not in given:
+        rate = 0.6 * force / travel
+        preload = known.take("mechanism.preload", "N", 0.6 * force, ABSORBED_LOAD)
+        spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{preload:.6g} N"}
+        free = f"stiffness={rate / 20.0:.4g}..{10.0 * rate:.4g} N/m log"
+        yield "a bias spring", spring, () if "stiffness" in given else (free,)
+
+
+def _take_weight(known: Assumptions, force: float) -> Document:
+    mass = known.take("mechanism.mass", "kg", force / 9.80665, ABSORBED_LOAD)
+    return {"kind": "dead-weight", "mass": f"{mass:.6g} kg"}
+
+
+def assume_law(begun: DrivenElement, known: Assumptions, names: Sequence[str]) -> DrivenElement:
+    """Return a driven element with parameters of its law that are given or assumed, not fitted."""
+    effects = {"A_f": "it sets the scale of all temperatures, because none is measured"}
+    law: Document = {}
+    for name in names:
+        unit, value = LAW[name]
+        effect = effects.get(name, "the log does not show it apart from the load")
+        law[name] = write_value(known.take(f"element.law.{name}", unit, value, effect), unit)
+    element = begun.document["element"]
+    whole = begun.document | {"element": element | {"law": element["law"] | law}}
+    return replace(begun, document=whole)
 
 
 def describe_element(

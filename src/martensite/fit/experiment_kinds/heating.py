@@ -28,10 +28,9 @@ class ElectricHeating(AbstractDrivenKind):
         """Yield an element that transforms, and one that is heated only."""
         length = known.take("element.length", "m", 0.1, "film coefficient and heat capacity absorb it")
         begun, column = start_driven(found, records, known, length), "temperature"
-        yield begun.make_proposal(
-            "with transformation", begun.dead_weight, ("A_f=30..140 degC", *begun.free), (column,), column
-        )
-        plain = change_document(begun.document | begun.dead_weight, {"element.latent_heat": "0 J/kg"})
+        weight = begun.take_weight(known)
+        yield begun.make_proposal("with transformation", weight, ("A_f=30..140 degC", *begun.free), (column,), column)
+        plain = change_document(begun.document | weight, {"element.latent_heat": "0 J/kg"})
         yield begun.make_proposal("heat alone", plain, begun.free[:2], (column,), column)
 
     def make_example(self) -> list[Record]:

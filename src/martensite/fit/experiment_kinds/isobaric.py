@@ -89,7 +89,9 @@ class Isobaric(AbstractExperimentKind):
         guess = _guess_temperatures(rows)
         if levels == 1:
             guess |= {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
-        yield from _vary_loop_laws(rows, base, guess, levels, zeroed or levels == 1)
+        elastic = levels > 2 and not zeroed
+        moduli = {} if elastic else _take_moduli(known, levels)
+        yield from _vary_loop_laws(rows, base, guess | moduli, levels, zeroed or levels == 1)
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
         """Yield further loads."""
@@ -122,6 +124,13 @@ def _read_loop(record: Record, column: str, known: Assumptions) -> Record:
             known.sentences.append(f"`{column}` grows on heating, and is taken as shortening.")
         thin = with_column(thin, "strain", "1", strain)
     return with_column(thin, "stress", "Pa", _find_load(record, known))
+
+
+def _take_moduli(known: Assumptions, levels: int) -> dict[str, float]:
+    """Return the given or assumed moduli [Pa], which are equal at one load, where no strain shows their difference."""
+    effect = "the transformation strain absorbs the elastic strain of the load"
+    austenite = known.take("element.law.E_A", "Pa", 70e9, effect)
+    return {"E_A": austenite, "E_M": known.take("element.law.E_M", "Pa", austenite if levels == 1 else 30e9, effect)}
 
 
 def _find_load(record: Record, known: Assumptions) -> float:
@@ -165,16 +174,17 @@ def _vary_loop_laws(
 ) -> Iterator[Proposal]:
     """Yield Liang–Rogers, then Lagoudas: with a waist, with four exponents, and with curved surfaces.
 
-    If moduli have no visible effect, at one load or with separate zeros, Liang–Rogers has one modulus.
+    If moduli have no visible effect, at one or two loads or with separate zeros, the guess contains given or assumed
+    moduli. At three loads and more they are free.
     """
     stroke = max(float(np.ptp(one["strain"])) for one in rows)
     sigma = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
     top, apart = guess["A_f"] + 10.0, max(guess["A_f"] - guess["M_s"], 3.0)
     wide = max(guess["A_f"] - guess["A_s"], 4.0), max(guess["M_s"] - guess["M_f"], 4.0)
-    shared = {"E_A": "70 GPa", "E_M": "30 GPa"} | write_values("Pa/K", C_A=guess["C_A"], C_M=guess["C_M"])
-    elastic = levels > 2 and not zeroed
+    shared = write_values("Pa", E_A=guess.get("E_A", 70e9), E_M=guess.get("E_M", 30e9))
+    shared |= write_values("Pa/K", C_A=guess["C_A"], C_M=guess["C_M"])
     common = SLOPES if levels > 1 else ()
-    common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if elastic else ()
+    common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if "E_A" not in guess else ()
 
     def build_proposal(name: str, law: Document, free: Sequence[str], widen: float) -> Proposal:
         above, below = (widen * w for w in wide)
@@ -197,8 +207,7 @@ def _vary_loop_laws(
         strain = ("H_min=0.001..0.15",)
     strain += ("alpha_A=-2e-5..4e-5 1/K", "alpha_M=-2e-5..4e-5 1/K")
     strain += () if zeroed else (f"T_ref={min(kelvin):.5g}..{max(kelvin):.5g} K",)
-    modulus = {"modulus": "mixture" if elastic else "austenite", "Theta": "0 Pa/K"}
-    simple = {"kind": "liang-rogers", "eps_L": 0.8 * stroke} | modulus
+    simple = {"kind": "liang-rogers", "eps_L": 0.8 * stroke, "modulus": "mixture", "Theta": "0 Pa/K"}
     yield build_proposal("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)
     waist = {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8, "n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
     yield build_proposal("lagoudas with a waist", surface | waist, (*strain, *WAIST), 2.0)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS, Assumptions, Proposal, RecognisedExperiment
-from martensite.fit.experiment_kinds.driven import AbstractDrivenKind, start_driven
+from martensite.fit.experiment_kinds.driven import AbstractDrivenKind, assume_law, start_driven
 from martensite.fit.experiment_kinds.survey import DRIVES, LogSurvey
 from martensite.fit.experiment_kinds.values import make_pulses, make_record
 from martensite.signals.records import Record
@@ -39,7 +39,7 @@ class Resistance(AbstractDrivenKind):
     ) -> Iterator[Proposal]:
         """Yield an element with start values of the resistivities, measured or computed from voltage and current."""
         length = known.take("element.length", "m", 0.1, "resistivities absorb it")
-        begun, column = start_driven(found, records, known, length), found.measured[0]
+        begun, column = assume_law(start_driven(found, records, known, length), known, ("A_f",)), found.measured[0]
         if column == "resistance":
             ohms = [float(f([f(r[column]) for r in records])) for f in (np.nanmin, np.nanmax)]
         else:
@@ -49,7 +49,7 @@ class Resistance(AbstractDrivenKind):
             ohms = [float(np.nanpercentile(np.concatenate(pairs), q)) for q in (5.0, 95.0)]
         rho = {name: x * begun.section / length for name, x in zip(("rho_A", "rho_M"), ohms, strict=True)}
         mixture = {"kind": "mixture"} | {name: f"{x:.5g} ohm*m" for name, x in rho.items()}
-        document = {"element": begun.document["element"] | {"resistance": mixture}} | begun.dead_weight
+        document = {"element": begun.document["element"] | {"resistance": mixture}} | begun.take_weight(known)
         more = tuple(f"{name}={0.3 * x:.5g}..{3.0 * x:.5g} ohm*m" for name, x in rho.items())
         yield begun.make_proposal("under a weight", document, (*begun.free, *more), (column,))
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS, Assumptions, Proposal, RecognisedExperiment
-from martensite.fit.experiment_kinds.driven import AbstractDrivenKind, start_driven
+from martensite.fit.experiment_kinds.driven import AbstractDrivenKind, assume_law, start_driven, vary_loads
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
 from martensite.fit.experiment_kinds.values import EPS, SIGMA, Document, make_pulses, make_record
 from martensite.search.quantity_text import format_number
@@ -37,7 +37,7 @@ class StrokeTest(AbstractDrivenKind):
         stroke = max(float(np.nanmax(r[column]) - np.nanmin(r[column])) for r in records)
         guess = (0.1, "without effect on strain"), (stroke / (0.8 * EPS), "the transformation strain absorbs it")
         length = known.take("element.length", "m", *guess[output == "position"])
-        begun = start_driven(found, records, known, length)
+        begun = assume_law(start_driven(found, records, known, length), known, ("A_f", "C_A", "C_M", "E_A", "E_M"))
         up = (begun.lag.gain > 0.0) == (output == "position")
         if not up:
             known.sentences.append(f"`{column}` falls with the drive: its sign is turned.")
@@ -48,18 +48,9 @@ class StrokeTest(AbstractDrivenKind):
             columns.append(found.measured[1])
             yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
             return
-        rate = 0.6 * force / (stroke if output == "position" else 0.03 * length)
-        spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
-        wanted = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
-        if not wanted & {"stiffness", "preload"}:
-            known.sentences.append(
-                f"The load is not on record: a weight and a spring are tried, at a stress of some {SIGMA / 1e6:g} MPa; "
-                "temperatures absorb what it is (`mechanism.mass`, `mechanism.stiffness`)."
-            )
-            yield begun.make_proposal("a weight", begun.dead_weight, free, columns, output)
-        if "mass" not in wanted:
-            rates = () if "stiffness" in wanted else (f"stiffness={rate / 20.0:.4g}..{rate * 10.0:.4g} N/m log",)
-            yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *rates), columns, output)
+        travel = stroke if output == "position" else 0.03 * length
+        for name, mechanism, more in vary_loads(known, force, travel):
+            yield begun.make_proposal(name, {"mechanism": mechanism}, (*free, *more), columns, output)
 
     def make_example(self) -> list[Record]:
         """Return pulses of the duty cycle, and a position that follows them."""
