@@ -129,7 +129,7 @@ def test_files_of_instruments_are_understood_without_a_word(desk: Desk, case: st
 
 def test_a_guess_that_nobody_changed_is_put_right_by_its_values(desk: Desk) -> None:
     """The counter of the supply fell back by 1.5 V while the current went on."""
-    volts = read_record(_take(desk, _write_supply(True)), desk)["voltage"]
+    volts = read_record(_take(desk, _write_supply(True)), desk)["voltage"].tolist()
     assert volts[-1] == pytest.approx(3.4) and volts == sorted(volts)
 
 
@@ -161,7 +161,7 @@ def test_two_instruments_become_one_record_by_their_clocks(desk: Desk) -> None:
     camera = {**_take(desk, _write_camera(), "camera.txt"), "merge": True}
     both = {**_take(desk, _write_supply(True), "supply.txt"), "further": [camera]}
     record = read_record(both, desk)
-    at = record.times.index(100.0)
+    at = record.times.tolist().index(100.0)
     # the supply's first row is one second after the camera's
     assert record["temperature"][at] == pytest.approx(273.15 + 25.0 + 0.2 * 101.0, abs=0.11)
     assert "by the dates of both" in describe_records(both, desk)["steps"][0]

@@ -67,6 +67,11 @@ def read(lines: list[str], separator: str, *, drop: bool):
         return read_table(path, HEADINGS, separator=separator, drop=drop)
 
 
+def listed(record) -> dict[str, list[float]]:
+    """The columns as lists, which can be compared."""
+    return {name: column.tolist() for name, column in record.columns.items()}
+
+
 def mixed(rows: list[str], inserted: list[tuple[int, str]]) -> list[str]:
     """The rows with lines put in before the given places."""
     lines = list(rows)
@@ -83,7 +88,7 @@ def test_garbage_is_dropped_and_counted(values, inserted, separator) -> None:
     rows = [f"{t}{WRITTEN[separator]}{x!r}" for t, x in enumerate(values)]
     clean = read(rows, separator, drop=False)
     found = read(mixed(rows, inserted), separator, drop=True)
-    assert found.columns == clean.columns
+    assert listed(found) == listed(clean)
     assert found.units == clean.units
     assert found.dropped == sum(is_seen(line) for _, line in inserted)
 
@@ -94,7 +99,7 @@ def test_repeated_times_are_dropped_and_counted(values, repeated) -> None:
     places = sorted(p for p in repeated if p < len(rows))
     lines = mixed(rows, [(p + 1, f"{p}.0 7.5") for p in places])
     found = read(lines, "whitespace", drop=True)
-    assert found.columns == read(rows, "whitespace", drop=True).columns
+    assert listed(found) == listed(read(rows, "whitespace", drop=True))
     assert found.dropped == len(places)
 
 
@@ -106,7 +111,7 @@ def test_a_readable_line_is_not_garbage(values, place) -> None:
     found = read(mixed(rows, [(place, f"{2 * place - 1} 7.5")]), "whitespace", drop=True)
     assert found.dropped == 0
     assert len(found) == len(rows) + 1
-    assert found.columns != read(rows, "whitespace", drop=True).columns
+    assert listed(found) != listed(read(rows, "whitespace", drop=True))
 
 
 @pytest.mark.parametrize("garbage", ["Calibrating", "Cal1000.00  6.54", "7.0", "1 nan", "1 2 3"])
@@ -124,7 +129,7 @@ def test_nothing_but_garbage_is_an_error() -> None:
 def test_the_separator_is_that_of_most_lines(values, separator) -> None:
     rows = [f"{t}{WRITTEN[separator]}{x!r}" for t, x in enumerate(values)]
     found = read(["Calibrating", *rows], "auto", drop=True)
-    assert found.columns == read(rows, separator, drop=False).columns
+    assert listed(found) == listed(read(rows, separator, drop=False))
 
 
 def test_a_decimal_comma_and_header_lines(tmp_path) -> None:
@@ -134,7 +139,7 @@ def test_a_decimal_comma_and_header_lines(tmp_path) -> None:
     path.write_text("\n".join([*header, *rows]))
     columns = ["-", "-", "time [s]", "temperature [degC]"]
     found = read_table(path, columns, separator="tab", drop=True)
-    assert found.times == [0.0, 0.483]
+    assert found.times.tolist() == [0.0, 0.483]
     assert found["temperature"] == pytest.approx([25.699 + 273.15, 25.7 + 273.15])
     assert found.dropped == 14
 
@@ -144,5 +149,5 @@ def test_a_malformed_time_of_day_is_dropped(tmp_path, stamp) -> None:
     path = tmp_path / "clock.txt"
     path.write_text(f"17:27:31 1\n{stamp} 2\n17:27:33,5 3\n")
     found = read_table(path, ["time [clock]", "current [A]"], separator="whitespace", drop=True)
-    assert found.times == [0.0, 2.5]
+    assert found.times.tolist() == [0.0, 2.5]
     assert found.dropped == 1

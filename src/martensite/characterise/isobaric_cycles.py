@@ -89,7 +89,7 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
         ParameterError: the cycle does not exist, or the stress is not finite.
     """
     rows = _rows_in_time(record)
-    kelvin, strain = ([record[name][k] for k in rows] for name in ("temperature", "strain"))
+    kelvin, strain = (record[name][rows].tolist() for name in ("temperature", "strain"))
     _check_columns(record.name, kelvin, strain)
     path = trace_loop(kelvin)
     if path.scatter > NOISY:
@@ -138,10 +138,9 @@ def find_turning_points(temperatures: Sequence[float]) -> list[int]:
 
 def _rows_in_time(record: Record) -> list[int]:
     """Return the indices of the rows in the order of their times."""
-    rows = range(len(record))
     if out_of_order(record.times) is None:
-        return list(rows)
-    return sorted(rows, key=record.times.__getitem__)
+        return list(range(len(record)))
+    return record.times.argsort(kind="stable").tolist()
 
 
 def _cut_branch(name: str, kelvin: list[float], strain: list[float]) -> CycleBranch:
@@ -168,7 +167,7 @@ def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[
             f"Record `{record.name}` has no column `stress`: give the constant stress of the cycle (`--stress`), or "
             "write it in the name of the file (`wire_100MPa.csv`)."
         )
-    values = [record["stress"][row] for row in rows]
+    values = record["stress"][rows].tolist()
     _check_finite(record.name, "stress", values)
     mean = math.fsum(values) / len(values)
     deviation = math.sqrt(math.fsum((s - mean) ** 2 for s in values) / len(values))
@@ -208,7 +207,7 @@ def _check_columns(name: str, kelvin: Sequence[float], strain: Sequence[float]) 
 
 
 def _check_finite(name: str, column: str, values: Any) -> None:
-    row = not_finite(list(values))
+    row = not_finite(values)
     if row is not None:
         raise DataError(f"Column `{column}` of record `{name}` must be finite, but holds a gap.")
 

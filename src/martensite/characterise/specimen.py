@@ -33,11 +33,10 @@ def add_strain_and_stress(record: Record, length: float | None = None, diameter:
                 f"Record `{record.name}` has no column `strain` but `{name}`: give the gauge length (`--length`)."
             )
         if name and length is not None:
-            travel = np.asarray(columns[name], float) / length
-            kelvin = np.asarray(record["temperature"], float)
-            falls = float(np.corrcoef(travel, kelvin)[0, 1]) <= 0.0
-            columns["strain"], units["strain"] = (travel if falls else -travel).tolist(), "1"
+            travel = columns[name] / length
+            falls = float(np.corrcoef(travel, record["temperature"])[0, 1]) <= 0.0
+            columns["strain"], units["strain"] = travel if falls else -travel, "1"
     if "stress" not in columns and "force" in columns and diameter is not None:
         area = math.pi / 4.0 * diameter**2
-        columns["stress"], units["stress"] = (np.asarray(columns["force"], float) / area).tolist(), "Pa"
+        columns["stress"], units["stress"] = columns["force"] / area, "Pa"
     return replace(record, columns=columns, units=units)

@@ -100,10 +100,10 @@ def load_without_log(path: str | Path, settings: list[str] | None, modules: list
     """Return the scenario of a file, with a stand-in for a followed log."""
     import_modules(modules)
     from martensite.scenario.overrides import read_settings
-    from martensite.scenario.recorded_waveforms import UNKNOWN_LOG
+    from martensite.scenario.recorded_waveforms import unknown_log
     from martensite.scenario.scenario import load
 
-    return load(path, read_settings(settings or []), log=UNKNOWN_LOG)
+    return load(path, read_settings(settings or []), log=unknown_log())
 
 
 @dataclass(frozen=True)

@@ -172,7 +172,7 @@ def _show_fitted(one: Experiment, output: str) -> Record:
     """Return the drive and an output over time; NaN for held-out output samples."""
     column, seen = one.follows[find_drive(one)], np.full(len(one.record), np.nan)
     seen[one.rows] = _find_fitted(one, output)
-    columns = {"time": one.record.times, DRIVE: one.record[column], output: seen.tolist()}
+    columns = {"time": one.record.times, DRIVE: one.record[column], output: seen}
     return Record(one.name, columns, {"time": "s", DRIVE: one.record.units[column], output: "1"})
 
 

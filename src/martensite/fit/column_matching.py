@@ -13,6 +13,9 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.mechanisms.base import Output
@@ -114,7 +117,7 @@ def _match_asked(
 
 def _describe_scaling(record: Record, column: str, one: ComparedColumn, unit: str) -> str:
     """Describe the effect of the factor of a column, which acts on SI values."""
-    finite = [x for x in record[column] if math.isfinite(x)]
+    finite = [x for x in record[column].tolist() if math.isfinite(x)]
     if not finite:
         return f"Column `{column}` of record `{record.name}` holds no numbers."
     before = shown_range((min(finite), max(finite)), record.units[column])
@@ -135,13 +138,13 @@ def _find_column(record: Record, name: str) -> str:
 
 
 def _scale_column(record: Record, column: str, one: ComparedColumn, unit: str) -> Record:
-    numbers = [one.factor * number for number in record[column]]
+    numbers = one.factor * record[column]
     return replace(record, columns=record.columns | {one.output: numbers}, units=record.units | {one.output: unit})
 
 
-def _is_constant(numbers: Sequence[float]) -> bool:
-    known = [number for number in numbers if math.isfinite(number)]
-    return not known or max(known) == min(known)
+def _is_constant(numbers: Any) -> bool:
+    known = numbers[np.isfinite(numbers)]
+    return not known.size or bool(known.max() == known.min())
 
 
 def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) -> str:
@@ -272,8 +275,8 @@ def _exchange_columns(record: Record, one: str, other: str) -> Iterator[Record]:
             yield replace(record, columns=columns)
 
 
-def _convert_column(record: Record, column: str, spelling: str, to: str, new: str) -> list[float]:
+def _convert_column(record: Record, column: str, spelling: str, to: str, new: str) -> Any:
     """Return the values of a column in one unit, read as another column in another unit."""
     factor, offset = units.find_conversion(spelling, record.units[column])
     new_factor, new_offset = units.find_conversion(new, record.units[to])
-    return [(x - offset) / factor * new_factor + new_offset for x in record[column]]
+    return (record[column] - offset) / factor * new_factor + new_offset

@@ -307,7 +307,7 @@ class _Reading:
         spelling, si = self.units[place]
         difference = self.roles[place][0] == "spread" or spelling.startswith("delta_")
         name = f"c{place}"
-        written = [units.from_si(x, spelling, record.units[name]) for x in record[name]]
+        written = [units.from_si(x, spelling, record.units[name]) for x in record[name].tolist()]
         factor, offset = units.find_conversion(spelling, si)
         role, _, what = self.roles[place]
         if role == "input" and self.known[what].unit != si:

@@ -207,14 +207,14 @@ def check_experiment(experiment: Experiment) -> None:
         _check_numbers(record.name, column, numbers)
 
 
-def _check_numbers(record: str, column: str, numbers: Sequence[float]) -> None:
-    finite = [number for number in numbers if math.isfinite(number)]
+def _check_numbers(record: str, column: str, numbers: Any) -> None:
+    finite = numbers[np.isfinite(numbers)]
     if len(finite) < LEAST_ROWS:
         raise DataError(
             f"Column `{column}` of record `{record}` holds {len(finite)} measured numbers; a fit "
             f"needs at least {LEAST_ROWS}."
         )
-    if max(finite) == min(finite):
+    if finite.max() == finite.min():
         raise DataError(
             f"Column `{column}` of record `{record}` is constant ({finite[0]:.6g}); nothing can "
             "be learned from it. Leave it out, or look whether columns were swapped."

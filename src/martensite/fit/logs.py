@@ -125,7 +125,7 @@ def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:
     follows, record = one.scenario.follows.values(), one.record
     notes: list[str] = []
     for name in dict.fromkeys([*follows, *columns]):
-        missing = sum(map(math.isnan, record.columns.get(name, ())))
+        missing = int(np.isnan(record.columns.get(name, ())).sum())
         if missing:
             then = "bridged by straight lines" if name in follows else "passed over"
             notes.append(

@@ -140,5 +140,5 @@ def identify_problem(problem: Problem) -> str:
     parts: list[Any] = [repr(problem.free), sorted(problem.noise.items()), problem.step]
     for one in problem.experiments:
         parts += [one.name, encode(one.system), sorted(one.columns.items()), one.held, one.step]
-        parts += [sorted(one.record.columns.items())]
+        parts += [sorted((name, column.tolist()) for name, column in one.record.columns.items())]
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]

@@ -167,7 +167,7 @@ def _describe_ranges(problem: Problem, follows: Sequence[str]) -> str:
     record = problem.experiments[0].record
     phrases: list[str] = []
     for name in follows:
-        known = [x for x in record[name] if math.isfinite(x)]
+        known = [x for x in record[name].tolist() if math.isfinite(x)]
         low, high = (format_quantity(end, record.units[name]) for end in (min(known), max(known)))
         phrases.append(f"`{name}` goes from {low} to {high}")
     return join_phrases(phrases)

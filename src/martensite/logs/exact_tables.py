@@ -186,7 +186,7 @@ def build_exact(
         assumed = ASSUMED_INTERVAL if interval is None else interval
         columns, si_units = {"time": np.arange(float(len(numbers))) * assumed, **columns}, {"time": "s"} | si_units
     dropped = sum(one.count for one in raw.left_out) + raw.rows - len(numbers)
-    record = Record(name, {n: x.tolist() for n, x in columns.items()}, si_units, path, dropped, assumed)
+    record = Record(name, columns, si_units, path, dropped, assumed)
     both = zip(raw.columns, headings, strict=True)
     listed = [_list_column(k, column, head, columns) for k, (column, head) in enumerate(both)]
     has_time = assumed is None or interval is not None

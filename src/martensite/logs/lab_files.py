@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
@@ -93,7 +94,7 @@ class LabFile:
 
     def with_interval(self, interval: float) -> LabFile:
         """Return the file with a time between rows [s]."""
-        times = [k * interval for k in range(len(self.record))]
+        times = interval * np.arange(float(len(self.record)))
         record = replace(self.record, columns=self.record.columns | {"time": times}, interval=interval)
         return replace(self, record=record, has_time=True)
 
@@ -143,7 +144,7 @@ def split_side_by_side(file: LabFile) -> list[LabFile]:
         columns = {name: file.record[one.name] for name, one in zip(names, part, strict=False)}
         si_units = {name: one.si for name, one in zip(names, part, strict=False)}
         rows = _drop_empty(columns)
-        columns = {name: [column[k] for k in rows] for name, column in columns.items()}
+        columns = {name: column[rows] for name, column in columns.items()}
         columns = {"time": file.record.times[: len(rows)]} | columns
         name = f"{file.record.name} {label}"
         record = replace(file.record, name=name, columns=columns, units={"time": "s"} | si_units)
@@ -165,14 +166,14 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     blocks = _leave_blocks(raw, meant)
     times, clock = _find_times(raw, meant)
     kept = np.arange(raw.rows) if times is None else times.kept
-    columns: dict[str, list[float]] = {}
+    columns: dict[str, Numbers] = {}
     si_units: dict[str, str] = {}
     listed: list[ReadColumn] = []
     notes = [*raw.notes, *blocks, *(times.notes if times else ())]
     for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
         if place == clock and times is not None:
             listed.append(describe_column(place, column, replace(one, name="time"), "s", times.times))
-            columns["time"], si_units["time"] = times.times.tolist(), "s"
+            columns["time"], si_units["time"] = times.times, "s"
             continue
         if not one.name or one.name == IGNORED or one.unit == CLOCK or one.name == "time":
             listed.append(describe_column(place, column, one, "", np.array([math.nan])))
@@ -180,7 +181,7 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
         (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
         factor, offset = units.find_conversion(head.spelling, head.unit)
         numbers = (column.numbers[kept] * one.factor + one.offset) * factor + offset
-        columns[head.name], si_units[head.name] = numbers.tolist(), head.unit
+        columns[head.name], si_units[head.name] = numbers, head.unit
         listed.append(describe_column(place, column, replace(one, name=head.name), head.unit, numbers))
     notes += _list_doubts(raw, meant, clock)
     notes += _mend_columns(columns, meant)
@@ -190,14 +191,13 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     if times is None:
         columns_given = [(c.heading, c.unit, c.numbers) for c in raw.columns]
         interval = None if blocks else find_interval(raw.said) or find_step(columns_given)
-        columns = {"time": [k * (interval or 1.0) for k in range(raw.rows)]} | columns
+        columns = {"time": (interval or 1.0) * np.arange(float(raw.rows))} | columns
         si_units = {"time": "s"} | si_units
         notes += [f"The file has no times: it says that its samples are {interval:g} s apart."] if interval else []
     kept_rows = _drop_empty(columns)
     if len(kept_rows) < len(columns["time"]):
-        lost = [raw.numbers[int(kept[k])] for k in sorted(set(range(len(columns["time"]))) - set(kept_rows))]
-        columns = {name: [column[k] for k in kept_rows] for name, column in columns.items()}
-        left += count_rows("no number but the time", lost)
+        left += count_rows("no number but the time", raw.numbers[np.delete(kept, kept_rows)])
+        columns = {name: column[kept_rows] for name, column in columns.items()}
     count = sum(one.count for one in left if one.reason != "below the table")
     assumed = None if times is not None or interval else 1.0
     file, sheet = part_sheet(path)
@@ -208,13 +208,12 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     return LabFile(path, raw.form, record, *parts, timed, start, titled, labels=raw.labels, said=raw.said)
 
 
-def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:
+def _drop_empty(columns: Mapping[str, Numbers]) -> NDArray[np.intp]:
     """Return the rows with a number besides their time."""
-    others = np.array([column for name, column in columns.items() if name != "time"])
-    rows = np.flatnonzero(np.any(np.isfinite(others), axis=0))
+    rows = np.flatnonzero(np.any([np.isfinite(column) for name, column in columns.items() if name != "time"], axis=0))
     if not rows.size:
         raise DataError(f"No column but the time holds a number: {', '.join(columns)} are empty.")
-    return [int(row) for row in rows]
+    return rows
 
 
 def describe_column(place: int, column: RawColumn, meaning: Meaning, si: str, numbers: Numbers) -> ReadColumn:
@@ -323,13 +322,12 @@ def _describe_doubt(title: str, option: str, column: RawColumn, meaning: Meaning
     return ""
 
 
-def _mend_columns(columns: dict[str, list[float]], meant: list[Meaning]) -> list[str]:
+def _mend_columns(columns: dict[str, Numbers], meant: list[Meaning]) -> list[str]:
     """Correct a stepped supply whose counter fell back, if its values show it; return the note."""
     by_values = {one.name for one in meant if one.known == "values"}
     if not {"voltage", "current"} <= by_values:
         return []
-    mended, rows, height = mend_fall(np.array(columns["voltage"]), np.array(columns["current"]))
-    columns["voltage"] = mended.tolist()
+    columns["voltage"], rows, height = mend_fall(columns["voltage"], columns["current"])
     where = f"at row {rows[0] + 1} of the record" if rows else ""
     words = f"The counter of `voltage` fell back by {height:g} V while the current went on, {where}: put right."
     return [words] if rows else []

@@ -39,11 +39,11 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
     _check_files(files, offsets)
     first, notes = files[0], list(files[0].notes)
     columns, si_units = dict(first.record.columns), dict(first.record.units)
-    times = np.array(first.record.times)
+    times = first.record.times
     listed, dropped = list(first.columns), list(first.dropped)
     for number, other in enumerate(files[1:], start=2):
         offset, reason = (offsets[number - 2], "as given") if offsets else find_offset(first, other)
-        own = np.array(other.record.times) + offset
+        own = other.record.times + offset
         if np.count_nonzero((times >= own[0]) & (times <= own[-1])) < 2:
             raise DataError(
                 f"`{other.path.name}` lasts from {own[0]:.6g} s to {own[-1]:.6g} s by the clock of "
@@ -53,7 +53,7 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
         notes += [f"`{other.path.name}`: {note}" for note in other.notes]
         for name in [name for name in other.record.columns if name != "time"]:
             new = name if name not in columns else f"{name}_{number}"
-            columns[new] = _interpolate(times, own, np.array(other.record[name])).tolist()
+            columns[new] = _interpolate(times, own, other.record[name])
             si_units[new] = other.record.units[name]
         listed += [one for one in other.columns if one.name not in ("time", "-")]
         dropped += other.dropped
@@ -98,8 +98,7 @@ def _list_matches(one: Record, other: Record) -> list[tuple[float, float, str, s
     names = [n for n in one.columns if n != "time"], [n for n in other.columns if n != "time"]
     shared = [(n, n) for n in names[0] if n in names[1]]
     pairs = shared or [(a, b) for a in names[0] for b in names[1]]
-    own, its = np.array(one.times), np.array(other.times)
-    return [(*estimate_lag((own, np.array(one[a])), (its, np.array(other[b])), a == b), a, b) for a, b in pairs]
+    return [(*estimate_lag((one.times, one[a]), (other.times, other[b]), a == b), a, b) for a, b in pairs]
 
 
 def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers], alike: bool) -> tuple[float, float]:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
+
+import numpy as np
 
 from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
 from martensite.base.files import tell_once
@@ -28,7 +29,7 @@ from martensite.logs.exact_tables import (
 from martensite.logs.lab_files import LabFile, read_lab_file, split_side_by_side
 from martensite.logs.layout import CANONICAL, IGNORED, FileColumn, Layout, name_column
 from martensite.logs.raw_table import RawColumn, RawTable, WrongCell
-from martensite.signals.records import Record
+from martensite.signals.records import Record, not_finite
 
 PREFIX = "data:"
 
@@ -162,8 +163,8 @@ def _read_whole(source: str | Path) -> LabFile | None:
         file = read_lab_file(source)
     except DataError:
         return None
-    columns = chain.from_iterable(file.record.columns.values())
-    lost = file.dropped or file.record.dropped or not all(map(math.isfinite, columns))
+    whole = all(not_finite(column) is None for column in file.record.columns.values())
+    lost = file.dropped or file.record.dropped or not whole
     return None if lost else file
 
 
@@ -184,10 +185,10 @@ def read_complete(source: str | Path, interval: float | None = None) -> Record:
     """
     record = read_log_table(source, interval)
     for name, numbers in record.columns.items():
-        row = next((k for k, number in enumerate(numbers, start=1) if math.isnan(number)), None)
+        row = not_finite(numbers)
         if row is not None:
             raise DataError(
-                f"Column `{name}` of `{record.name}` has no number in row {row} of its table; none may be missing."
+                f"Column `{name}` of `{record.name}` has no number in row {row + 1} of its table; none may be missing."
             )
     return record
 
@@ -323,7 +324,8 @@ def _refuse_left_out(raw: RawTable) -> None:
 
 def _mark_gaps(column: RawColumn, refused: bool) -> RawColumn:
     """Return a column of an array; refused missing samples become wrong cells."""
-    rows = () if not refused else tuple(WrongCell(k + 1, "nan") for k, x in enumerate(column.numbers) if math.isnan(x))
+    places = np.flatnonzero(np.isnan(column.numbers)).tolist() if refused else ()
+    rows = tuple(WrongCell(k + 1, "nan") for k in places)
     return replace(column, wrong=column.wrong or rows)
 
 

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 
 from martensite.signals.records import Record
 
+BLOCK = 10_000
+"""Rows that are written at a time."""
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
@@ -22,6 +24,12 @@ def format_heading(name: str, unit: str) -> str:
 
 def format_record(record: Record, names: Sequence[str]) -> str:
     """Return columns of a record as text with headings that `read_table` reads; missing samples are empty."""
-    rows = zip(*(record[name] for name in names), strict=True)
-    lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
-    return "\n".join([",".join(format_heading(name, record.units[name]) for name in names), *lines, ""])
+    head = ",".join(format_heading(name, record.units[name]) for name in names)
+    blocks = (_format_rows(record, names, first) for first in range(0, len(record), BLOCK))
+    return "\n".join([head, *blocks, ""])
+
+
+def _format_rows(record: Record, names: Sequence[str], first: int) -> str:
+    """Return a block of rows as text."""
+    rows = zip(*(record[name][first : first + BLOCK].tolist() for name in names), strict=True)
+    return "\n".join(",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows)

@@ -228,7 +228,7 @@ class Assembly:
             table, path, self.log, unit, natural, self.lead
         )
         if self.log is not None:
-            last = recorded_waveforms.from_zero(self.log, self.lead).times[-1]
+            last = recorded_waveforms.from_zero(self.log, self.lead).times[-1].item()
             self.end = last if math.isinf(self.end) else max(self.end, last)
         return waveform
 

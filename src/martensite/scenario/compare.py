@@ -58,7 +58,7 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
             )
     times = result.times.tolist()
     _refuse_outside(times, record)
-    places = [_locate_time(times, time) for time in record.times]
+    places = [_locate_time(times, time) for time in record.times.tolist()]
     return [_measure_agreement(name, result, record, places) for name in names]
 
 
@@ -70,10 +70,11 @@ def list_common(result: Result, record: Record) -> list[str]:
 
 
 def _measure_agreement(name: str, result: Result, record: Record, places: list[tuple[int, float]]) -> Agreement:
-    computed, measured = result[name].tolist(), list(filter(math.isfinite, record[name]))
+    computed, values = result[name].tolist(), record[name].tolist()
+    measured = list(filter(math.isfinite, values))
     apart = {
         time: (1.0 - share) * computed[i] + share * computed[i + 1] - value
-        for time, (i, share), value in zip(record.times, places, record[name], strict=True)
+        for time, (i, share), value in zip(record.times.tolist(), places, values, strict=True)
         if math.isfinite(value)
     }
     worst = max(apart, key=lambda time: abs(apart[time]))

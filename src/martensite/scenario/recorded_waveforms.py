@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
@@ -41,8 +42,6 @@ NATURAL = {
     "1": "strain",
 }
 """Default column of a waveform of kind `log`, by unit of the signal."""
-UNKNOWN_LOG = Record("log", {"time": [0.0, 1.0]}, {"time": "s"})
-"""Placeholder for a missing log; waveforms that follow it rest at 0 or at 20 degC."""
 DUTY = "duty"
 """Name of the column of the duty cycle."""
 LINEAR, HOLD = "linear", "hold"
@@ -55,6 +54,12 @@ JUST_BEFORE = 1e-4
 """Time before a row at which the previous level ends, in sampling intervals."""
 _KEYS = ("file", "columns", "interval")
 _LISTED = ("kind", "times", "values")
+
+
+@cache
+def unknown_log() -> Record:
+    """Return a placeholder for a missing log; waveforms that follow it rest at 0 or at 20 degC."""
+    return Record("log", {"time": [0.0, 1.0]}, {"time": "s"})
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,7 @@ def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str)
             raise DataError(
                 f"Column `{column}` of record `{record.name}` is in {record.units[column]}, but the drive needs {unit}."
             )
-    return made, record.times[-1]
+    return made, made.times[-1]
 
 
 def build_followed(
@@ -121,7 +126,7 @@ def build_followed(
     refuse_unknown(table, ("kind", "column", "between", *(("from",) if lead else ())), f"[{path}]")
     between = _read_between(table, path)
     column = _read_text(table, "column", path) if "column" in table else natural
-    if log is UNKNOWN_LOG:
+    if log is not None and log is unknown_log():
         level = units.parse_quantity("20 degC", "K") if unit == "K" else 0.0
         return Table(times=(0.0, 1.0), values=(level, level)), column
     if log is None:
@@ -131,7 +136,7 @@ def build_followed(
         )
     with name_section(path):
         _check_followed(log, column, unit)
-        rows = zip(from_zero(log, lead).times, log[column], strict=True)
+        rows = zip(from_zero(log, lead).times.tolist(), log[column].tolist(), strict=True)
         finite = [row for row in rows if math.isfinite(row[1])]
         if lead:
             begin = _read_quantity(table["from"], "from", unit, path) if "from" in table else finite[0][1]
@@ -186,7 +191,7 @@ def from_zero(log: Record, lead: float = 0.0) -> Record:
     first = log.times[0] - lead
     if first == 0.0:
         return log
-    return replace(log, columns=log.columns | {"time": [time - first for time in log.times]})
+    return replace(log, columns=log.columns | {"time": log.times - first})
 
 
 def _list_numbers(table: Mapping[str, Any], path: str, unit: str) -> Table:

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError, suggest_name
 from martensite.base.formats import write_quantity
 from martensite.base.summary import DataTable, Summary
 from martensite.signals.table import Table
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
-@dataclass(frozen=True)
+    Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class Record:
     """Columns of equal length, including `time` [s]."""
 
     name: str
-    columns: dict[str, list[float]]
-    """One list per column, in SI units."""
+    columns: dict[str, Any]
+    """One array per column, in SI units. Other sequences of numbers are converted; all arrays are read-only."""
     units: dict[str, str]
     """SI unit of each column."""
     source: Path | None = None
@@ -31,6 +35,7 @@ class Record:
     """Assumed sample time [s] if the file has no time; else None."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", {name: _freeze(column) for name, column in self.columns.items()})
         lengths = {name: len(column) for name, column in self.columns.items()}
         if "time" not in lengths:
             raise DataError(f"Record `{self.name}` needs a column `time` [s].")
@@ -45,7 +50,7 @@ class Record:
         if not lengths["time"]:
             raise DataError(f"Record `{self.name}` holds no rows.")
 
-    def __getitem__(self, name: str) -> list[float]:
+    def __getitem__(self, name: str) -> Column:
         """Return a column by name, in SI.
 
         Raises:
@@ -71,7 +76,7 @@ class Record:
         return self.summary()._repr_html_()  # pyright: ignore[reportPrivateUsage]
 
     @property
-    def times(self) -> list[float]:
+    def times(self) -> Column:
         """Return the times of the rows [s]."""
         return self.columns["time"]
 
@@ -79,21 +84,39 @@ class Record:
         return len(self.times)
 
 
-def _find_ends(column: Sequence[float]) -> tuple[float, float]:
+def _freeze(column: ArrayLike) -> Column:
+    """Return numbers as a read-only array."""
+    import numpy as np
+
+    numbers = np.asarray(column, dtype=float).view()
+    numbers.flags.writeable = False
+    return numbers
+
+
+def _find_ends(column: Column) -> tuple[float, float]:
     """Return the smallest and largest value; NaN without values."""
-    values = [one for one in column if not math.isnan(one)] or [math.nan]
-    return min(values), max(values)
+    import numpy as np
+
+    return float(np.fmin.reduce(column)), float(np.fmax.reduce(column))
 
 
-def out_of_order(times: list[float]) -> int | None:
+def out_of_order(times: ArrayLike) -> int | None:
     """Return the index of the first time that is not above its predecessor; None if all increase."""
-    pairs = enumerate(pairwise(times), start=1)
-    return next((i for i, (before, time) in pairs if not time > before), None)
+    import numpy as np
+
+    return _find_first(~(np.diff(np.asarray(times, dtype=float)) > 0.0), 1)
 
 
-def not_finite(numbers: list[float]) -> int | None:
+def not_finite(numbers: ArrayLike) -> int | None:
     """Return the index of the first NaN or infinite number; None if all are finite."""
-    return next((i for i, number in enumerate(numbers) if not math.isfinite(number)), None)
+    import numpy as np
+
+    return _find_first(~np.isfinite(np.asarray(numbers, dtype=float)), 0)
+
+
+def _find_first(flags: Any, zero: int) -> int | None:
+    """Return the index of the first true flag, counted from `zero`; None if all are false."""
+    return int(flags.argmax()) + zero if flags.any() else None
 
 
 def table_waveform(record: Record, column: str) -> Table:
@@ -103,4 +126,4 @@ def table_waveform(record: Record, column: str) -> Table:
         DataError: the record has no such column.
         ParameterError: the record has only one row, or its times do not increase.
     """
-    return Table(times=tuple(record.times), values=tuple(record[column]))
+    return Table(times=tuple(record.times.tolist()), values=tuple(record[column].tolist()))

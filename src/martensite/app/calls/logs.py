@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from martensite.app.documents import describe_scenarios, list_following
 from martensite.app.identify.fit_request import build_scenario, list_rows
@@ -95,19 +98,18 @@ def _name_guess(meaning: Meaning, is_clock: bool) -> tuple[str, str]:
 
 
 def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
-    numbers = column.numbers.tolist()
-    entries = [number for number in numbers if not math.isnan(number)]
+    numbers, entries = column.numbers, column.numbers[~np.isnan(column.numbers)]
     rows = find_envelope(numbers, SMALL)
     return {
         "heading": column.heading,
-        "name": name if entries else "",
+        "name": name if entries.size else "",
         "unit": unit,
-        "min": min(entries, default=None),
-        "max": max(entries, default=None),
+        "min": entries.min().item() if entries.size else None,
+        "max": entries.max().item() if entries.size else None,
         "missing": len(numbers) - len(entries) - len(column.wrong),
         "wrong": len(column.wrong),
         "first_wrong": str(column.wrong[0]) if column.wrong else "",
-        "curve": [rows, [numbers[row] for row in rows]],
+        "curve": [rows, numbers[rows].tolist()],
     }
 
 
@@ -146,8 +148,8 @@ def describe_records(request: Request, desk: Desk) -> JsonTable:
     file, prepared = read_file(request, desk), prepare_log(request, desk)
     record = prepared.record
     return {
-        "begin": record.times[0],
-        "end": record.times[-1],
+        "begin": record.times[0].item(),
+        "end": record.times[-1].item(),
         "rows": len(record),
         "dropped": record.dropped,
         "timed": file.record.interval is None,
@@ -160,20 +162,25 @@ def describe_records(request: Request, desk: Desk) -> JsonTable:
 def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
     column = record[name]
     before = recorded.columns.get(name, column)
-    same = recorded.times == record.times and list(map(repr, before)) == list(map(repr, column))
+    same = _is_same(recorded.times, record.times) and _is_same(before, column)
     shown = column if same or name not in recorded.columns else before
     times = record.times if shown is column else recorded.times
     rows = find_envelope(shown, DRAWN)
-    drawn = [times[row] for row in rows]
-    values = [column[row] for row in rows] if shown is column else interpolate_within(record.times, column, drawn)
+    drawn = times[rows].tolist()
+    values = column[rows].tolist() if shown is column else interpolate_within(record.times, column, drawn)
     return {
         "name": name,
         "times": drawn,
         "values": values,
-        "before": [] if shown is column else [before[row] for row in rows],
-        "missing": sum(map(math.isnan, column)),
+        "before": [] if shown is column else before[rows].tolist(),
+        "missing": int(np.isnan(column).sum()),
         **describe_display(name, record.units[name]),
     }
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    """Return whether two columns have the same values, and the same gaps."""
+    return np.array_equal(one, other, equal_nan=True)
 
 
 def overlay_logs(request: Request, desk: Desk) -> JsonTable:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def _draw_times(records: Sequence[Record], align: str, names: Sequence[str]) -> 
             records,
             name,
             [
-                interpolate_within(one.times, one.columns.get(name, [math.nan] * len(one)), [t + zero for t in x])
+                interpolate_within(one.times, one.columns.get(name, np.full(len(one), np.nan)), [t + zero for t in x])
                 for one, zero in zip(records, zeros, strict=True)
             ],
         )
@@ -68,7 +69,7 @@ def _draw_times(records: Sequence[Record], align: str, names: Sequence[str]) -> 
 def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> JsonTable:
     """Return dots over the driving quantity, since a loop has several values at each."""
     dots = [(one, choose_rows(len(one), DOTS)) for one in records]
-    places = sorted((one[axis][row], k, row) for k, (one, rows) in enumerate(dots) for row in rows)
+    places = sorted((float(one[axis][row]), k, row) for k, (one, rows) in enumerate(dots) for row in rows)
     places = [place for place in places if math.isfinite(place[0])]
     quantities = [
         _describe_lines(
@@ -84,8 +85,8 @@ def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> J
     return {"x": [place[0] for place in places], "quantities": quantities}
 
 
-def interpolate_within(times: Sequence[float], values: Sequence[float], wanted: Sequence[float]) -> list[float]:
+def interpolate_within(times: Any, values: Any, wanted: Sequence[float]) -> list[float]:
     """Return linearly interpolated values; NaN outside and next to missing samples."""
     places = np.asarray(wanted, float)
     inside = (places >= times[0]) & (places <= times[-1])
-    return np.where(inside, interpolate_column(places, times, np.asarray(values, float)), np.nan).tolist()
+    return np.where(inside, interpolate_column(places, times, values), np.nan).tolist()

@@ -195,7 +195,7 @@ def _name_columns(raw: RawTable, columns: Sequence[MappedColumn], headings: Mapp
 
 
 def _cut_record(whole: Record, cut: Request) -> Record:
-    times = whole.times
+    times = whole.times.tolist()
     first, last = (require_entry(cut, "from", float, times[0]), require_entry(cut, "to", float, times[-1]))
     every = require_entry(cut, "every", int, 1)
     name = require_entry(cut, "name", str, "").strip().replace(",", " ")[:60] or whole.name
@@ -206,5 +206,5 @@ def _cut_record(whole: Record, cut: Request) -> Record:
         raise DataError(
             f"Record `{name}`, {first:.6g} s to {last:.6g} s, has {len(rows)} rows; a fit needs at least {FEWEST_ROWS}."
         )
-    columns = {key: [column[row] for row in rows] for key, column in whole.columns.items()}
+    columns = {key: column[rows.start : rows.stop : every] for key, column in whole.columns.items()}
     return Record(name, columns, whole.units, whole.source, whole.dropped, whole.interval)

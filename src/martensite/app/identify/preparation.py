@@ -62,7 +62,7 @@ def _read_column(record: Record, step: Request) -> tuple[str, Any]:
 
 
 def _with_column(record: Record, name: str, values: Any) -> Record:
-    return replace(record, columns=record.columns | {name: values.tolist()})
+    return replace(record, columns=record.columns | {name: values})
 
 
 def _list_windows(values: Any, width: int) -> Any:
@@ -164,11 +164,9 @@ def _resample_rows(record: Record, step: Request) -> tuple[Record, str]:
             f"Rows must be {span / MOST_ROWS:.3g} s to {span:.3g} s apart, but are to be {interval:g} s apart."
         )
     grid = times[0] + interval * np.arange(int(span / interval + 1e-9) + 1)
-    columns = {
-        name: interpolate_column(grid, times, np.asarray(x, float)).tolist() for name, x in record.columns.items()
-    }
+    columns = {name: interpolate_column(grid, times, x) for name, x in record.columns.items()}
     sentence = f"Rows {interval:g} s apart, straight lines between: {len(grid)} of {len(times)}."
-    return replace(record, columns=columns | {"time": grid.tolist()}), sentence
+    return replace(record, columns=columns | {"time": grid}), sentence
 
 
 def interpolate_column(grid: Any, times: Any, values: Any) -> Any:
@@ -185,7 +183,7 @@ def _cut_rows(record: Record, step: Request) -> tuple[Record, str]:
     kept = np.flatnonzero((times >= first) & (times <= last))
     if kept.size < 2:
         raise DataError(f"Between {first:.6g} s and {last:.6g} s there are {kept.size} rows.")
-    columns = {name: [column[row] for row in kept] for name, column in record.columns.items()}
+    columns = {name: column[kept] for name, column in record.columns.items()}
     sentence = f"Rows from {first:.6g} s to {last:.6g} s: {kept.size} of {len(times)}."
     return replace(record, columns=columns), sentence
 

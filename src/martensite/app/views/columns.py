@@ -82,7 +82,7 @@ def round_digits(value: float, digits: int = 5) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def find_envelope(numbers: Sequence[float], most: int = MOST_CORNERS) -> list[int]:
+def find_envelope(numbers: Any, most: int = MOST_CORNERS) -> list[int]:
     """Return the rows of a long column that keep its extremes."""
     import numpy as np
 

@@ -80,7 +80,7 @@ def find_column(record: Record, wanted: str, alike: Sequence[str]) -> str:
 def keep_measured(record: Record, needed: Sequence[str]) -> Record:
     """Return the rows of a record in which all needed columns are finite."""
     rows = np.flatnonzero(np.all([np.isfinite(record[name]) for name in needed], axis=0))
-    return replace(record, columns={name: [column[k] for k in rows] for name, column in record.columns.items()})
+    return replace(record, columns={name: column[rows] for name, column in record.columns.items()})
 
 
 def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> Record:
@@ -95,8 +95,8 @@ def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> R
         arc = measure_arc(path, record[shown])[first:]
         turns = [row + after for row in path.turns if row >= first for after in (0, 1)]
         edges = np.unique([*(first + np.searchsorted(arc, np.linspace(0.0, arc[-1], MOST_ROWS))), *turns, rows])
-    means = {n: np.add.reduceat(np.asarray(x, float), edges[:-1]) / np.diff(edges) for n, x in record.columns.items()}
-    return replace(record, columns={name: column.tolist() for name, column in means.items()})
+    means = {name: np.add.reduceat(x, edges[:-1]) / np.diff(edges) for name, x in record.columns.items()}
+    return replace(record, columns=means)
 
 
 def _choose_first(path: LoopPath) -> tuple[int, int]:

@@ -53,7 +53,7 @@ def write_values(unit: str, **values: float) -> Document:
 
 def with_column(record: Record, name: str, unit: str, values: Any) -> Record:
     """Return a record with a further column, by row or constant [SI unit]."""
-    numbers = np.broadcast_to(np.asarray(values, float), len(record)).tolist()
+    numbers = np.broadcast_to(np.asarray(values, float), len(record))
     return replace(record, columns=record.columns | {name: numbers}, units=record.units | {name: unit})
 
 
@@ -61,8 +61,7 @@ def make_record(columns: Mapping[str, Any], name: str = "log") -> Record:
     """Return a record [SI] of columns of equal length, with a row every second."""
     rows = len(next(iter(columns.values())))
     whole: dict[str, Any] = {"time": np.arange(float(rows)), **columns}
-    made = {one: [float(x) for x in column] for one, column in whole.items()}
-    return Record(name, made, {one: EXAMPLE_UNITS[one] for one in whole})
+    return Record(name, whole, {one: EXAMPLE_UNITS[one] for one in whole})
 
 
 def make_pulses() -> Any:

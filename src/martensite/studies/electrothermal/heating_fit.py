@@ -50,7 +50,7 @@ def build_experiment(offset: float) -> Experiment:
     record = Record(
         "run 5", {"time": compared_column("time"), "current": compared_column("current")}, {"time": "s", "current": "A"}
     )
-    volts = load_staircase().table["set_point"]
+    volts = load_staircase().table["set_point"].tolist()
     waveform = Staircase(first=volts[0] - offset, increment=volts[1] - volts[0], hold=32.0, count=len(volts))
     return Experiment(
         "run 5",
@@ -92,7 +92,5 @@ def apparent_films(offset: float) -> list[float]:
     surface = math.pi * float(element.diameter) * float(element.length)
     ambient, resistance = (model.read_number("environment.temperature"), load_staircase().resistances(offset))
     table = load_staircase().table
-    return [
-        table["current"][i] ** 2 * resistance[i] / (surface * (table["apparent_temperature"][i] - ambient))
-        for i in compared_places()
-    ]
+    current, kelvin = table["current"].tolist(), table["apparent_temperature"].tolist()
+    return [current[i] ** 2 * resistance[i] / (surface * (kelvin[i] - ambient)) for i in compared_places()]

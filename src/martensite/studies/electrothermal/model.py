@@ -114,14 +114,14 @@ def predict_plateaus(key: str, stated: Printed, calibration: RecordCalibration |
         samples=load_scenario().samples,
     )
     names = ("time", "drive", "current", "resistance", "temperature", "martensite_fraction")
-    columns = {name: run[name].tolist() for name in names}
+    columns = {name: run[name] for name in names}
     units = {name: run.unit(name) for name in names}
     return reduce_to_plateaus(Record(f"simulated, {key}", columns, units), "drive")
 
 
 def find_span(table: Record) -> tuple[float, float]:
     """Return the currents of the last plateau with all martensite, and the first without [A]."""
-    fractions, current = table["martensite_fraction"], table["current"]
+    fractions, current = table["martensite_fraction"].tolist(), table["current"].tolist()
     first = next(i for i, xi in enumerate(fractions) if xi < 0.99)
     gone = next(i for i, xi in enumerate(fractions) if xi < 0.01)
     return current[max(first - 1, 0)], current[gone]
@@ -130,5 +130,6 @@ def find_span(table: Record) -> tuple[float, float]:
 def resistance_rms(table: Record, staircase: RecordStaircase, low: float, high: float) -> float:
     """Return the RMS difference of the resistance on the plateaus between two set-points [ohm]."""
     places = staircase.within(low, high)
-    errors = [table["resistance"][i] - staircase.resistance[i] for i in places]
+    resistance = table["resistance"].tolist()
+    errors = [resistance[i] - staircase.resistance[i] for i in places]
     return root_mean_square(errors)

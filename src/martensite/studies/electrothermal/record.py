@@ -46,7 +46,7 @@ class RecordStaircase:
 
     def resistances(self, offset: float) -> list[float]:
         """Return the resistance on each plateau [ohm] with an offset of the set-point [V]."""
-        pairs = zip(self.table["set_point"], self.table["current"], strict=True)
+        pairs = zip(self.table["set_point"].tolist(), self.table["current"].tolist(), strict=True)
         return [(volt - offset) / current for volt, current in pairs]
 
     def within(self, low: float, high: float) -> list[int]:
@@ -72,7 +72,7 @@ class RecordStaircase:
         last = self.within(*self.stated.cold)[-1]
         hot = self.within(self.stated.cold[1], self.stated.hot[1])
         settled = 1 + max(i for i in hot if self.resistance[i] > limit)
-        return current[last], current[settled]
+        return current[last].item(), current[settled].item()
 
     def half_way(self) -> float:
         """Return the current at half of the drop, linear between plateaus [A]."""
@@ -95,7 +95,7 @@ class RecordStaircase:
 
     def jumps(self) -> int:
         """Return the number of falls of the set-point by the stated drop."""
-        return len(unwrap_counter(_join_rows()["set_point"], self.stated.drop).jumps)
+        return len(unwrap_counter(_join_rows()["set_point"].tolist(), self.stated.drop).jumps)
 
 
 def has_files(*files: str) -> bool:
@@ -115,8 +115,8 @@ def _join_rows() -> Record:
     import numpy as np
 
     rows, camera = read_table(f"data:{UNTRAINED}"), read_table(f"data:{WARMTH}")
-    times = np.asarray(rows.times) + LATER
+    times = rows.times + LATER
     apparent = np.interp(times, camera.times, camera["apparent_temperature"])
-    columns = rows.columns | {"apparent_temperature": apparent.tolist()}
+    columns = rows.columns | {"apparent_temperature": apparent}
     units = rows.units | {"apparent_temperature": "K"}
     return Record(rows.name, columns, units, rows.source, rows.dropped)

@@ -78,12 +78,12 @@ def compared_places() -> list[int]:
 
 def compared_column(name: str) -> list[float]:
     """Return a column of the compared plateaus."""
-    return [load_staircase().table[name][i] for i in compared_places()]
+    return load_staircase().table[name][compared_places()].tolist()
 
 
 def kept_back(place: int) -> tuple[tuple[float, float], ...]:
     """Return the time intervals of the held-out plateaus at a position in the groups [s]."""
-    stay, times = load_staircase().within(*EDGE), load_staircase().table["time"]
+    stay, times = load_staircase().within(*EDGE), load_staircase().table["time"].tolist()
     held_out = [i for i in compared_places()[place::HELD] if i not in stay]
     return tuple((times[i] - _ROW, times[i] + _ROW) for i in held_out)
 
@@ -131,7 +131,7 @@ def _build_system(shape: str, offset: float) -> Any:
 
 def list_search_ranges(shape: str) -> list[SearchRange]:
     """Return the free parameters; the transformation must contain the plateau between the phases."""
-    at = load_staircase().table["apparent_temperature"][load_staircase().within(*EDGE)[0]]
+    at = load_staircase().table["apparent_temperature"][load_staircase().within(*EDGE)[0]].item()
     ranges = [SearchRange("rho_A", *_RESISTIVITY), SearchRange("rho_M", *_RESISTIVITY)]
     if shape == STRAINED:
         return [*ranges, SearchRange("eps_L", *_STRETCHED)]

@@ -101,7 +101,7 @@ def reduce_to_plateaus(
         DataError: the column does not exist, a name is taken, or no plateau is long enough.
     """
     _check_settled(settled, tolerance, shortest)
-    runs = _find_runs(record[column], tolerance)
+    runs = _find_runs(record[column].tolist(), tolerance)
     plateaus = [(first, last) for first, last in runs if last - first >= shortest]
     if not plateaus:
         raise DataError(
@@ -126,7 +126,7 @@ def _reduce_columns(
     record: Record, names: Sequence[str], parts: Sequence[tuple[int, int]], function: Callable[[list[float]], float]
 ) -> list[list[float]]:
     """Apply a function to each part of each column."""
-    return [[function(record[name][a:b]) for a, b in parts] for name in names]
+    return [[function(record[name][a:b].tolist()) for a, b in parts] for name in names]
 
 
 def supply_offset(table: Record, set_point: str, current: str, low: float, high: float) -> SupplyOffset:
@@ -142,7 +142,7 @@ def supply_offset(table: Record, set_point: str, current: str, low: float, high:
     Raises:
         DataError: fewer than 3 plateaus are in range, or their currents are equal.
     """
-    pairs = zip(table[current], table[set_point], strict=True)
+    pairs = zip(table[current].tolist(), table[set_point].tolist(), strict=True)
     slack = 1e-9 * max(abs(low), abs(high))
     points = [(i, v) for i, v in pairs if low - slack <= v <= high + slack]
     n = len(points)

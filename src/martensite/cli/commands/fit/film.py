@@ -115,14 +115,14 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
     from martensite.logs.reader import read_complete
 
     record = read_complete(table, 1.0)
-    at = tuple(_to_celsius(kelvin) for kelvin in record["temperature"])
+    at = tuple(_to_celsius(kelvin) for kelvin in record["temperature"].tolist())
     if "h" in record.columns:
         if record.units["h"] != FILM:
             raise DataError(f"{table}: column `h` must be in W/(m² K); write `h [{FILM}]`.")
         wire.refuse(("diameter", "length", "resistance"), "the table has a column `h`")
         ambient = wire.read("ambient")
         given = None if ambient is None else _to_celsius(ambient)
-        return FilmPoints(at, tuple(record["h"]), given), "column `h`"
+        return FilmPoints(at, tuple(record["h"].tolist()), given), "column `h`"
     powers, origin = _read_powers(record, wire)
     sizes = {
         name: wire.need(name, "h = P/[π d l (T - T_a)] is to be found") for name in ("diameter", "length", "ambient")
@@ -140,10 +140,10 @@ def _read_powers(record: Record, wire: HeatedWire) -> tuple[list[float], str]:
     """Return heating powers [W] and the columns behind them."""
     from martensite.characterise.film_coefficient import powers_from_voltage
 
-    has = record.columns
+    has = {name: column.tolist() for name, column in record.columns.items()}
     if "power" in has:
         wire.refuse(("resistance",), "the table has a column `power`")
-        return record["power"], "column `power`"
+        return has["power"], "column `power`"
     if "voltage" not in has:
         raise DataError(
             f"Record `{record.name}` needs a column `h`, `power` or `voltage` beside "
@@ -151,14 +151,14 @@ def _read_powers(record: Record, wire: HeatedWire) -> tuple[list[float], str]:
         )
     if "current" in has:
         wire.refuse(("resistance",), "the table has a column `current`")
-        pairs = zip(record["voltage"], record["current"], strict=True)
+        pairs = zip(has["voltage"], has["current"], strict=True)
         return [volts * amperes for volts, amperes in pairs], "columns `voltage` and `current`"
     if "resistance" in has:
         wire.refuse(("resistance",), "the table has a column `resistance`")
-        powers = powers_from_voltage(record["voltage"], record["resistance"])
+        powers = powers_from_voltage(has["voltage"], has["resistance"])
         return powers, "columns `voltage` and `resistance`"
     ohms = wire.need("resistance", "the table has voltages but neither currents nor resistances")
-    return powers_from_voltage(record["voltage"], ohms), f"column `voltage` and {ohms:g} ohm"
+    return powers_from_voltage(has["voltage"], ohms), f"column `voltage` and {ohms:g} ohm"
 
 
 def write_cooling(report: FilmReport, form: str, table: str) -> str:

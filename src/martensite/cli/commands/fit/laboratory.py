@@ -78,7 +78,7 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
     if locked is None:
         return Winding(MeasuredValue(read_positive("resistance", str(resistance), "ohm")))
     record = read_complete(locked, 1.0)
-    return winding_resistance(record["voltage"], record["current"])
+    return winding_resistance(record["voltage"].tolist(), record["current"].tolist())
 
 
 def read_steady(path: Path) -> SteadyRunning:
@@ -87,7 +87,7 @@ def read_steady(path: Path) -> SteadyRunning:
     from martensite.logs.reader import read_complete
 
     record = read_complete(path, 1.0)
-    return steady_running(record["voltage"], record["current"], _read_speeds(record))
+    return steady_running(record["voltage"].tolist(), record["current"].tolist(), _read_speeds(record))
 
 
 def read_rise(path: Path | None, column: str) -> Rise | None:
@@ -100,14 +100,14 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
     record = read_complete(path)
     if record.interval is not None:
         raise DataError(f"`{path.name}` has no column `time`; a rise needs one, `time [s]`.")
-    values = _read_speeds(record) if column == "speed" else record[column]
-    return fit_rise(record.times, values)
+    values = _read_speeds(record) if column == "speed" else record[column].tolist()
+    return fit_rise(record.times.tolist(), values)
 
 
 def _read_speeds(record: Record) -> list[float]:
     from martensite.base import units
 
-    numbers, unit = record["speed"], record.units["speed"]
+    numbers, unit = record["speed"].tolist(), record.units["speed"]
     if unit not in SPEEDS:
         raise DataError(
             f"Column `speed` of record `{record.name}` must be in {' or '.join(SPEEDS)}, but is in "
@@ -271,15 +271,15 @@ def read_vibration(
     name = _choose_column(record, column)
     first = -math.inf if start is None else read_quantity("start", start, "s")
     last = math.inf if end is None else read_quantity("end", end, "s")
-    rows = [k for k, time in enumerate(record.times) if first <= time <= last]
-    if not rows:
+    rows = (first <= record.times) & (record.times <= last)
+    if not rows.any():
         raise DataError(
             f"`{path.name}` has no rows between --start and --end: it goes from "
             f"{record.times[0]:.6g} s to {record.times[-1]:.6g} s."
         )
     unit = record.units[name]
     label = f"`{name}`" if unit == "1" else f"`{name}` [{unit}]"
-    return [record.times[k] for k in rows], [record[name][k] for k in rows], label
+    return record.times[rows].tolist(), record[name][rows].tolist(), label
 
 
 def _choose_column(record: Record, column: str | None) -> str:
