@@ -44,6 +44,11 @@ def compiles_only_quickly() -> bool:
     return read_mode() == "only" and bool(find_tcc())
 
 
+def compiles_at_once() -> bool:
+    """Return whether tcc compiles the first library of a program."""
+    return read_mode() != "off" and bool(find_tcc())
+
+
 def is_within_reach(source: str) -> bool:
     """Return whether tcc supports a source."""
     return not any(word in source for word in _BEYOND)

@@ -36,9 +36,11 @@ from martensite.simulate.track import Numbers
 Tell = Callable[[str, float], None]
 """Callback with the current activity and the completed fraction."""
 PATIENCE = 0.5
-"""CPU time [s] on floats before a compiler is started."""
+"""CPU time [s] on floats before an optimising compiler is started."""
 LOADING_PATIENCE = 0.1
-"""CPU time [s] of a run that justifies loading a compiled library."""
+"""CPU time [s] of a run that justifies loading a compiled library, or the quick compiler."""
+LARGE = 2500
+"""Number of operations above which the quick compiler is faster than Python's."""
 NATIVE = "martensite.simulate.marching_native"
 """Module that short runs do not import."""
 RARELY = 8
@@ -98,6 +100,8 @@ class RunEngine:
             return self._on_floats(plan)
         if self.used == "C" or (NATIVE in sys.modules and self._readiness(plan) == "loaded"):
             return self._on_c(plan)
+        if len(self.compiled.program.graph.depends) > LARGE and _compiles_at_once():
+            return self._on_c_if_possible(plan)
         begin, spent = time.process_time(), _SPENT.get(self.compiled, 0.0)
         if spent <= PATIENCE:
             try:
@@ -106,6 +110,10 @@ class RunEngine:
                 pass
             finally:
                 _SPENT[self.compiled] = spent + time.process_time() - begin
+        return self._on_c_if_possible(plan)
+
+    def _on_c_if_possible(self, plan: MarchPlan) -> Marched:
+        """Run in C, or on floats if the compiler fails."""
         try:
             return self._on_c(plan)
         except CompileError as error:
@@ -132,7 +140,7 @@ class RunEngine:
             if looks % RARELY:
                 return
             if time.process_time() - begin > patience:
-                if patience == PATIENCE or self._readiness(plan) != "new":
+                if patience == PATIENCE or _compiles_at_once() or self._readiness(plan) != "new":
                     raise TimeoutError
                 patience = PATIENCE
             watch(share)
@@ -172,6 +180,13 @@ class RunEngine:
                 self.tell(doing, share)
 
         return watch
+
+
+def _compiles_at_once() -> bool:
+    """Return whether a C library takes no noticeable time to compile."""
+    from martensite.kernels.quick_compiler import compiles_at_once
+
+    return compiles_at_once()
 
 
 def require_budget(budget: float | None, begin: float, share: float) -> float:
