@@ -55,11 +55,24 @@ def test_material_files_need_no_pint(path: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
 def test_examples_need_no_pint(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its import takes longer than a short run; a model of blocks has units that no table lists."""
+    """Its import takes longer than a short run: neither reading an example nor printing its results needs it."""
     monkeypatch.setattr(units, "_ask_pint", lambda spelling, unit: pytest.fail(f"`{spelling}` for `{unit}`"))
-    if "[run]" in path.read_text(encoding="utf-8") and path.stem != "model_run":
+    if "[run]" in path.read_text(encoding="utf-8"):
         with suppress(DataError):  # measured data that are not on this machine
-            load(path)
+            for name, one in load(path).system.outputs().items():
+                units.from_si(1.0, units.of_column(name, one.unit), one.unit)
+
+
+@pytest.mark.parametrize("spelling", sorted({*units.EVERYDAY, "mW/mm^2", "N*mm", "rpm", "kJ/kg/K", "mg*cm^2", "1/min"}))
+def test_products_of_units_agree_with_pint(spelling: str) -> None:
+    """The same factor, or the same refusal; what the table cannot read is left to pint."""
+    for unit in ("1", "m", "s", "K", "Pa", "N/m", "N*m", "W", "ohm*m", "Hz", "rad", "rad/s", "J/kg/K", "W/m^2"):
+        with suppress(UnitError):
+            expected = units._ask_pint(spelling, unit)
+            assert units.find_conversion(spelling, unit) == pytest.approx(expected, rel=1e-12, abs=1e-15)
+            continue
+        with pytest.raises(UnitError):
+            units.find_conversion(spelling, unit)
 
 
 def test_readable_units_are_in_the_table() -> None:

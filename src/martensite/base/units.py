@@ -1,7 +1,7 @@
 """Unit conversion: text with a unit becomes an SI float, and back for labels.
 
-pint is the authority. A table of common spellings, generated from pint and tested against it, avoids loading pint in
-short runs. The library uses SI floats in the declared unit.
+pint is the authority. A table of common spellings and their products (`base.unit_products`), tested against pint,
+avoids loading pint in short runs. The library uses SI floats in the declared unit.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from martensite.base.errors import UnitError
+from martensite.base.unit_products import read_product
 
 _DECLARED = (
     "1 K K/Pa K/Pa^2 m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
@@ -195,12 +196,23 @@ def find_conversion(spelling: str, unit: str) -> tuple[float, float]:
     declared, factor, offset = EVERYDAY.get(spelling, ("", 1.0, 0.0))
     if declared == unit:
         return factor, offset
-    return _ask_pint(spelling, unit)
+    one, other = read_product(spelling), read_product(unit)
+    if one is None or other is None or offset:
+        return _ask_pint(spelling, unit)
+    if one.exponents == other.exponents:
+        return one.factor / other.factor, 0.0
+    if one.without_angle == other.without_angle:  # 1 Hz is not 1 rad/s, but pint decides
+        return _ask_pint(spelling, unit)
+    raise UnitError(_describe_mismatch(spelling, unit))
+
+
+def _describe_mismatch(spelling: str, unit: str) -> str:
+    return f"The unit `{spelling}` cannot be converted to `{unit}`.{_suggest_unit(spelling, unit)}"
 
 
 def require_unit(unit: str) -> None:
     """Raise `UnitError` unless a declared unit is valid."""
-    if unit not in ("1", *OF_READINGS):
+    if unit not in ("1", *OF_READINGS) and read_product(unit) is None:
         _ask_pint(unit, unit)
 
 
@@ -300,10 +312,10 @@ def _suggest_unit(spelling: str, unit: str) -> str:
     """Return a sentence with the probable spelling; may be empty."""
     small = spelling.lower().strip(". ").removesuffix(" dc").removeprefix("deg ").removeprefix("degree ")
     spellings = {name.lower(): name for name, (declared, _, _) in EVERYDAY.items() if declared == unit}
-    with suppress(ValueError, TypeError, AssertionError, AttributeError):  # an invalid unit
-        ureg = _pint_registry()
-        for meant in (MEANT.get(small), spellings.get(small)):
-            if meant is not None and ureg.Unit(meant).is_compatible_with(ureg.Unit("" if unit == "1" else unit)):
+    for meant in filter(None, (MEANT.get(small), spellings.get(small))):
+        with suppress(ValueError, TypeError, AssertionError, AttributeError):  # an invalid unit
+            ureg = _pint_registry()
+            if ureg.Unit(meant).is_compatible_with(ureg.Unit("" if unit == "1" else unit)):
                 return f" Did you mean `{meant}`?"
     return ""
 
@@ -328,8 +340,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
             hint = _suggest_unit(spelling, unit) if unit == "Hz" else " Did you mean `rpm`?"
             raise UnitError(f"The unit `{spelling}` is not `{unit}`: a cycle has an angle of 2 pi rad.{hint}")
     except pint.DimensionalityError:
-        hint = _suggest_unit(spelling, unit)
-        raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.{hint}") from None
+        raise UnitError(_describe_mismatch(spelling, unit)) from None
     except (pint.PintError, ValueError, TypeError, AssertionError, TokenError):
         hint = _suggest_unit(spelling, unit)
         raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.{hint}") from None
