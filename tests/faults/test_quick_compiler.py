@@ -17,6 +17,8 @@ from builders import hanging_wire
 
 from martensite.base import files
 from martensite.base.errors import InputError
+from martensite.identify.blocks.polynomial import Polynomial
+from martensite.identify.chains.engine import SHORT, ChainEngine
 from martensite.kernels import compile_jobs
 from martensite.kernels.compiler import find_compiler, is_compiled, load_library
 from martensite.kernels.quick_compiler import find_tcc
@@ -120,6 +122,20 @@ def test_tcc_alone_compiles_what_it_supports(cache: Path, tmp_path: Path, monkey
     with pytest.raises(InputError, match="must be first, only or off, but is `never`"):
         load_library(SOURCE)
     assert not list(cache.glob("*.job"))
+
+
+def test_short_logs_need_no_optimised_model(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The optimiser compiles for long logs alone, and nothing in the background; both give the same outputs."""
+    monkeypatch.setenv("MARTENSITE_QUICK_C", "first")
+    monkeypatch.setattr(compile_jobs, "_start", lambda *_: pytest.fail("a process was started"))
+    u = np.sin(np.arange(SHORT + 1) / 30.0)[:, None]
+    block = Polynomial(degree=3, low=-1.0, high=1.0)
+    model, theta = ChainEngine([block], 0.1), block.sample_parameters(np.random.default_rng(0), 10.0, 0.1)
+    short = model.simulate(theta, u[:-1])
+    assert len((tmp_path / "calls").read_text().splitlines()) == 1
+    long = model.simulate(theta, u)
+    assert len((tmp_path / "calls").read_text().splitlines()) == 1 and len(list(cache.glob("*.so"))) == 2
+    assert long[:-1] == pytest.approx(short, rel=1e-12)
 
 
 def test_runs_of_both_compilers_agree_to_their_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -82,7 +82,7 @@ def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
     return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
 
-def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False) -> Any:
+def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False, later: bool = True) -> Any:
     """Compile C source to a shared library in the cache (by hash) and load it.
 
     A complete library built on this machine is reused. If the cache is not writable, a folder of this process is used.
@@ -92,7 +92,8 @@ def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False)
         source: C source.
         more: additional compiler flags.
         soon: True to accept a result of the quick compiler (`martensite.kernels.quick_compiler`) if the optimised
-            library is missing, and compile the optimised one in the background.
+            library is missing.
+        later: False to compile no optimised library in the background in this case.
 
     Raises:
         CompileError: no compiler was found, it failed, or no folder is writable for its output.
@@ -100,7 +101,7 @@ def load_library(source: str, more: tuple[str, ...] = (), *, soon: bool = False)
     usual = _build_command(more)
     if command := _choose_quick(source, usual, soon):
         with suppress(CompileError, OSError):
-            library = _load_quick(command, usual, source, more)
+            library = _load_quick(command, usual, source, more if later else None)
             if library is not None:
                 return library
     name, reasons = _name_library(usual, source), list[str]()
@@ -157,14 +158,14 @@ def _choose_quick(source: str, usual: tuple[str, ...], soon: bool) -> tuple[str,
     return find_tcc() or (() if mode == "only" else (*usual, "-O0"))
 
 
-def _load_quick(command: tuple[str, ...], usual: tuple[str, ...], source: str, more: tuple[str, ...]) -> Any:
-    """Return a library of the quick compiler, and order the optimised one; None if the optimised one exists."""
+def _load_quick(command: tuple[str, ...], usual: tuple[str, ...], source: str, more: tuple[str, ...] | None) -> Any:
+    """Return a library of the quick compiler, and order the optimised one with `more` flags; None if that exists."""
     path, first = _locate_folder() / _name_library(usual, source), read_mode() == "first"
     if first and _is_whole(path):
         return None
     quick = path.with_name(_name_library(command, source))
     library = _load_from(quick, command, source)
-    if first:
+    if first and more is not None:
         from martensite.kernels.compile_jobs import order_library
 
         order_library(path, source, more, quick, __name__)

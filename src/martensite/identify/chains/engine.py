@@ -62,8 +62,8 @@ class FloatChain:
                     if number == k:
                         y[t, place] = x[channel]
 
-    def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
-        """Simulate with derivatives dy of shape (samples, outputs, extra + columns)."""
+    def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers, total: int) -> None:
+        """Simulate with derivatives dy of shape (samples, outputs, extra + columns); `total` has no effect."""
         functions, m = self._bound(p), ds.shape[1]
         extra = m - self._plan.columns
         for t, row in enumerate(u):
@@ -100,6 +100,8 @@ def step_block(
 
 FLAGS = ("-O2",)
 """Optimisation that compiles large kernels quickly at the same speed."""
+SHORT = 10_000
+"""Largest number of samples for which the quick compiler suffices: an optimiser would take longer than it saves."""
 
 
 class CompiledChain:
@@ -107,31 +109,37 @@ class CompiledChain:
 
     def __init__(self, plan: ChainPlan, taps: Taps) -> None:
         self._plan, self._taps, self._width = plan, taps, plan.width
-        self._library = _load_library(plan, taps, False)
-        self._with_slopes: dict[int, tuple[Any, int]] = {}
+        self._sizes: dict[int, int] = {}
+        self._libraries: dict[tuple[bool, bool], Any] = {}
 
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
         """Compute the steady state as `FloatChain.rest`."""
         scratch = _allocate_aligned(scratch_size(self._plan, self._plan.columns))
-        call_compiled(self._library.rest, p, x, s, ds, scratch)
+        call_compiled(self._load(0, False).rest, p, x, s, ds, scratch)
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
         """Simulate as `FloatChain.run`."""
-        call_compiled(self._library.run, len(u), p, u, s, y)
+        call_compiled(self._load(len(u), False).run, len(u), p, u, s, y)
 
-    def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
-        """Simulate with derivatives dy of shape (samples, outputs, extra + columns).
+    def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers, total: int) -> None:
+        """Simulate with derivatives dy of shape (samples, outputs, extra + columns); `total` samples follow in chunks.
 
         The first columns belong to the initial state: as many as ds has in addition to the free numbers. Samples of dy
         must be contiguous, followed by space up to a whole tile.
         """
         columns = ds.shape[1]
-        if columns not in self._with_slopes:
-            library = _load_library(self._plan, self._taps, columns > self._plan.columns)
-            self._with_slopes[columns] = library.slopes, scratch_size(self._plan, columns)
-        slopes, size = self._with_slopes[columns]
-        scratch = _allocate_aligned(size)
+        if columns not in self._sizes:
+            self._sizes[columns] = scratch_size(self._plan, columns)
+        scratch = _allocate_aligned(self._sizes[columns])
+        slopes = self._load(total, columns > self._plan.columns).slopes
         call_compiled(slopes, len(u), p, u, s, ds, scratch, y, dy, dy.strides[2] // 8)
+
+    def _load(self, samples: int, extra: bool) -> Any:
+        """Return the library of the quick compiler for few samples, else the optimised one."""
+        key = extra, samples <= SHORT
+        if key not in self._libraries:
+            self._libraries[key] = _load_library(self._plan, self._taps, *key)
+        return self._libraries[key]
 
 
 def _allocate_aligned(count: int) -> Numbers:
@@ -148,8 +156,8 @@ def scratch_size(plan: ChainPlan, columns: int) -> int:
 
 
 @cache_answers(64)
-def _load_library(plan: ChainPlan, taps: Taps, extra: bool) -> Any:
-    return load_library(chain_source(plan, taps, extra), FLAGS)
+def _load_library(plan: ChainPlan, taps: Taps, extra: bool, short: bool) -> Any:
+    return load_library(chain_source(plan, taps, extra), FLAGS, soon=short, later=False)
 
 
 CHUNK = 4032
@@ -239,7 +247,7 @@ class ChainEngine:
             y = np.empty((len(part), len(self.taps)))
             room = room if reuse or not first else np.empty(shape)
             dy = np.moveaxis(room[:, :, : len(part)], 2, 0)
-            self._runner.slopes(numbers, part, state, slopes, y, dy)
+            self._runner.slopes(numbers, part, state, slopes, y, dy, len(u))
             yield Chunk(slice(first, first + len(part)), y, dy)
 
     def jacobian(self, theta: Numbers, u: Numbers, start: ChainStart | None = None) -> tuple[Numbers, Numbers]:
