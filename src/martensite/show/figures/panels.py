@@ -59,7 +59,11 @@ def add_panels(
         hspace=gaps[1] / down,
         **ratios,
     )
-    return grid.subplots(squeeze=False, **how)
+    panels: Any = grid.subplots(squeeze=False, **how)
+    for axes in panels.flat:
+        axes.set_title("", y=1.0)  # a title that is placed by matplotlib lays out all tick labels twice
+        axes.yaxis.get_offset_text().set_horizontalalignment("right")
+    return panels
 
 
 def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
