@@ -1,10 +1,10 @@
-"""Write the TypeScript that follows from Python: types of forms, and constants of the time integration.
+"""Write the TypeScript that follows from Python: types of forms, and constants of time integration and alarms.
 
     python write_types.py            write src/form/types.ts and src/engine/constants.ts
     python write_types.py --check    exit with 1 if one of them is not up to date
 
 Each `TypedDict` of the sources becomes an interface, each alias of several types a type. Each listed constant becomes
-an exported constant of the same name, so that runs in the page have the error bounds of runs in Python.
+an exported constant of the same name, so that runs in the page have error bounds and alarms of runs in Python.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ ACCURACY = ("LOCAL", "ERROR_SAFETY", "FLOOR", "FINER", "MOST_PASSES", "FEW", "LE
 CONSTANTS = {
     ROOT / "src/martensite/simulate/accuracy.py": ACCURACY,
     ROOT / "src/martensite/simulate/marching.py": ("SHORTEST", "FINEST", "ROUGHNESS"),
+    ROOT / "src/martensite/simulate/alarms.py": ("ROUNDING", "DRIFT", "CYCLE", "RETURNED", "LOADED_ALIKE"),
+    ROOT / "src/martensite/studies/sommerfeld/runs.py": ("WINDOW", "CAPTURED"),
 }
 HEAD = "// Written by write_types.py from declarations in Python; do not edit.\n"
 PLAIN = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "Any": "unknown"}

@@ -6,7 +6,7 @@ may have left this machine.
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -75,3 +75,12 @@ def page(chromium: Browser, bench: Bench, tmp_path: Path) -> Iterator[Page]:
     context.close()
     assert [text for text in said if DRAWN_BY_PROCESSOR not in text] == []
     assert [url for url in asked if (urlsplit(url).hostname or "") not in LOCAL] == []
+
+
+@pytest.fixture
+def clicks(page: Page) -> Callable[[], int]:
+    """The page with the questions; returns the number of clicks since then."""
+    page.goto(f"{page.url.partition('#')[0]}#/start")
+    expect(page.get_by_role("main").get_by_role("listitem")).to_have_count(6)
+    page.evaluate("window.clicks = 0; addEventListener('click', () => (window.clicks += 1), true)")
+    return lambda: page.evaluate("window.clicks")

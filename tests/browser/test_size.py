@@ -1,6 +1,7 @@
 """The page of sizing in a browser: a request typed, wires found, one opened on the bench."""
 
 import re
+from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -31,20 +32,23 @@ def test_a_wrong_unit_is_refused_beside_its_field(page: Page) -> None:
     expect(page.get_by_role("alert")).to_have_text("Fill in `force` first.")
 
 
-def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
-    visit(page, f"size?{SMALL}")
+def test_a_wish_becomes_a_wire_in_two_clicks(page: Page, clicks: Callable[[], int]) -> None:
+    page.get_by_role("link", name="Which wire?").click()
+    visit(page, f"size?{SMALL}")  # as typed into the form
     expect(page.get_by_role("textbox", name="force")).to_have_value("0.5 N")
     page.get_by_role("button", name="Find wires").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     wires = page.get_by_role("region", name="Wires", exact=True)
     expect(wires.get_by_text("wires meet the request, best first.")).to_be_visible(timeout=FOUND)
     expect(wires.get_by_text("✗ no")).to_have_count(0)
+    chosen = page.get_by_role("region", name="Chosen wire")
+    expect(chosen.get_by_role("heading")).to_have_text("1: 0.10 mm, 90 °C")
+    expect(chosen.get_by_role("img", name=re.compile("^Circuit: 5 V"))).to_be_visible()
+    assert clicks() <= 2
     wires.get_by_label("Show rejected wires").check()
     expect(wires.locator("tbody tr.choosable")).to_have_count(12)
     expect(wires.get_by_text("too slow").first).to_be_visible()
 
-    chosen = page.get_by_role("region", name="Chosen wire")
-    expect(chosen.get_by_role("heading")).to_have_text("1: 0.10 mm, 90 °C")
     wires.get_by_role("button", name="Show wire 2:").press("Enter")
     expect(chosen.get_by_role("heading")).to_contain_text("2: ")
     expect(chosen.get_by_role("row", name=re.compile("^stress .* of 172 MPa"))).to_be_visible()

@@ -184,6 +184,10 @@ class AbstractStudy:
         """Return the answer from shipped numbers, or None."""
         return None
 
+    def shipped_figure(self) -> Path | None:
+        """Return the path of the shipped figure, or None."""
+        return None
+
     def find_answer(self, recompute: bool = False) -> Answer:
         """Return the shipped answer; without one or on demand, compute the full answer."""
         if not recompute and (shipped := self.shipped()):

@@ -29,10 +29,9 @@ from typing import Any
 
 from martensite.base.files import write_file
 from martensite.studies.base import Claim, StudyReport, load_study
-from martensite.studies.tables import RESULTS, TableStudy, read_results
+from martensite.studies.tables import FIGURE, RESULTS, TableStudy, read_results
 
 FOLDER = Path(__file__).parent
-FIGURE = "figure.svg"
 COMPUTING = (".py", ".toml", ".csv")
 """Endings of files with an effect on numbers."""
 ABOUT_WORDS = re.compile(r"claims\.toml|__init__\.py|.*figure\.py|.*panels\.py")
@@ -110,8 +109,8 @@ def _is_plain(value: Any) -> bool:
 
 def find_figure(study: TableStudy) -> Path | None:
     """Return the shipped figure if it belongs to the present program, else None."""
-    path, results = study.folder() / FIGURE, read_results(study.folder())
-    return path if path.is_file() and results and results["made_by"] == fingerprint_study(study.folder()) else None
+    results = read_results(study.folder())
+    return study.shipped_figure() if results and results["made_by"] == fingerprint_study(study.folder()) else None
 
 
 def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:

@@ -30,8 +30,8 @@ from martensite.studies.claim_tables import check_keys, read_claims, settle_part
 FOLDER = Path(__file__).parent
 ENTRY, TABLE = ("value", "unit", "what"), ("columns", "units", "rows")
 """Keys of a printed number, and of a printed table."""
-RESULTS = "results.json"
-"""Shipped computed numbers."""
+RESULTS, FIGURE = "results.json", "figure.svg"
+"""Shipped computed numbers, and their figure."""
 OWN = "not printed"
 """Beginning of a place outside the source."""
 
@@ -128,6 +128,11 @@ class TableStudy(AbstractStudy):
         answers = [settle_part(self.table, key, numbers[key], self.printed) for key in self.table["parts"]]
         made_by = f"martensite {results['version']} ({results['made_by']})"
         return Answer.join(answers, self._write_digest(numbers), made_by)
+
+    def shipped_figure(self) -> Path | None:
+        """Return the path of the shipped figure, or None."""
+        path = self.folder() / FIGURE
+        return path if path.is_file() else None
 
     def figure(self, path: Path) -> None:
         """Write the figure (png, svg or pdf)."""

@@ -1,15 +1,11 @@
 // Alarms of a run, judged as martensite.simulate.alarms does, with the spans and panels of the page.
 
+import { CYCLE, DRIFT, LOADED_ALIKE, RETURNED, ROUNDING } from "../engine/constants.ts";
 import type { Alarm, Output } from "../lib/types.ts";
 import { farthestChanges, findExcursion, findSpans, limitSpans, type Excursion, type Numbers, type Span } from "./excursions.ts";
 import { Computed, fillRow, formatGeneral, type Columns, type Values } from "./formulas.ts";
 import type { PortRows, Views } from "./types.ts";
 
-const ROUNDING = 1e-9;
-const DRIFT = 0.05;
-const CYCLE = 0.5;
-const RETURNED = 0.01;
-const LOADED_ALIKE = 0.2;
 /** Output of an actuator -> the one in whose panel it stands. */
 export const TOGETHER: Record<string, string> = { hottest: "temperature", oriented_fraction: "martensite_fraction", heat_loss: "power" };
 

@@ -1,12 +1,11 @@
 // Numbers of a motor with an unbalance: its speed, the resonance of the beam, and where the motor jumps past it.
 
+import { CAPTURED, WINDOW } from "../engine/constants.ts";
 import type { Run } from "../lib/types.ts";
 import { Computed, type Values } from "./formulas.ts";
 import type { Measure } from "./results.ts";
 import type { Views } from "./types.ts";
 
-/** As in martensite.studies.sommerfeld.runs: mean values of windows [s], and the speed of a captured motor over the resonance. */
-const [WINDOW, CAPTURED] = [0.25, 1.5];
 const RPM = { shown: "rpm", factor: 30 / Math.PI, offset: 0 };
 
 export function findResonance(values: Values, { motor }: Pick<Views, "motor">): number | null {
@@ -46,6 +45,6 @@ export function measureRotor(run: Run): Measure[] {
     { key: "amplitude", name: "Peak amplitude", value: Math.max(-low, high), how: { shown: how.shown, factor: how.factor, offset: 0 }, about: "Largest displacement of the tip", better: -1 },
     { key: "resonance", name: "Resonance", value: run.resonance, how: RPM, about: "√(k/M) of the beam: the speed at which the unbalance shakes it most", better: 0 },
     { key: "speed", name: "Top speed", value: run.ends["rotor_speed"]?.[1] ?? null, how: RPM, about: "Highest speed of the rotor", better: 0 },
-    { key: "jump", name: "Jump at", value: findJump(run), how: volt, about: "Voltage at which the motor jumps past the resonance (mean speed over 0.25 s above 1.5 times the resonance)", better: 0 },
+    { key: "jump", name: "Jump at", value: findJump(run), how: volt, about: `Voltage at which the motor jumps past the resonance (mean speed over ${WINDOW} s above ${CAPTURED} times the resonance)`, better: 0 },
   ];
 }

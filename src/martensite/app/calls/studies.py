@@ -21,8 +21,6 @@ from martensite.base.files import write_file
 from martensite.logs.datasets import describe_dataset, is_here
 from martensite.scenario.citations import list_entries, read_fields
 from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_studies, load_study
-from martensite.studies.shipped_numbers import FIGURE
-from martensite.studies.tables import TableStudy
 
 SHIPPED = "shipped"
 """Name of the figure of shipped results, in place of the key of a file."""
@@ -92,13 +90,7 @@ def find_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
     shipped = study.shipped()
     if shipped is None:
         return None
-    return describe_answer(study, shipped) | {"figure": "" if find_shipped_figure(study) is None else SHIPPED}
-
-
-def find_shipped_figure(study: AbstractStudy) -> Path | None:
-    """Return the figure in the folder of a study, or None."""
-    path = study.folder() / FIGURE if isinstance(study, TableStudy) else None
-    return path if path and path.is_file() else None
+    return describe_answer(study, shipped) | {"figure": "" if study.shipped_figure() is None else SHIPPED}
 
 
 def read_figure(request: Request, desk: Desk) -> JsonTable:
@@ -108,7 +100,7 @@ def read_figure(request: Request, desk: Desk) -> JsonTable:
     """
     study = load_named_study(request)
     results = read_results(study, desk.folder)
-    path = desk.files.path(results["figure"]) if results else find_shipped_figure(study)
+    path = desk.files.path(results["figure"]) if results else study.shipped_figure()
     if path is None:
         raise DataError(f"The study `{study.key}` has no stored figure; compute it first.")
     return {"svg": path.read_text("utf-8")}

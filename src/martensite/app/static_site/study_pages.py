@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from martensite.app.calls.studies import describe_study_page, find_shipped_figure, list_studies
+from martensite.app.calls.studies import describe_study_page, list_studies
 from martensite.app.messages import JsonTable, write_message
 from martensite.app.worker import Desk
 from martensite.studies.base import load_study
@@ -42,7 +42,7 @@ def write_studies(folder: Path, runs: Path) -> None:
     for name in (one["name"] for one in listed):
         page = describe_study_page({"name": name}, desk) | {"missing": []}
         (runs / f"study-{name}.json").write_bytes(write_message(page))
-        if (figure := find_shipped_figure(load_study(name))) is not None:
+        if (figure := load_study(name).shipped_figure()) is not None:
             shutil.copyfile(figure, folder / PAGES / f"{name}.svg")
         (folder / PAGES / f"{name}.html").write_text(render_page(page, figure is not None), encoding="utf-8")
 
