@@ -83,7 +83,7 @@ def list_violations(page: Page) -> list[str]:
 
 
 @pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", [*PAGES, "studies/migaone"])
 def test_a_page_has_no_faults(page: Page, name: str, theme: str) -> None:
     opened(page, name, theme)
     for screen, (width, height) in SCREENS.items():

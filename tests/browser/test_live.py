@@ -1,10 +1,12 @@
 """Running by hand in the page: a controller fights the load, and a position held by hand has a score."""
 
 import re
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
+AUDIT = (Path(__file__).parent / "audit.js").read_text("utf-8")
 READY = 90_000
 """Longest time until a module runs on a busy machine [ms]."""
 READ = "document.querySelector('.live-strip strong')?.innerText"
@@ -23,6 +25,7 @@ def run_by_hand(page: Page, door: str, title: str) -> None:
     expect(page.get_by_role("heading", level=1)).to_have_text(title)
     live.click()
     page.get_by_role("region", name="Running by hand").wait_for(timeout=READY)
+    assert page.evaluate(AUDIT) == []
 
 
 @pytest.mark.slow

@@ -52,7 +52,7 @@ function pinWhenRun(document: string): void {
     pin();
     found = pinned.value.at(-1)?.id ?? 0;
     const last = pinned.value.at(-1);
-    if (last) pinned.value = [...pinned.value.slice(0, -1), { ...last, name: `as found: ${last.run.title}` }];
+    if (last) pinned.value = [...pinned.value.slice(0, -1), { ...last, name: "as found" }];
   };
   if (run.peek()?.text === document && text.peek() === document) return keep();
   const before = run.peek();
