@@ -62,10 +62,6 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Desk, str, list[dict
     return desk, found["key"], notes
 
 
-def store_of(desk: Desk, key: str) -> Store:
-    return Store(SweepFolder(desk.folder).path(key))
-
-
 def test_notes_hold_every_run_once(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, notes = made
     for note in notes:

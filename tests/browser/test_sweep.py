@@ -18,8 +18,6 @@ from martensite.scenario.scenario import read_scenario
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')
-LONG = 20_000
-"""Patience with processes that start on a busy machine [ms]."""
 
 
 def unpack_link(letters: str) -> str:

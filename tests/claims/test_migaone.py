@@ -21,7 +21,6 @@ from martensite.studies.migaone import MigaOne, bench, film_numbers, motion_numb
 from martensite.studies.tables import Printed, PrintedRows, printed_numbers
 
 PRINTED = printed_numbers("migaone")
-POINTS = PRINTED.steps.column("temperature"), PRINTED.steps.column("film")
 COEFFICIENTS = PRINTED.h0, PRINTED.h1, PRINTED.h2
 VERDICTS = {
     "reproduced": {"volume-of-misprint", "steady-1.0V", "steady-1.5V", "steady-2.0V", "steady-2.5V"},

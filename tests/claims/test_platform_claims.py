@@ -17,11 +17,9 @@ from platform_cases import PLATES, about_x, about_y, by_matrices
 from platform_reference import Platform as Reference
 from platform_reference import bisected
 
-from martensite.base.errors import DataError
-from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies import readings
-from martensite.studies.base import Answer, load_study, study_names
+from martensite.studies.base import Answer, load_study
 from martensite.studies.platform import Platform, bench, control_numbers, equation_numbers, loop, response_numbers
 from martensite.studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
 from martensite.studies.tables import printed_numbers
@@ -262,19 +260,10 @@ def test_plain_floats_serve_where_there_is_no_compiler(monkeypatch: pytest.Monke
     assert readings.choose_runtime() == "floats"
 
 
-def test_study_is_found_by_name() -> None:
-    assert "platform" in study_names()
-    study = load_study("platform")
-    assert study.key == "platform"
-    assert set(study.cites) <= set(read_bibliography())
-
-
 def test_figure(tmp_path) -> None:
     study = Platform()
     study.figure(tmp_path / "platform.png")
     assert (tmp_path / "platform.png").read_bytes().startswith(b"\x89PNG")
-    with pytest.raises(DataError, match="suffix"):
-        study.figure(tmp_path / "platform.txt")
 
 
 def test_readme_has_the_computed_numbers(listed: dict[str, float | None]) -> None:

@@ -14,10 +14,8 @@ import pytest
 from claim_checks import check_complete, check_decides, numbers_of, settle_some, verdict_of, verdicts_of
 from scipy import optimize
 
-from martensite.base.errors import DataError
-from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
-from martensite.studies.base import Answer, load_study, study_names
+from martensite.studies.base import Answer, load_study
 from martensite.studies.tables import Printed, printed_numbers
 from martensite.studies.wire_heating import WireHeating, bench, closures, steady_numbers
 
@@ -212,19 +210,10 @@ def test_simulated_closures(listed: dict[str, float | None]) -> None:
 # ---------------------------------------------------------------- the study
 
 
-def test_wire_heating_is_found_by_name() -> None:
-    assert "wire-heating" in study_names()
-    study = load_study("wire-heating")
-    assert isinstance(study, WireHeating)
-    assert set(study.cites) <= set(read_bibliography())
-
-
 def test_figure(tmp_path) -> None:
     study = load_study("wire-heating")
     study.figure(tmp_path / "heating.png")
     assert (tmp_path / "heating.png").read_bytes().startswith(b"\x89PNG")
-    with pytest.raises(DataError, match="suffix"):
-        study.figure(tmp_path / "heating.txt")
 
 
 def test_readme_has_the_computed_numbers(listed: dict[str, float | None]) -> None:

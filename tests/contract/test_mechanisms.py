@@ -30,7 +30,6 @@ MULTIBODY = [m for m in examples("mechanism") if isinstance(m, AbstractMultibody
 PULLED = [m for m in MULTIBODY if m.ports()]
 MOVING = [m for m in MULTIBODY if m.moves]
 every = pytest.mark.parametrize("mechanism", MULTIBODY, ids=label)
-Numbers = tuple[float, ...]
 COMPLIANCE = 5e-4
 """Of elastic elements [m/N]."""
 

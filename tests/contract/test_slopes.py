@@ -18,7 +18,6 @@ from martensite.simulate import native_slopes
 TOLERANCE = 1e-5
 GOOD = 0.99
 """Share of places at which differences must be good."""
-EXACT = ["A_s", "C_A", "E_M", "diameter", "initial_fraction"]
 
 
 @pytest.fixture

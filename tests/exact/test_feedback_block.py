@@ -19,7 +19,6 @@ U = np.repeat(RNG.uniform(-1.0, 1.0, 30), 4)[:, None]
 BLOCK = Feedback(order=2, degree=3)
 FREQUENCY, DAMPING = np.log(4.0), np.log(0.2)
 BETA = (-0.6, 0.1)
-HALF = 1.0
 
 
 def cubic(c2: float, c3: float, e3: float) -> np.ndarray:

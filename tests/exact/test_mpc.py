@@ -18,8 +18,7 @@ import pytest
 from builders import problem_a
 
 import martensite as ms
-from martensite.actuators.assembly import AbstractSystem, Group, Machine
-from martensite.actuators.mechanisms.load_line import DeadWeight
+from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import AHEAD
 from martensite.control.controllers.mpc import Mpc, PlanMemory
@@ -206,15 +205,6 @@ def test_the_state_may_come_from_an_observer() -> None:
     assert [seen[name] for name in list_names(SYSTEM)] == pytest.approx([333.0, 0.8])
 
 
-@in_c
-def test_every_runtime_gives_the_same_signals() -> None:
-    """Up at full signal, then held: plans change in every period."""
-    loop = bench(controllers=Controllers(drive=mpc(blocks=2, horizon=1.0, reference=Constant(level=0.5 * MM))))
-    one, other = (np.array(simulate_bench(loop, 1.5, seed=3, runtime=name)["drive"]) for name in ("floats", "c"))
-    assert len(set(one.tolist())) > 8
-    np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-9)
-
-
 # ---------------------------------------------------------------- against a PID
 
 
@@ -302,12 +292,6 @@ def test_a_limit_of_temperature_is_kept_with_a_late_sensor_too() -> None:
 
 
 # ---------------------------------------------------------------- errors
-
-
-def pair() -> Machine:
-    one = next(iter(SYSTEM.actuators().values()))
-    parts: Any = {"actuators": Group(a=one, b=one)}
-    return Machine(mechanism=DeadWeight(mass=1.0), **parts)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 from grids import over
-from kernels import RUNTIMES, Kernel, apart
 from platform_cases import GEOMETRIES, PLATES, POSTURES, SIDE
 
 from martensite.actuators.mechanics.platform_kinematics import Plates, locate_corners
@@ -26,7 +25,6 @@ from martensite.actuators.mechanisms.parallel_platform import (
     thin_plate,
     weight_torques,
 )
-from martensite.base.parameters import Parametrised
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 
@@ -190,38 +188,6 @@ def test_a_free_plate_keeps_its_energy() -> None:
     coarse, fine = drift(100), drift(200)
     assert fine < 1e-7
     assert coarse / fine > 14.0
-
-
-# ---------------------------------------------------------------- runtimes
-
-
-def answers(_: Any, xp: Any, m: Any, i: Any, e: Any, a: Any, b: Any, p: Any, q: Any) -> Any:
-    plate, rates = TopPlate(m, i, e), AngleRates(p, q)
-    forces = inertia_forces(xp, plate, a, rates, AngleRates(q, p))
-    found = compute_accelerations(xp, plate, a, rates, Torques(0.001 * p, 0.002 * q))
-    turned = weight_torques(xp, plate, GRAVITY, a, b)
-    return forces, found, turned, kinetic_energy(xp, plate, a, rates)
-
-
-KERNEL = Kernel(
-    {
-        "m": (0.01, 1.0),
-        "i": (1e-6, 1e-3),
-        "e": (-0.05, 0.05),
-        "a": (-0.7, 0.7),
-        "b": (-0.7, 0.7),
-        "p": (-5.0, 5.0),
-        "q": (-5.0, 5.0),
-    },
-    answers,
-)
-
-
-@pytest.mark.parametrize("runtime", RUNTIMES)
-def test_runtimes_agree(runtime: str, request: pytest.FixtureRequest) -> None:
-    if runtime == "c":
-        request.getfixturevalue("c_compiler")
-    assert apart(Parametrised(), KERNEL, runtime) <= 1e-12
 
 
 # ---------------------------------------------------------------- the check can fail

@@ -14,7 +14,6 @@ import pytest
 from grids import over
 from hypothesis import given
 from hypothesis import strategies as st
-from kernels import RUNTIMES, Kernel, apart
 from platform_cases import GEOMETRIES, HEIGHT, PLATES, POSTURES, RADIUS, SIDE, VERTICES, about_x, about_y, by_matrices
 
 from martensite.actuators.mechanics.platform_kinematics import (
@@ -26,7 +25,6 @@ from martensite.actuators.mechanics.platform_kinematics import (
     platform_lengths,
 )
 from martensite.base.errors import ParameterError, SolveError
-from martensite.base.parameters import Parametrised
 from martensite.kernels import floats
 from martensite.kernels.dual import values_and_slopes
 from martensite.kernels.nested import sum_column
@@ -252,34 +250,6 @@ def test_what_cannot_be_is_refused(call: Any, sentence: str) -> None:
 
 
 # ---------------------------------------------------------------- runtimes
-
-
-def answers(_: Any, xp: Any, s: Any, h: Any, z: Any, a: Any, b: Any, F: Any, L: Any) -> Any:
-    plates = Plates(s, h, z)
-    found = tuple(tuple(column) for column in compute_length_slopes(xp, plates, a, b))
-    pulled = compute_torques(xp, plates, a, b, [F, 2.0 * F, 5.0])
-    return found, pulled, correct_angles(xp, plates, [L, h, L], a, b)
-
-
-KERNEL = Kernel(
-    {
-        "s": (0.05, 0.2),
-        "h": (0.04, 0.2),
-        "z": (0.0, 0.2),
-        "a": (-0.7, 0.7),
-        "b": (-0.7, 0.7),
-        "F": (-5.0, 20.0),
-        "L": (0.03, 0.2),
-    },
-    answers,
-)
-
-
-@pytest.mark.parametrize("runtime", RUNTIMES)
-def test_runtimes_agree(runtime: str, request: pytest.FixtureRequest) -> None:
-    if runtime == "c":
-        request.getfixturevalue("c_compiler")
-    assert apart(Parametrised(), KERNEL, runtime) <= 1e-12
 
 
 def test_a_leg_of_no_length_has_no_slope_and_no_error() -> None:

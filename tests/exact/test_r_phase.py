@@ -14,7 +14,6 @@ from builders import ZERO, along, example, hanging_wire, isobar, isotherm, strai
 from kernels import KERNELS, disagreement, on_c, on_kernel_itself
 from one_wire import cool, hang, write_wire
 from rphase_cases import VALUES, of_material, rphase_law, rphase_system, two_phase_model
-from slope_cases import Case, inside
 
 from martensite.actuators.elements.ribbon import Ribbon
 from martensite.base.errors import ParameterError
@@ -197,25 +196,6 @@ def test_steps_of_any_length_are_solved() -> None:
         for duty, dt in zip(rng.uniform(0.0, 0.5, 40), 10 ** rng.uniform(-2, 1, 40), strict=True):
             state, report = system.step(floats, state, duty, dt=dt)
             assert report.residual < 1e-12
-
-
-def test_slopes_of_a_run_are_exact(c_compiler: str) -> None:
-    case = Case("r-phase", inside(rphase_system()), {"drive": Sine(low=0.02, high=0.2, frequency=0.1)}, 12.0)
-    error, good = case.apart()
-    assert good >= 0.98
-    assert error <= 1e-5
-    place = case.compiled.outputs.index("rphase_fraction")
-    assert np.ptp(case.run(case.values)[:, place]) > 0.5
-
-
-def test_a_run_is_the_same_on_every_runtime(c_compiler: str) -> None:
-    waves = {"drive": Sine(low=0.02, high=0.2, frequency=0.1)}
-    runs = [simulate(rphase_system(), waves, 12.0, step=0.1, samples=31, runtime=one) for one in ("floats", "c")]
-    for name in ("temperature", "martensite_fraction", "rphase_fraction", "position", "resistance"):
-        meant = np.array(runs[0][name])
-        assert np.ptp(meant) > 0.0
-        for other in runs[1:]:
-            assert np.abs(np.array(other[name]) - meant).max() <= 1e-12 * np.ptp(meant), name
 
 
 def test_an_element_of_three_phases_is_the_same_in_c(c_compiler: str) -> None:

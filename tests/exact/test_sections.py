@@ -18,7 +18,7 @@ from section_cases import BARS, WARM, bar, flat_law, held_at, moment_at, plateau
 from martensite.actuators.elements.base import Heating
 from martensite.actuators.elements.rows import Bundle
 from martensite.actuators.elements.section import find_section_points
-from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
@@ -29,7 +29,6 @@ from martensite.physics.laws.mas import MullerAchenbachSeelecke
 from martensite.physics.laws.strip_laws import Tanaka
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
-from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 
 R, r = 0.5e-3, 0.3e-3
@@ -221,15 +220,3 @@ def test_what_fibres_cannot_do_is_refused() -> None:
 
 
 # ---------------------------------------------------------------- runtimes
-
-
-def test_whole_runs_are_the_same_on_every_runtime(c_compiler: Any) -> None:
-    """A thin wire that turns a weight, heated so that it transforms and comes back."""
-    wire = bar("wire", diameter=0.3e-3, arm=2e-3, fibres="5", law=example(Brinson, Theta=0.0), initial_fraction=1.0)
-    around = Environment(temperature=285.0, cooling=ConstantCooling(h=200.0))
-    system = problem_a(element=wire, environment=around, source=PowerSource(), mechanism=DeadWeight(mass=0.1))
-    wave = Step(low=0.0, high=2.5, at=0.5, until=4.0)
-    found, meant = (simulate(system, wave, 8.0, step=0.1, samples=17, runtime=word) for word in ("c", "floats"))
-    assert np.ptp(meant["martensite_fraction"]) > 0.9
-    for name in ("temperature", "martensite_fraction", "oriented_fraction", "stress", "position"):
-        assert np.abs(found[name] - np.array(meant[name])).max() <= 1e-10 * np.abs(meant[name]).max(), name

@@ -9,7 +9,7 @@ from grids import over
 
 from martensite.base.errors import ParameterError
 from martensite.signals.ahead import Ahead
-from martensite.signals.base import MANY, WAVEFORMS
+from martensite.signals.base import MANY
 from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
@@ -24,11 +24,6 @@ from martensite.signals.triangle import Triangle
 
 def values(waveform, times):
     return [waveform.value(time) for time in times]
-
-
-def test_every_waveform_is_registered():
-    kinds = ["constant", "pwm", "ramp", "sine", "staircase", "step", "table", "triangle"]
-    assert set(kinds) <= set(WAVEFORMS.names())
 
 
 @pytest.mark.parametrize("count", [7, MANY])

@@ -62,7 +62,6 @@ class Noisy(AbstractSensor):
 
 FAULT: Any = FAULTS
 CHECK: Any = CHECKS
-SUPERVISOR: Any = SUPERVISORS
 FAULTY = {
     "lost": FAULT["drop-out"](sensor="position", start=NEVER),
     "stuck": FAULT["stuck"](sensor="position", start=NEVER),

@@ -24,7 +24,6 @@ from martensite.design.sweep.backends.processes import Serial
 from martensite.design.sweep.store import Store
 
 SERIAL = SweepExecution("serial")
-PATIENCE = 60.0
 
 
 # ---------------------------------------------------------------- runs that raise

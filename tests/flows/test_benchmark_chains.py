@@ -6,15 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks import sections_chains, sections_records
-from benchmarks.engines import available
 from benchmarks.peers import jaxsysid_fit
-from benchmarks.sections import Options
 
 from martensite.base.errors import DataError
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
-
-OURS = Options(available(["ours"]), repeats=1)
 
 
 @pytest.mark.slow
