@@ -14,6 +14,7 @@ from martensite.signals.records import Record
 BLOCK = 10_000
 """Rows that are written at a time."""
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""First characters of a spreadsheet formula."""
 
 
 def format_heading(name: str, unit: str) -> str:

@@ -23,6 +23,7 @@ from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.sampling.samples import DESIGNS
 from martensite.design.sweep.subject import list_waveforms
 from martensite.design.sweep.table import NOT_MADE
+from martensite.logs.record_text import format_heading
 from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
@@ -30,9 +31,6 @@ from martensite.scenario.targets import list_targets
 from martensite.search.free_numbers import Target
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.variants import RUNTIMES
-
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""First characters of a spreadsheet formula."""
 
 
 def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
@@ -117,8 +115,7 @@ def write_csv(store: Path, path: Path) -> None:
     columns = {**table.varied, **table.measures}
     with replace_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
-        heads = [f"{name} [{one.unit}]" for name, one in columns.items()]
-        writer.writerow(["run", "status", *map(escape_formula, heads)])
+        writer.writerow(["run", "status", *(format_heading(name, one.unit) for name, one in columns.items())])
         values = [one.values.tolist() for one in columns.values()]
         for row, status in enumerate(table.status.tolist()):
             if status != NOT_MADE:
@@ -128,11 +125,6 @@ def write_csv(store: Path, path: Path) -> None:
 
 def _write_number(value: float) -> str:
     return "" if math.isnan(value) else repr(value)
-
-
-def escape_formula(text: str) -> str:
-    """Return a text that no spreadsheet treats as a formula."""
-    return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def write_zip(store: Path, path: Path) -> None:

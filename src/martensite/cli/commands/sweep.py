@@ -233,9 +233,11 @@ def pareto(
 
 
 def _write_front(table: SweepTable, front: ParetoFront) -> str:
+    from martensite.logs.record_text import format_heading
+
     columns, text = front.columns(table), io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["run", *(f"{name} [{c.unit}]" for name, c in columns.items())])
+    writer.writerow(["run", *(format_heading(name, c.unit) for name, c in columns.items())])
     for run in front.runs:
         writer.writerow([int(run), *(float(c.values[run]) for c in columns.values())])
     return text.getvalue()
