@@ -241,8 +241,8 @@ class Parametrised:
         """Raise `ParameterError` if values contradict each other; override as needed."""
 
     def layout(self) -> tuple[int, ...]:
-        """Return the counts, derived from values, that set the size of a traced program."""
-        return ()
+        """Return the counts that set the size of a traced program; `check` derives them as `_layout`."""
+        return self.__dict__.get("_layout", ())
 
     def cautions(self) -> list[str]:
         """Return sentences about values that are allowed but probably unintended."""

@@ -88,9 +88,6 @@ class SignalSlew(Parametrised):
 
         self.__dict__["_layout"] = math.isfinite(self.rising), math.isfinite(self.falling)
 
-    def layout(self) -> tuple[int, ...]:
-        return self.__dict__["_layout"]
-
     def limit(self, xp: Namespace, before: Scalar, wanted: Scalar, dt: Scalar) -> Scalar:
         """Return the allowed signal nearest to the wanted one, `dt` [s] after the last one."""
         up, down = self.layout()

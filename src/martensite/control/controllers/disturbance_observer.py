@@ -61,9 +61,6 @@ class DisturbanceObserver(PidGains, AbstractController):
             raise ParameterError("`model_gain` of `disturbance-observer` must not be 0.")
         self.__dict__["_layout"] = (1 + round(self.dead_time / self.period),)
 
-    def layout(self) -> tuple[int, ...]:
-        return self.__dict__["_layout"]
-
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
         return {"disturbance": Output(signal, "estimated disturbance, as a signal", "d")}
 

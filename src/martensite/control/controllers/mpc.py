@@ -175,9 +175,6 @@ class Mpc(AbstractController, SignalLimits):
                 "reading follows the reference of one of them."
             )
 
-    def layout(self) -> tuple[int, ...]:
-        return self.__dict__["_layout"]
-
     def cautions(self) -> list[str]:
         if self._leads:
             return []

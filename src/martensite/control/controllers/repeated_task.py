@@ -112,9 +112,6 @@ class RepeatedTask(Parametrised):
             )
         self.__dict__["_layout"] = (self.points, lead, self.smoothing)
 
-    def layout(self) -> tuple[int, ...]:
-        return self.__dict__["_layout"]
-
     @property
     def spacing(self) -> Scalar:
         """Return the time between two points [s]."""

@@ -62,9 +62,6 @@ class ReferenceShaping(Parametrised):
 
         self.__dict__["_layout"] = math.isfinite(self.rate), math.isfinite(self.acceleration), self.lag > 0.0
 
-    def layout(self) -> tuple[int, ...]:
-        return self.__dict__["_layout"]
-
     def begin(self, value: Scalar) -> ShapedReference:
         """Return the memory of a constant reference."""
         return ShapedReference(value, 0.0, value)

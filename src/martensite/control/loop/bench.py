@@ -67,9 +67,6 @@ class Bench(AbstractSystemAround, init=False):
         )
         self.__dict__["_layout"] = (pieces, *counts)
 
-    def layout(self) -> tuple[int, ...]:
-        return self.__dict__["_layout"]
-
     @property
     def turns(self) -> int:
         """Return the number of steps of the plant in a period."""
