@@ -199,23 +199,33 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
 
 def write_prelude() -> str:
     """Return the first lines of every source."""
+    return f"{read_source('kernels', 'vector_math.c', {})}\n{write_functions('double', 'static inline', 'erfcx')}"
+
+
+def write_functions(
+    number: str,
+    head: str,
+    erfcx: str,
+    suffix: str = "",
+    literal: Callable[[float], str] = repr,
+    largest: float = LARGEST,
+) -> str:
+    """Return the C text of powers up to `largest`, a quarter sine and erfcx, in the precision of a suffix."""
+    zero, one, two, most, centre = map(literal, (0.0, 1.0, 2.0, largest, ERFCX_CENTRE))
+
+    def series(coefficients: list[float]) -> str:
+        powers, text = evaluate_estrin(coefficients, constant=f"{{!r}}{suffix}")
+        return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
+
     return (
-        f"{read_source('kernels', 'vector_math.c', {})}\n"
-        "static inline double power_of(double base, double exponent) {\n"
-        "    const double y = pow(base > 0.0 ? base : 1.0, exponent);\n"
-        f"    return base > 0.0 ? (y < {LARGEST!r} ? y : {LARGEST!r}) : 0.0;\n}}\n"
-        "static inline double quarter_sine(double x) {\n"
-        f"    const double z = x * x{_print_polynomial(QUARTER_SINE)} * x;\n}}\n"
-        "static inline double erfcx(double x) {\n"
-        f"    const double z = (x - {ERFCX_CENTRE}) / (x + {ERFCX_CENTRE})"
-        f"{_print_polynomial(ERFCX)} / (1.0 + 2.0 * x);\n}}\n"
+        f"{head} {number} power_of({number} base, {number} exponent) {{\n"
+        f"    const {number} y = pow{suffix}(base > {zero} ? base : {one}, exponent);\n"
+        f"    return base > {zero} ? (y < {most} ? y : {most}) : {zero};\n}}\n"
+        f"{head} {number} quarter_sine({number} x) {{\n"
+        f"    const {number} z = x * x{series(QUARTER_SINE)} * x;\n}}\n"
+        f"{head} {number} {erfcx}({number} x) {{\n"
+        f"    const {number} z = (x - {centre}) / (x + {centre}){series(ERFCX)} / ({one} + {two} * x);\n}}\n"
     )
-
-
-def _print_polynomial(coefficients: list[float]) -> str:
-    """Return a polynomial in z, with the required powers."""
-    powers, text = evaluate_estrin(coefficients)
-    return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 
 
 # ---------------------------------------------------------------- values and derivatives

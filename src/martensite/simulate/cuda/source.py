@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from martensite.kernels.c99 import LoopCondition, scalar_dialect
+from martensite.kernels.c99 import LoopCondition, scalar_dialect, write_functions
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.graph import PARAMETER, VARYING, Expr
-from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import Dialect, Printer, parameter_nodes
 from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
@@ -93,23 +92,8 @@ class NumberType:
 
     def prelude(self) -> str:
         """Return the C text of types and functions."""
-        at, s = self.literal, self.suffix
-        return (
-            f"typedef {self.number} number;\n"
-            "UNUSED FUNCTION number power_of(number base, number exponent) {\n"
-            f"    const number y = pow{s}(base > {at(0.0)} ? base : {at(1.0)}, exponent);\n"
-            f"    return base > {at(0.0)} ? (y < {at(self.largest)} ? y : {at(self.largest)}) : {at(0.0)};\n}}\n"
-            "UNUSED FUNCTION number quarter_sine(number x) {\n"
-            f"    const number z = x * x{self._polynomial(QUARTER_SINE)} * x;\n}}\n"
-            "UNUSED FUNCTION number erfcx_of(number x) {\n"
-            f"    const number z = (x - {at(ERFCX_CENTRE)}) / (x + {at(ERFCX_CENTRE)})"
-            f"{self._polynomial(ERFCX)} / ({at(1.0)} + {at(2.0)} * x);\n}}\n"
-        )
-
-    def _polynomial(self, coefficients: list[float]) -> str:
-        """Return a polynomial in z with its powers."""
-        powers, text = evaluate_estrin(coefficients, constant=f"{{!r}}{self.suffix}")
-        return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
+        kind = "UNUSED FUNCTION", "erfcx_of", self.suffix, self.literal, self.largest
+        return f"typedef {self.number} number;\n{write_functions('number', *kind)}"
 
 
 NUMBER_TYPES = {
