@@ -48,5 +48,7 @@ CASES = {
 }
 EVERY = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 KINETICS = pytest.mark.parametrize(
-    "case", [CASES["elahinia"], CASES["tanaka austenite"]], ids=["elahinia", "tanaka"]
-)  # the curves of liang-rogers have a file of their own
+    "case",
+    [CASES[name] for name in ("liang-rogers austenite", "elahinia", "tanaka austenite")],
+    ids=["liang-rogers", "elahinia", "tanaka"],
+)

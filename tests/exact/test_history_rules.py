@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from builders import ZERO, PrintedFormula, along, fraction_after, isobar, law_a
+from builders import PrintedFormula, along, fraction_after, isobar, law_a
 from closed_forms import BOTH_RULES, cold, exact, hot
 
 from martensite.kernels import floats
@@ -68,19 +68,6 @@ class TestInterruptedTransformations:
             expected.append(hot(74) * xi)
             xi = 1 - cold(47) * (1 - expected[-1])
         assert found == [exact(x) for x in expected]
-
-    def test_pauses_do_not_matter_to_resume(self):
-        """Leaving the strip, unloading, partial cooling: then on along the same curve."""
-        detour = [(0, 72), (0, 60), (40, 70), (0, 55), (0, 71), (0, 75)]
-        path = [(0.0, 20 + ZERO), *((s * 1e6, t + ZERO) for s, t in detour)]
-        assert fraction_after(law_a("resume"), path, 1.0) == exact(hot(75))
-
-    def test_an_opposite_transformation_clears_the_memory(self):
-        """A trace of martensite formed in between, and heating starts a new curve at A_s."""
-        path = isobar(20, 73, 50, 70)
-        between = 1 - cold(50) * (1 - hot(73))
-        assert fraction_after(law_a("resume"), path, 1.0) == exact(between * hot(70))
-        assert fraction_after(law_a("resume"), isobar(20, 73, 53, 70), 1.0) == exact(hot(73))
 
 
 def test_the_printed_formula_with_refreshed_start_is_noticed():

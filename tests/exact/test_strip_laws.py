@@ -45,10 +45,12 @@ class TestCurves:
 
     @over("xi", [0.0, 0.4, 1.0])
     @over("line", [A_S, A_F, M_S, M_F])
+    @over("mpa", [0.0, 37.0])
     @over("change", [5.0, -5.0, 1e-12, -1e-12, 0.0])
-    def test_starts_on_a_line(self, case, rule, xi, line, change):
+    def test_starts_on_a_line(self, case, rule, xi, line, mpa, change):
         """No 0/0: a process that goes on beyond its finish line does so from where it is."""
-        found = fraction_after(case.law(rule), isobar(line, line + change), xi)
+        start = line + mpa / (C_A if line in (A_S, A_F) else C_M)
+        found = fraction_after(case.law(rule), isobar(start, start + change, stress=mpa * 1e6), xi)
         share, on = abs(change) / 10.0, case.left is exponential
         forward = change < 0 and (line == M_S or (line == M_F and on))
         reverse = change > 0 and (line == A_S or (line == A_F and on))
