@@ -66,7 +66,7 @@ def test_examples_need_no_pint(path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize("spelling", sorted({*units.EVERYDAY, "mW/mm^2", "N*mm", "rpm", "kJ/kg/K", "mg*cm^2", "1/min"}))
 def test_products_of_units_agree_with_pint(spelling: str) -> None:
     """The same factor, or the same refusal; what the table cannot read is left to pint."""
-    for unit in ("1", "m", "s", "K", "Pa", "N/m", "N*m", "W", "ohm*m", "Hz", "rad", "rad/s", "J/kg/K", "W/m^2"):
+    for unit in ("1", "m", "s", "K", "degC", "Pa", "N/m", "N*m", "W", "ohm*m", "Hz", "rad", "rad/s", "J/kg/K", "W/m^2"):
         with suppress(UnitError):
             expected = units._ask_pint(spelling, unit)
             assert units.find_conversion(spelling, unit) == pytest.approx(expected, rel=1e-12, abs=1e-15)

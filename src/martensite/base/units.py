@@ -199,7 +199,7 @@ def find_conversion(spelling: str, unit: str) -> tuple[float, float]:
     one, other = read_product(spelling), read_product(unit)
     if one is None or other is None or offset:
         return _ask_pint(spelling, unit)
-    if one.exponents == other.exponents:
+    if one.exponents == other.exponents and "degC" not in (spelling, unit):  # which has an offset
         return one.factor / other.factor, 0.0
     if one.without_angle == other.without_angle:  # 1 Hz is not 1 rad/s, but pint decides
         return _ask_pint(spelling, unit)
