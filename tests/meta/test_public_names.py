@@ -69,15 +69,3 @@ def test_importing_is_light_and_packages_stay_packages() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["0", "module", "False"]
-
-
-def test_a_run_without_a_log_imports_no_log_reader(tmp_path: Path) -> None:
-    example = Path(__file__).parents[2] / "examples" / "pwm_bias_spring.toml"
-    code = (
-        "import sys; from martensite.cli import main\n"
-        f"sys.argv[1:] = ['run', {str(example)!r}, '--set', 'run.duration=1 s', '--no-figure', '--runtime', 'floats']\n"
-        "try: main()\n"
-        "finally: print({'martensite.logs.reader', 'martensite.logs.container_files'} & sys.modules.keys())"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path)
-    assert done.stdout.endswith("set()\n")

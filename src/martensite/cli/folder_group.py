@@ -7,7 +7,7 @@ of the requested command is imported; a help text imports all. Other packages ad
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar
 
 import typer
@@ -79,7 +79,7 @@ class FolderGroup(TyperGroup):
         declared = len(self.declared.registered_commands) + len(self.declared.registered_groups)
         if declared != self.built:
             self.commands, self.built = dict(typer.main.get_group(self.declared).commands), declared
-            for command in self.commands.values():
+            for command in _list_inside(self.commands):
                 command.get_params = _spare(command.get_params)  # type: ignore[method-assign]
 
     def _import_all(self) -> None:
@@ -91,6 +91,13 @@ class FolderGroup(TyperGroup):
             point.load()
         self._import(".command(", ".add_typer(")
         self.complete = True
+
+
+def _list_inside(commands: Mapping[str, Any]) -> Iterator[Any]:
+    """Yield commands and the commands of groups among them."""
+    for command in commands.values():
+        yield command
+        yield from _list_inside(getattr(command, "commands", {}))
 
 
 def _spare(list_parameters: Callable[[Any], list[Any]]) -> Callable[[Any], list[Any]]:

@@ -1,8 +1,8 @@
 """Plain values of options pass without pydantic.
 
 Recent versions of typer convert every value by pydantic, even a text to itself; importing it takes a fifth of the time
-of a short command. A missing value, a text, a list of texts and a path need no conversion. Numbers and all else are
-converted as typer does.
+of a short command. A missing value, a text, a path, a list of these and a default number need no conversion. Numbers
+of the command line and all else are converted as typer does.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def _process(one: Any, convert: Any, ctx: Any, value: Any) -> Any:
     if value is None:
         found = () if several else None
     elif several:
-        found = [*value]
+        found = [Path(each) for each in value] if kind == list[Path] else [*value]
     else:
         found = Path(value) if kind is Path else value
     return found if one.callback is None else one.callback(ctx, one, found)
@@ -43,8 +43,14 @@ def _is_plain(one: Any, value: Any) -> bool:
     if value is None:
         return not one.required
     if one.multiple or one.nargs == -1:
-        return kind == list[str] and bool(value) and isinstance(value, list | tuple)
-    if kind is Path and isinstance(value, str) and value:
-        checked = about.exists or about.resolve_path or about.writable or about.path_type
-        return not checked and (os.access(value, os.R_OK) or not os.path.lexists(value))
-    return kind is str and isinstance(value, str)
+        listed = bool(value) and isinstance(value, list | tuple)
+        return listed and (kind == list[str] or (kind == list[Path] and all(_is_plain_path(about, x) for x in value)))
+    if kind is Path:
+        return _is_plain_path(about, value)
+    return kind in (str, bool, int, float) and type(value) is kind  # a number that is no text is a default
+
+
+def _is_plain_path(about: Any, value: Any) -> bool:
+    checked = about.exists or about.resolve_path or about.writable or about.path_type
+    readable = isinstance(value, str) and bool(value) and (os.access(value, os.R_OK) or not os.path.lexists(value))
+    return readable and not checked

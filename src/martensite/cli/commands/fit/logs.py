@@ -308,9 +308,9 @@ def run_fit(
     check = TimeBox(seconds).limit(1.0) if seconds else None
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
+        arranged = task.arrange()
         for module in ("scipy.optimize", "scipy.stats", "scipy.stats.qmc"):
             import_module(module)  # an interrupt during the search would leave it half imported
-        arranged = task.arrange()
         extras.check(arranged)
     with show_search(lambda note: _describe_note(note, task.noise)) as tell:
         training = arranged.problem.training
