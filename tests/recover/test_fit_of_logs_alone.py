@@ -21,7 +21,7 @@ def judge_rig(seed: int, records: int = 3) -> tuple[float, bool]:
     model = model_logs(rig.records)
     (predicted,) = model.predict_record(rig.unseen).values()
     measured = np.asarray(rig.unseen[rig.column])
-    lag = fit_drive_lag(rig.records, rig.drive, rig.column).predict(rig.unseen, rig.drive)
+    lag = fit_drive_lag(rig.records, rig.drive, rig.column, refined=2).predict(rig.unseen, rig.drive)
     error, naive = (float(np.sqrt(np.mean((one - measured) ** 2))) for one in (predicted, lag))
     explained = 1.0 - error / float(np.std(measured))
     truth = explained >= EXPLAINED and error < BETTER * naive

@@ -139,5 +139,10 @@ def test_random_rigs_at_given_temperatures_are_predicted_within_their_intervals(
     assert sum(one["inside"] for one in found) >= 0.8 * sum(one["intervals"] for one in found)
 
 
+def test_a_confounded_parameter_is_held_at_its_fitted_value() -> None:
+    """C_M and M_f-M_s are confounded in this rig; at its start, C_M spoils the partial loop."""
+    assert judge_given("recovery", 8001)["fit"] > 95.0
+
+
 def test_page_of_random_rigs_holds_the_table_of_its_numbers() -> None:
     assert write_table(json.loads(NUMBERS.read_text("utf-8"))) in PAGE.read_text("utf-8")

@@ -22,6 +22,7 @@ from martensite.fit.column_noise import FollowedNoise, find_input_noise
 from martensite.fit.experiment_kinds.base import RecognisedExperiment, propose_scenarios, recognise_experiment
 from martensite.fit.experiment_kinds.loops import find_column, smooth_drive
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LOADS
+from martensite.fit.experiment_kinds.values import write_value
 from martensite.fit.experiment_kinds.winding import wind_angles
 from martensite.fit.fit import Fit
 from martensite.fit.log_evidence import (
@@ -278,7 +279,9 @@ def model_logs(
     given = [*overrides, *(name.strip() for name, equals, _ in (text.partition("=") for text in fixed) if equals)]
     load = {f"mechanism.{name}" for name in best.proposal.document.get("mechanism", {})}
     assumed = {path: x for path, x in known.assumed.items() if path in load or not path.startswith("mechanism.")}
-    assumed |= list_held(offered, best.proposal, read_proposal(best.proposal), given)
+    held = list_held(offered, best.proposal, read_proposal(best.proposal), given)
+    notes += [f"`{path}` is held at {write_value(*x)}: the logs do not determine it." for path, x in held.items()]
+    assumed |= {path: value for path, (value, _) in held.items()}
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, assumed, rebuild)
     traced = {one.path for one in moves}
     untested = tuple(path for path in assumed if path not in traced)

@@ -6,7 +6,7 @@ The simplest law comes first. A law with more parameters replaces it only if its
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -24,8 +24,10 @@ from martensite.fit.experiment_kinds.driven import add_waist
 from martensite.fit.fit import Fit
 from martensite.fit.logs import AUTO
 from martensite.fit.problem import Problem
+from martensite.fit.proposal_changes import fix_parameter
 from martensite.fit.search_monitor import SearchNote
 from martensite.fit.solve import solve_problem
+from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.search.quantity_text import list_names
 from martensite.search.time_box import OutOfTimeError, TimeBox
@@ -244,28 +246,37 @@ def measure_scatter(model: TriedModel) -> float:
 
 
 def simplify_proposal(tried: TriedModel) -> Proposal | None:
-    """Return the proposal with undetermined parameters fixed at their start values.
+    """Return the proposal with needless parameters fixed; None if there are none, or if the element is driven.
 
-    These are at a bound, without an interval, or confounded with another parameter. None if all are determined, or if
-    the element is driven, where they set the scale of others.
+    A parameter at a bound or without an interval is fixed at its start. One of two confounded parameters is fixed at
+    its fitted value, so that the prediction stays. In a driven element they set the scale of others.
     """
-    proposal = tried.proposal
-    needless = set(_list_needless(tried.fit))
-    kept = tuple(text for text in proposal.free if text.partition("=")[0].strip() not in needless)
-    if proposal.spread or len(kept) == len(proposal.free):
+    proposal, fit = tried.proposal, tried.fit
+    if proposal.spread:
         return None
-    fixed = len(proposal.free) - len(kept)
-    again = {name: value for name, value in tried.fit.numbers.items() if name not in needless}
-    return replace(proposal, name=f"{proposal.name}, {fixed} fixed", free=kept, others=(again,))
+    names = {text.partition("=")[0].strip() for text in proposal.free}
+    undetermined, confounded = (list(dict.fromkeys(n for n in x if n in names)) for x in _list_needless(fit))
+    if not undetermined and not confounded:
+        return None
+    units = {free.name: free.unit for free in fit.problem.free}
+    made = proposal
+    for name in undetermined:
+        made = fix_parameter(made, name)
+    for name in confounded:
+        made = fix_parameter(made, f"{name}={exact_text(fit[name], units[name])}")
+    fixed = len(proposal.free) - len(made.free)
+    again = {name: value for name, value in fit.numbers.items() if name not in (*undetermined, *confounded)}
+    return replace(made, name=f"{proposal.name}, {fixed} fixed", others=(again,))
 
 
-def _list_needless(fit: Fit) -> Iterator[str]:
-    numbers = [free.name for free in fit.problem.free if free.record is None]
-    can = [name for name in numbers if name.partition("-")[0] not in ALWAYS_FREE]
-    yield from (name for name in can if name in fit.undetermined)
-    for one, other, _ in fit.uncertainty.confounded(CONFUSED):
-        if found := next((name for name in (other, one) if name in can), None):
-            yield found
+def _list_needless(fit: Fit) -> tuple[list[str], list[str]]:
+    """Return the undetermined parameters, and of each confounded pair of others the one that is not always free."""
+    names = [free.name for free in fit.problem.free if free.record is None]
+    can = [name for name in names if name.partition("-")[0] not in ALWAYS_FREE]
+    undetermined = [name for name in can if name in fit.undetermined]
+    pairs = [(other, one) for one, other, _ in fit.uncertainty.confounded(CONFUSED)]
+    found = [next((name for name in pair if name in can), "") for pair in pairs]
+    return undetermined, [name for name in found if name and name not in undetermined]
 
 
 def find_transformed(fit: Fit) -> float:

@@ -30,14 +30,14 @@ def change_proposals(proposals: Sequence[Proposal], free: Sequence[str], fixed: 
             raise UnknownNameError("free parameter", _find_name(text), names)
     made = [replace(one, free=(*_replace_free(one.free, free),)) for one in proposals]
     for text in fixed:
-        made = [_fix_parameter(one, text) if _is_free(one, text) else one for one in made]
+        made = [fix_parameter(one, text) if _is_free(one, text) else one for one in made]
     return made
 
 
 def list_held(
     offered: Sequence[Proposal], chosen: Proposal, scenario: Scenario, given: Sequence[str]
-) -> dict[str, float]:
-    """Return path -> value [SI] of the offered parameters that a chosen proposal holds at their start.
+) -> dict[str, tuple[float, str]]:
+    """Return path -> value and SI unit of the offered parameters that a chosen proposal does not fit.
 
     Args:
         offered: proposals for the logs, with all their free parameters.
@@ -47,12 +47,12 @@ def list_held(
     """
     own = [one for one in offered if chosen.name == one.name or chosen.name.startswith(f"{one.name}, ")]
     names = {_find_name(text) for one in own for text in one.free} - {_find_name(text) for text in chosen.free}
-    found: dict[str, float] = {}
+    found: dict[str, tuple[float, str]] = {}
     for leaf in scenario.system.leaves():
         path = scenario.places.path(leaf.path)
         held = any(f".{leaf.path}".endswith(f".{name}") or path == name for name in names)
         if held and not any(f".{path}".endswith(f".{name}") for name in given):
-            found[path] = float(leaf.value)
+            found[path] = float(leaf.value), leaf.declared.unit
     return found
 
 
@@ -70,7 +70,12 @@ def _replace_free(known: Sequence[str], given: Sequence[str]) -> list[str]:
     return [*(own.pop(_find_name(text), text) for text in kept), *own.values()]
 
 
-def _fix_parameter(proposal: Proposal, text: str) -> Proposal:
+def fix_parameter(proposal: Proposal, text: str) -> Proposal:
+    """Return a proposal with a fixed parameter, `NAME` at its start or `NAME=VALUE`.
+
+    Raises:
+        InputError: a value is given for a difference of two parameters.
+    """
     name, _, value = (part.strip() for part in text.partition("="))
     free = tuple(one for one in proposal.free if _find_name(one) != name)
     others = tuple({key: x for key, x in start.items() if key != name} for start in proposal.others)
