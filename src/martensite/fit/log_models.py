@@ -19,7 +19,7 @@ from martensite.base.toml_text import as_toml
 from martensite.fit.api import build_task
 from martensite.fit.column_matching import read_columns
 from martensite.fit.column_noise import FollowedNoise, find_input_noise
-from martensite.fit.experiment_kinds.base import RecognisedExperiment, propose_scenarios, recognise_experiment
+from martensite.fit.experiment_kinds.base import Proposal, RecognisedExperiment, propose_scenarios, recognise_experiment
 from martensite.fit.experiment_kinds.loops import find_column, smooth_drive
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LOADS
 from martensite.fit.experiment_kinds.values import write_value
@@ -276,9 +276,8 @@ def model_logs(
         changed, _ = propose_scenarios(seen, moving, {**overrides, path: text}, words)
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
-    given = [*overrides, *(name.strip() for name, equals, _ in (text.partition("=") for text in fixed) if equals)]
-    load = {f"mechanism.{name}" for name in best.proposal.document.get("mechanism", {})}
-    assumed = {path: x for path, x in known.assumed.items() if path in load or not path.startswith("mechanism.")}
+    assumed = _select_assumed(known.assumed, best.proposal)
+    given = [*overrides, *_list_given(fixed)]
     held = list_held(offered, best.proposal, read_proposal(best.proposal), given)
     notes += [f"`{path}` is held at {write_value(*x)}: the logs do not determine it." for path, x in held.items()]
     assumed |= {path: value for path, (value, _) in held.items()}
@@ -287,6 +286,18 @@ def model_logs(
     untested = tuple(path for path in assumed if path not in traced)
     tried = tuple(trials.tried)
     return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves), untested)
+
+
+def _list_given(fixed: Sequence[str]) -> list[str]:
+    """Return the names of fixed parameters whose value is given."""
+    parts = (text.partition("=") for text in fixed)
+    return [name.strip() for name, equals, _ in parts if equals]
+
+
+def _select_assumed(assumed: Mapping[str, float], proposal: Proposal) -> dict[str, float]:
+    """Return the assumed values that the scenario of a proposal has; other loads may have others."""
+    load = {f"mechanism.{name}" for name in proposal.document.get("mechanism", {})}
+    return {path: x for path, x in assumed.items() if path in load or not path.startswith("mechanism.")}
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:

@@ -115,17 +115,24 @@ def _guess_quantity(raw: RawTable, column: RawColumn, listed: str) -> Meaning:
     plain = guess_heading(column.heading)
     if listed and plain.worded and plain.unit not in ("", listed):
         return Meaning(plain.name, plain.unit, "heading", False)
-    listed = listed or _find_scope_unit(raw, column, plain)
-    guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
-    if not guess.name:
-        infrared = not guess.unit and "emissivity" in raw.said and column.heading
-        return Meaning("temperature", "degC", "values") if infrared else Meaning("", guess.unit, "")
-    if guess.name == "time" and not guess.worded and not is_rising(column.numbers):
+    guess = _add_unit(column, plain, listed or _find_scope_unit(raw, column, plain))
+    if not guess.name and not guess.unit and column.heading and "emissivity" in raw.said:
+        return Meaning("temperature", "degC", "values")  # an infrared camera writes nothing else
+    if not guess.name or (guess.name == "time" and not guess.worded and not is_rising(column.numbers)):
         return Meaning("", guess.unit, "")
     if guess.unit:
-        headed = plain.name == guess.name and (guess.worded or plain.worded)
-        return Meaning(guess.name, guess.unit, "heading" if headed else "unit")
+        return Meaning(guess.name, guess.unit, _find_source(plain, guess))
     return _guess_unit(column, guess.name)
+
+
+def _find_source(plain: Guess, guess: Guess) -> str:
+    """Return whether the words of a heading or its unit gave a meaning."""
+    return "heading" if plain.name == guess.name and (guess.worded or plain.worded) else "unit"
+
+
+def _add_unit(column: RawColumn, plain: Guess, listed: str) -> Guess:
+    """Return the guess from a heading with its unit, if there is one."""
+    return guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
 
 
 def _find_scope_unit(raw: RawTable, column: RawColumn, plain: Guess) -> str:

@@ -126,14 +126,14 @@ def build_followed(
     refuse_unknown(table, ("kind", "column", "between", *(("from",) if lead else ())), f"[{path}]")
     between = _read_between(table, path)
     column = _read_text(table, "column", path) if "column" in table else natural
-    if log is not None and log is unknown_log():
-        level = units.parse_quantity("20 degC", "K") if unit == "K" else 0.0
-        return Table(times=(0.0, 1.0), values=(level, level)), column
     if log is None:
         raise DataError(
             f"[{path}] This scenario follows a log; fit it with `martensite fit LOG --scenario "
             "SCENARIO --free …`, or run it with `martensite run SCENARIO --log LOG`."
         )
+    if log is unknown_log():
+        level = units.parse_quantity("20 degC", "K") if unit == "K" else 0.0
+        return Table(times=(0.0, 1.0), values=(level, level)), column
     with name_section(path):
         _check_followed(log, column, unit)
         rows = zip(from_zero(log, lead).times.tolist(), log[column].tolist(), strict=True)
@@ -141,7 +141,7 @@ def build_followed(
         if lead:
             begin = _read_quantity(table["from"], "from", unit, path) if "from" in table else finite[0][1]
             finite.insert(0, (0.0, begin))
-        if between == HOLD or (between is None and unit in STEPPED and is_stepped([x for _, x in finite])):
+        if between == HOLD or (between is None and _is_held(unit, finite)):
             finite = hold_levels(finite)
         times, values = zip(*finite, strict=True)
         return Table(times=times, values=values), column
@@ -152,6 +152,11 @@ def _read_between(table: Mapping[str, Any], path: str) -> str | None:
     if between not in (None, LINEAR, HOLD):
         raise ParameterError(f"[{path}] `between` must be `{LINEAR}` or `{HOLD}`, but is {between!r}.")
     return between
+
+
+def _is_held(unit: str, rows: Sequence[tuple[float, float]]) -> bool:
+    """Return whether a signal [unit] of rows (time [s], value) is held between them."""
+    return unit in STEPPED and is_stepped([x for _, x in rows])
 
 
 def is_stepped(values: Sequence[float]) -> bool:
