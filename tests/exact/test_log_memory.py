@@ -17,6 +17,7 @@ MOST = 6.0
 HEADS = {
     "exact": ("time [s],temperature [degC],position [mm],voltage [V]", ",", "."),
     "guessed": ("Time,Temperature,Extension,Voltage\ns,°C,mm,V", ",", "."),
+    "clock": ("Clock,Temp (C),Extension (mm),Voltage (V),Remark", ",", "."),
     "decimal commas": ("Zeit;Temperatur;Weg;Voltage\ns;°C;mm;V", ";", ","),
 }
 
@@ -27,6 +28,9 @@ def write_log(path: Path, kind: str, rows: int) -> Path:
     times = 0.01 * np.arange(rows)
     columns = zip(times, 25.0 + 40.0 * np.sin(times / 7.0), 5.0 * np.cos(times / 3.0), times % 7.0, strict=True)
     lines = [separator.join(f"{x:.4f}" for x in row).replace(".", point) for row in columns]
+    if kind == "clock":
+        clocks = (f"{k // 360000:02d}:{k // 6000 % 60:02d}:{k % 6000 / 100.0:05.2f}" for k in range(rows))
+        lines = [f"{clock},{line.partition(',')[2]}," for clock, line in zip(clocks, lines, strict=True)]
     path.write_text("\n".join([head, *lines, ""]), encoding="utf-8")
     return path
 

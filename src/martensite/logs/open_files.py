@@ -23,7 +23,7 @@ from martensite.base.files import MOST_LOG, read_unpacked
 TEXT = (".csv", ".txt", ".tsv", ".dat")
 """Usual suffixes of text files."""
 _QUOTED = re.compile(r'\s*"([^"]*[,;\t][^"]*)"\s*')
-BLOCK = 10_000
+BLOCK = 4_000
 """Lines that are decoded at a time."""
 Line = tuple[int, str]
 """Line number in the file, and text."""

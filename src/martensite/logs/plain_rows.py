@@ -1,20 +1,22 @@
-"""Rows of plain numbers, read by NumPy.
+"""Rows of regular logs, read in blocks.
 
 Most rows of a long log are regular: a fixed number of finite numbers, and no text. `numpy.loadtxt` reads them in a
-tenth of the time and memory. All other rows get the careful readers (`logs.exact_tables`, `logs.raw_table`).
+tenth of the time and memory. Blocks with clocks or missing samples are read by cell. All other rows get the careful
+readers (`logs.exact_tables`, `logs.raw_table`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from martensite.base.errors import DataError
-from martensite.logs.cells import Numbers, clear_extremes
-from martensite.logs.open_files import Line, Lines
-from martensite.logs.raw_table import RawTable
+from martensite.logs.cells import Numbers, NumberStyle, clear_extremes, is_missing, parse_cells
+from martensite.logs.open_files import Line, Lines, find_lines, split_cells
+from martensite.logs.raw_table import RawColumn, RawTable
 
 EDGE = 500
 """Lines at both ends of a file that determine its layout."""
@@ -38,7 +40,7 @@ def read_plain_rows(texts: Sequence[str], sign: str, width: int, *, comma: bool)
 
 
 def read_regular(lines: Sequence[Line], sign: str, find: Callable[[Sequence[Line]], RawTable]) -> RawTable | None:
-    """Return the table of a long text whose middle consists of plain rows; None for other texts.
+    """Return the table of a long text whose middle has the columns of its ends; None for other texts.
 
     Args:
         lines: nonempty lines of the file.
@@ -54,32 +56,69 @@ def read_regular(lines: Sequence[Line], sign: str, find: Callable[[Sequence[Line
         return None
     place = int(np.searchsorted(ends.numbers, tail.numbers[0]))
     around = ends.numbers[max(0, place - 1) : place + 1].tolist() == [head.numbers[-1], tail.numbers[0]]
-    comma = _find_comma([*head, *tail], sign, ends) if around and not ends.notes else None
-    return None if comma is None else _insert_rows(ends, place, middle, sign, comma)
+    reader = _find_reader([*head, *tail], sign, ends) if around and not ends.notes else None
+    return None if reader is None else _insert_rows(ends, place, middle, reader)
 
 
-def _find_comma(lines: Sequence[Line], sign: str, ends: RawTable) -> bool | None:
-    """Return whether plain rows with a decimal comma give the numbers of a table; None if plain rows do not."""
+@dataclass(frozen=True)
+class _Reader:
+    """Reader of rows whose columns have known kinds."""
+
+    columns: tuple[RawColumn, ...]
+    sign: str
+    comma: bool
+
+    def read(self, block: Lines) -> Numbers | None:
+        """Return the numbers of a block by column; None if a row or a cell is of another kind."""
+        texts = block.list_texts()
+        kinds = {one.kind for one in self.columns}
+        plain = read_plain_rows(texts, self.sign, len(self.columns), comma=self.comma) if kinds == {"number"} else None
+        return plain.T if plain is not None else self._read_cells([split_cells(text, self.sign) for text in texts])
+
+    def _read_cells(self, rows: list[list[str]]) -> Numbers | None:
+        if {len(row) for row in rows} != {len(self.columns)}:
+            return None
+        found = [
+            self._read_column(one, cells) for one, cells in zip(self.columns, zip(*rows, strict=True), strict=True)
+        ]
+        if any(numbers is None for numbers in found):
+            return None
+        table = np.array(found)
+        return table if bool(np.isfinite(table).any(axis=0).all()) else None
+
+    def _read_column(self, column: RawColumn, cells: Sequence[str]) -> Numbers | None:
+        """Return the numbers of a column; None for cells that are neither of its kind nor missing."""
+        if column.kind in ("number", "clock"):
+            numbers, wrong = parse_cells(cells, NumberStyle(self.comma), column.kind)
+            return None if wrong else numbers
+        missing = column.kind == "text" and all(map(is_missing, cells))  # dates need all rows to tell day from month
+        return np.full(len(cells), math.nan) if missing else None
+
+
+def _find_reader(lines: Sequence[Line], sign: str, ends: RawTable) -> _Reader | None:
+    """Return the reader that gives the numbers of a table; None if there is none."""
     rows = set(ends.numbers.tolist())
-    texts, careful = [text for number, text in lines if number in rows], [one.numbers for one in ends.columns]
+    block = find_lines("\n".join(text for number, text in lines if number in rows))
+    careful = np.array([one.numbers for one in ends.columns])
     for comma in (False, True):
-        table = read_plain_rows(texts, sign, len(careful), comma=comma)
-        if table is not None and np.array_equal(table.T, careful) and {one.kind for one in ends.columns} == {"number"}:
-            return comma
+        reader = _Reader(ends.columns, sign, comma)
+        found = reader.read(block)
+        if found is not None and np.array_equal(found, careful, equal_nan=True):
+            return reader
     return None
 
 
-def _insert_rows(ends: RawTable, place: int, middle: Lines, sign: str, comma: bool) -> RawTable | None:
-    """Return a table with plain rows inserted; None if some are not plain."""
+def _insert_rows(ends: RawTable, place: int, middle: Lines, reader: _Reader) -> RawTable | None:
+    """Return a table with more rows inserted; None if some are irregular."""
     before = np.array([one.numbers for one in ends.columns])
     table = np.empty((len(before), before.shape[1] + len(middle)))
     table[:, :place], table[:, place + len(middle) :] = before[:, :place], before[:, place:]
     for block in middle.list_blocks():
-        rows = read_plain_rows(block.list_texts(), sign, len(before), comma=comma)
-        if rows is None:
+        found = reader.read(block)
+        if found is None:
             return None
-        table[:, place : place + len(rows)] = rows.T
-        place += len(rows)
+        table[:, place : place + len(block)] = found
+        place += len(block)
     numbers = np.insert(ends.numbers, place - len(middle), middle.numbers)
     columns = tuple(replace(one, numbers=numbers) for one, numbers in zip(ends.columns, table, strict=True))
     return replace(ends, columns=columns, numbers=numbers)
