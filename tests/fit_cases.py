@@ -85,7 +85,7 @@ def heated(current: float = 0.55, noise: float = 0.01) -> Record:
 
 def repeated(record: Record, times: int) -> Record:
     """A record several times in a row: a fit of it takes that much longer."""
-    count, columns = len(record), {n: c * times for n, c in record.columns.items()}
+    count, columns = len(record), {n: list(c) * times for n, c in record.columns.items()}
     last = record.times[-1] + record.times[1] - record.times[0]
     columns["time"] = [t + (k // count) * last for k, t in enumerate(columns["time"])]
     return Record(record.name, columns, record.units)

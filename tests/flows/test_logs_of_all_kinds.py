@@ -47,7 +47,7 @@ def test_a_result_is_read_back_as_a_table(folder: Path, result: ms.Result) -> No
     found = ms.read_table(folder / "log.nc")
     assert set(found.columns) == {"time", *result.columns}
     for name in found.columns:
-        assert found[name] == list(result[name]), name
+        assert found[name].tolist() == list(result[name]), name
         assert found.units[name] == ("s" if name == "time" else result.unit(name))
 
 
@@ -56,14 +56,14 @@ def test_of_several_actuators_each_has_its_columns(tmp_path: Path) -> None:
     machine.save(tmp_path / "machine.nc")
     found = ms.read_table(tmp_path / "machine.nc")
     assert set(found.columns) == {"time", *machine.columns}
-    assert found["protagonist.temperature"] == list(machine["protagonist.temperature"])
+    assert found["protagonist.temperature"].tolist() == list(machine["protagonist.temperature"])
 
 
 def test_a_file_without_units_names_its_columns(folder: Path, result: ms.Result) -> None:
     with pytest.raises(DataError, match=r"in which unit `drive`, `temperature`, `position` is.*in this order"):
         ms.read_table(folder / "log.mat")
     found = ms.read_table(folder / "log.mat", HEADS)
-    assert found["temperature"] == list(result["temperature"])
+    assert found["temperature"].tolist() == list(result["temperature"])
     assert "drive" not in ms.read_table(folder / "log.mat", [HEADS[0], "-", *HEADS[2:]]).columns
     with pytest.raises(DataError, match="holds 4 columns, but 1 are named"):
         ms.read_table(folder / "log.mat", HEADS[:1])
