@@ -220,3 +220,12 @@ def test_over_http(bench: Bench) -> None:
     assert (refused["kind"], "text file" in refused["error"]) == ("input", True)
     assert "upload it again" in bench.call("table", {"key": "../../../etc/passwd"})["error"]
     assert not list(bench.folder.glob("*.csv"))
+
+
+def test_a_time_that_begins_again_and_units_that_disagree_are_told(desk: Desk) -> None:
+    """As `data show` reads the file: a time in blocks is no time, and a heading is not overruled by a row of units."""
+    rows = "".join(f"{1e-5 * (k % 2):.6f}\t{k}\n" for k in range(12))
+    found = table({"key": put(desk, f"X_Value\tTemp (C)\n\tdeg\n{rows}", "log.lvm")}, desk)
+    assert [(one["name"], one["unit"]) for one in found["columns"]] == [("", ""), ("temperature", "degC")]
+    notes = " ".join(found["notes"])
+    assert "begins again at its first value in 6 blocks" in notes and "Column 2: heading and row of units" in notes

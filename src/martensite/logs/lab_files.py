@@ -163,7 +163,7 @@ def read_raw(path: Path, separator: str = "auto") -> RawTable:
 def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabFile:
     """Return a table with the meaning of its columns; arguments and errors as `read_lab_file`."""
     meant = guess_meanings(raw, named)
-    blocks = _leave_blocks(raw, meant)
+    blocks = leave_blocks(raw, meant)
     times, clock = _find_times(raw, meant)
     kept = np.arange(raw.rows) if times is None else times.kept
     columns: dict[str, Numbers] = {}
@@ -236,7 +236,7 @@ def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
     return clocks[0] if clocks else -1
 
 
-def _leave_blocks(raw: RawTable, meant: list[Meaning]) -> list[str]:
+def leave_blocks(raw: RawTable, meant: list[Meaning]) -> list[str]:
     """Ignore a time that restarts repeatedly, as loggers in append mode write it; return the note about it."""
     place = choose_time(raw, meant)
     blocks = count_blocks(raw.columns[place].numbers) if place >= 0 and raw.columns[place].kind == "number" else 1

@@ -30,7 +30,7 @@ from martensite.fit.solve import METHODS
 from martensite.logs.column_meanings import Meaning, guess_meanings
 from martensite.logs.datasets import locate_file
 from martensite.logs.heading_guess import usual_units
-from martensite.logs.lab_files import LabFile, choose_time, interpret_table, read_raw
+from martensite.logs.lab_files import LabFile, choose_time, interpret_table, leave_blocks, read_raw
 from martensite.logs.layout import CANONICAL
 from martensite.logs.raw_table import RawColumn, RawTable
 from martensite.scenario.assemble import waveform_path
@@ -74,6 +74,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     path = desk.files.path(require_entry(request, "key", str))
     raw = read_raw(path, require_entry(request, "separator", str, "auto"))
     meanings = guess_meanings(raw, {})
+    blocks = leave_blocks(raw, meanings)
     clock = choose_time(raw, meanings)
     shown = [_name_guess(one, at == clock) for at, one in enumerate(meanings)]
     file = _read_untold(raw, path)
@@ -87,7 +88,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
         "preview": raw.preview,
         "columns": [_describe_column(c, *one) for c, one in zip(raw.columns, shown, strict=True)],
         "names": {name: usual_units(name) for name in CANONICAL},
-        "notes": list(_list_notes(raw, meanings, clock)),
+        "notes": [*blocks, *_list_notes(raw, meanings, clock)],
     }
 
 
@@ -126,6 +127,9 @@ def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str
     unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "values" and not one.sure]
     if unsure:
         yield f"Column {', '.join(unsure)}: guessed from the values; check the meaning."
+    torn = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "heading" and not one.sure]
+    if torn:
+        yield f"Column {', '.join(torn)}: heading and row of units disagree; check the unit."
     if len(raw.columns) == 1:
         yield "The file has one column; if that is wrong, choose another separator."
     if any(column.wrong for column in raw.columns):
