@@ -8,6 +8,9 @@ accuracy is at least half of the tolerance, since two passes may have a common e
 The bound also includes the ripple that drive means neglect. If a step at minimum length exceeds its tolerance, two
 passes hardly differ. The sum of these errors times `ERROR_SAFETY` is then added. All passes but the first split the
 last step before a drive edge, so that two passes do not take identical steps.
+
+A law may forget a branch on a surface. If the path turns within its error of such a surface, the bound is at least the
+effect of the other decision (`martensite.simulate.forks`).
 """
 
 from __future__ import annotations
@@ -26,8 +29,9 @@ import numpy as np
 
 from martensite.base.errors import BudgetError, CompileError
 from martensite.base.files import tell_once
-from martensite.simulate.adaptive import AdaptiveMarch
+from martensite.simulate.adaptive import PER_STRESS, AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
+from martensite.simulate.forks import Decision
 from martensite.simulate.march import FixedMarch
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.recorded_track import Observe, observe_on_floats
@@ -222,7 +226,33 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
         accuracy = max(bound_error(plan.compiled, found), find_floor(plan.compiled) * tolerance)
         if accuracy <= tolerance:
             break
-    return found, accuracy
+    errors, changes = find_doubts(plan.compiled, [found.decision], [accuracy], [found.ranges])
+    found.undecided = float(errors[0])
+    return found, max(accuracy, float(changes[0]))
+
+
+def find_doubts(compiled: CompiledMarch, decisions: Any, accuracy: Any, ranges: Any) -> tuple[Numbers, Numbers]:
+    """Return the error [K] and effect of decisions that the error of a run may change; 0 for other runs.
+
+    The effect is the change of the martensite fraction as a fraction of its range.
+
+    Args:
+        compiled: system of the runs.
+        decisions: closest decision of each run, (runs, 5); see `Decision`.
+        accuracy: error bounds of the runs without these decisions, (runs,).
+        ranges: ranges of judged outputs, (runs, judged).
+    """
+    margin, _, change, place, _ = np.asarray(decisions, float).reshape(-1, len(Decision._fields)).T
+    nothing = np.zeros(len(margin))
+    if not compiled.forks:
+        return nothing, nothing
+    spans = np.maximum(ranges, [least for _, least in compiled.convergence_scales])
+    fraction, temperature, stress, weight = np.array(compiled.forks)[place.astype(int)].T
+    ranks = np.arange(len(margin))
+    fractions, kelvins, pascals = (spans[ranks, one.astype(int)] for one in (fraction, temperature, stress))
+    errors, effects = accuracy * (kelvins + PER_STRESS * pascals), weight * change / fractions
+    doubtful = (place >= 0.0) & (np.abs(margin) <= errors) & (effects > accuracy)
+    return np.where(doubtful, errors, 0.0), np.where(doubtful, effects, 0.0)
 
 
 def find_floor(compiled: CompiledMarch) -> float:

@@ -237,6 +237,9 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     if (m->recording) keep_ledger(m, b);
 #endif
     keep_samples(m, b, taken, end, edge);
+#if FORKS
+    watch_forks(m, b, taken, end);
+#endif
     EVERY(i) if (m->recording && taken[i] && b->live[i]) {
         const double middle = b->time[i] + 0.5 * b->length[i];
         record_piece(m, b, i, 1.0, b->time[i], middle, b->one, b->half);
@@ -301,6 +304,9 @@ static void begin_points(block *b, const flags_of_lanes begins) {
     column points[NUMBERS + 1];
     if (!any(begins)) return;
     k_points(LANES, *b->c, *b->state, *points);
+#if FORKS
+    begin_forks(b, begins);
+#endif
     for (long k = 0; k < NUMBERS; k++) {
         BLEND(b->points[k], begins, points[k]);
         BLEND(b->earlier_points[k], begins, points[k]);

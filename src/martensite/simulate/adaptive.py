@@ -31,6 +31,7 @@ from typing import NamedTuple
 from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
+from martensite.simulate.forks import COUNTS, ForkWatch
 from martensite.simulate.ledger import SIMPSON, Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import FIRST, SECOND, SHORTEST, STEP_TOLERANCE, AbstractMarch, MarchPlan, Row
@@ -152,6 +153,7 @@ class AdaptiveMarch(AbstractMarch):
         self.taken: TakenStep | None = None
         """Last step."""
         self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
+        self.forks = ForkWatch(len(compiled.forks))
         self.power = 0.0
         """Temperature error [K] by the last ripple, per lapse [s] of its drive."""
         self.rough = 0.0
@@ -467,6 +469,8 @@ class AdaptiveMarch(AbstractMarch):
         missed = self.plan.tolerance * trial.error if trial.error > 1.0 else 0.0  # minimum step length
         found.residual = max(found.residual, trial.residual) + missed
         middle = self.time + 0.5 * length
+        if self.plan.parted:
+            self._watch_forks(trial, middle, end)
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
         self.record_piece(SECOND, middle, end, trial.halves[1], trial.full)
         if begins_at_edge and not self.leaps:
@@ -489,6 +493,14 @@ class AdaptiveMarch(AbstractMarch):
         for reader in self.readers:
             reader.forget(step.begin)
         self.see(trial.seen)
+
+    def _watch_forks(self, trial: StepTrial, middle: float, end: float) -> None:
+        """Look for decisions about forgotten branches at the middle and the end of a step [s]."""
+        forks, share = self.plan.compiled.forks, COUNTS * self.plan.tolerance
+        allowed = [share * self._scale(fork.fraction) / fork.weight for fork in forks]
+        for time, state in ((middle, trial.half), (end, trial.full)):
+            self.forks.see(time, self.functions["forks"](*state), allowed)
+        self.found.decision = self.forks.closest
 
     # ---------------------------------------------------------------- samples
 

@@ -21,6 +21,7 @@ from martensite.simulate.alarms import judge_limits
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march, name_outputs
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
+from martensite.simulate.forks import describe_decision
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.ledger import HeatBalance, WorkBalance, balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
@@ -111,7 +112,10 @@ def simulate(
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
     kept = relay.list_restarts([times[k] for k in compared])
     notes = list[str]()
-    if accuracy is not None and accuracy > tolerance and not found.status.failed:
+    if found.undecided:
+        name, _ = compiled.convergence_scales[compiled.forks[found.decision.place].fraction]
+        notes.append(describe_decision(found.decision, found.undecided, name.rpartition(".")[0]))
+    elif accuracy is not None and accuracy > tolerance and not found.status.failed:
         notes.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."

@@ -115,7 +115,7 @@ def simulate_batch(
         tell_once(f"Warning: the batch goes on on floats. {error}")
         chosen = "floats"
         ran = replace(course, runtime=chosen).run(varied)
-    return _build_result(system, waveform, course.times, ran, varied, course.controlled, chosen)
+    return _build_result(system, waveform, course.times, ran, varied, tolerance if course.controlled else None, chosen)
 
 
 def _build_result(
@@ -124,16 +124,22 @@ def _build_result(
     times: Sequence[float],
     ran: Ensemble,
     varied: Mapping[str, Any],
-    controlled: bool,
+    tolerance: float | None,
     runtime: str,
 ) -> Result:
-    """Build the result of a batch, with a warning for incomplete runs."""
+    """Build the result of a batch, with warnings for incomplete runs and for runs that missed a tolerance."""
     status = [Status(one) for one in ran.status.tolist()]
     measured = (name for name in ran.columns if name in system.outputs())
     ends = {name: (ran.numbers[2 * k], ran.numbers[2 * k + 1]) for k, name in enumerate(measured)}
-    variants = Variants(varied, status, ran.ended, ran.accuracy if controlled else None, ends)
+    variants = Variants(varied, status, ran.ended, None if tolerance is None else ran.accuracy, ends)
     lost = sum(one.failed or one is Status.OUT_OF_ENVELOPE for one in status)
     notes = [f"Warning: {lost} of {len(status)} variants ended early."] if lost else []
+    missed = 0 if tolerance is None else int((ran.accuracy > tolerance).sum())
+    if missed:
+        notes.append(
+            f"Warning: {missed} of {len(status)} variants missed the tolerance of {tolerance:.1e}; `variants.accuracy` "
+            "has their bounds, and a run of one variant reports the reason."
+        )
     return Result(
         system,
         waveform,

@@ -6,13 +6,15 @@ The program is independent of parameter values. A different law, option or mecha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
+from martensite.actuators.elements.base import MaterialPoint
 from martensite.base.parameters import Keyed, values_at
 from martensite.base.remember_results import remember
 from martensite.kernels.compute_once import cache_answers
@@ -74,6 +76,18 @@ class LawPoint(NamedTuple):
     """Number of values at the point: temperature, stress, two fractions, then kinks of the law."""
 
 
+class LawFork(NamedTuple):
+    """Position of a branch that a law may forget among the outputs."""
+
+    fraction: int
+    """Index of the judged output with its martensite fraction."""
+    temperature: int
+    """Index of the judged output with its temperature."""
+    stress: int
+    weight: float
+    """Weight of the law in these outputs."""
+
+
 @dataclass(frozen=True, eq=False)
 class CompiledMarch(Compiled):
     """System traced for time integration; `step` takes drive inputs.
@@ -81,6 +95,7 @@ class CompiledMarch(Compiled):
     The functions return:
     - `judge`: judged outputs, envelope outputs and the heat of the elements.
     - `points`: temperature, stress and fractions at rate-independent laws.
+    - `forks`: branches that these laws may forget.
     - `entries`: energies for the ledgers.
     - `flows`: power into and, if known, out of the drives.
     """
@@ -95,6 +110,8 @@ class CompiledMarch(Compiled):
     """Drives of elements with a known heat content."""
     points: tuple[LawPoint, ...] = ()
     """Layout of the values that `points` returns."""
+    forks: tuple[LawFork, ...] = ()
+    """Layout of the values that `forks` returns."""
     book: Book = EMPTY
     """Layout of the values that `entries` returns."""
     rates: tuple[int, ...] = ()
@@ -194,6 +211,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
         envelope=envelope,
         heated=trace.add_judge(wanted, feeds),
         points=trace.add_points(judged),
+        forks=trace.add_forks(judged),
         book=trace.add_entries(),
         rates=trace.rates(),
         follows=False in feeds and not system.exchanges() and not math.isfinite(system.mechanism.first_step()),
@@ -295,18 +313,44 @@ class _Trace:
 
     def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[LawPoint, ...]:
         """Add the points of rate-independent laws: temperature, stress and fractions."""
-        names, places = [name for name, _ in judged], list[LawPoint]()
+        places = list[LawPoint]()
+        names = [name for name, _ in judged]
 
         def points(xp: Any, *state: Any) -> list[Any]:
-            rows = self.system.points(xp, self.shape.rebuild(state))
-            places.clear()
-            for port, row in zip(self.system.actuators(), rows, strict=False):
-                fraction = names.index(self.system.label(port, "martensite_fraction"))
-                places.extend(LawPoint(fraction, 1.0 / len(row), len(flatten_numbers(one))) for one in row)
-            return [number for row in rows for point in row for number in flatten_numbers(point)]
+            found = list(self._list_points(xp, state))
+            numbers = [flatten_numbers(point._replace(forks=())) for *_, point in found]
+            rows = zip(found, numbers, strict=True)
+            places[:] = [
+                LawPoint(names.index(self.system.label(port, "martensite_fraction")), weight, len(own))
+                for (port, weight, _), own in rows
+            ]
+            return list(chain.from_iterable(numbers))
 
         self.program.add("points", self.names, points)
         return tuple(places)
+
+    def add_forks(self, judged: Sequence[tuple[str, float]]) -> tuple[LawFork, ...]:
+        """Add the branches that rate-independent laws may forget."""
+        places = list[LawFork]()
+        names = [name for name, _ in judged]
+
+        def forks(xp: Any, *state: Any) -> list[Any]:
+            found = [(port, weight, one) for port, weight, p in self._list_points(xp, state) for one in p.forks]
+            places.clear()
+            for port, weight, _ in found:
+                columns = ("martensite_fraction", "temperature", "stress")
+                fraction, temperature, stress = (names.index(self.system.label(port, name)) for name in columns)
+                places.append(LawFork(fraction, temperature, stress, weight))
+            return [number for *_, one in found for number in one]
+
+        self.program.add("forks", self.names, forks)
+        return tuple(places)
+
+    def _list_points(self, xp: Any, state: Sequence[Any]) -> Iterator[tuple[str, float, MaterialPoint]]:
+        """Yield the port, the weight in its element, and the values of every point."""
+        rows = self.system.points(xp, self.shape.rebuild(state))
+        for port, row in zip(self.system.actuators(), rows, strict=False):
+            yield from ((port, 1.0 / len(row), point) for point in row)
 
     def rates(self) -> tuple[int, ...]:
         """Return the indices of states that only serve as initial guesses of a solve."""

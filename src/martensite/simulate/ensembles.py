@@ -22,6 +22,7 @@ from martensite.simulate.accuracy import (
     LOCAL,
     MOST_PASSES,
     choose_samples,
+    find_doubts,
     find_floor,
     march_to,
     shares_stress,
@@ -31,7 +32,7 @@ from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.march import COARSE, SOLVED
 from martensite.simulate.marching import START, STEP_TOLERANCE, MarchPlan
-from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs, observe_in_c
+from martensite.simulate.marching_native import DECIDED, RANGES, MarchRows, Runs, march_runs, observe_in_c
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.extremes import Change, Largest, Smallest, Stroke
 from martensite.simulate.measures.means import ElectricalEnergy, Integral, Mean
@@ -215,6 +216,8 @@ def march_in_lanes(
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), find_floor(compiled) * tolerance)
         rest = accuracy > tolerance
+        decisions = made.numbers[:, DECIDED:RANGES]
+        accuracy = np.maximum(accuracy, find_doubts(compiled, decisions, accuracy, made.numbers[:, RANGES:])[1])
         last = np.flatnonzero(~rest | (turn == MOST_PASSES - 1))
         measured = np.full((len(measuring.measures), len(left)), np.nan)
         if len(last):

@@ -3,19 +3,20 @@
    What is done, and why, is said in martensite/simulate/adaptive.py and march.py.
 
    A march consists of this text, drives.c, totals.c, runs.c, and then either fixed.c, or ledger.c (if there is a
-   LEDGER), lengths.c, kinks.c, samples.c and adaptive.c. Before this text stand martensite/signals/reader.c and the
+   LEDGER), lengths.c, kinks.c, samples.c, forks.c and adaptive.c. Before this text stand martensite/signals/reader.c and the
    kernels k_prepare, k_init, k_observe and k_judge over LANES lanes, and: SIMD, which begins loops that compilers
    turn into vectors; SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED, ENVELOPE, HEATED,
    CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each judged output that counts); OWN if
    every run has separate drives; whether k_judge and k_observe ask for signals; how many numbers a piece of a step
-   is RECORDED by; which states are OBSERVED; POINTS, all their NUMBERS, and RATES of adaptive.c; ENTRIES and
+   is RECORDED by; which states are OBSERVED; POINTS, all their NUMBERS, FORKS and RATES of adaptive.c; ENTRIES and
    ACCOUNTS of ledger.c.
 
    Loops over lanes are written so that a compiler makes vectors of them: values are chosen, not branched upon,
    except where few lanes have something to do. */
 
 #define SEEN (JUDGED + ENVELOPE + HEATED)
-#define SAID (11 + ACCOUNTS)
+#define DECIDED 5 /* margin, time, change, place and branch of the closest decision: forks.py */
+#define SAID (11 + ACCOUNTS + DECIDED)
 #define REPORTS 3
 #define ANSWERS (ORDER == 4 ? 3 * SIZE : SIZE + REPORTS)
 #define MOMENTS 7
@@ -76,6 +77,7 @@ typedef struct {
     column limits[2 * ENVELOPE + 1];
     column points[NUMBERS + 1], earlier_points[NUMBERS + 1]; /* now, and half a step ago */
     column put_in, lost, accounts[ACCOUNTS], entries[ENTRIES + 1]; /* of ledger.c */
+    column watched[FORKS + 1][17], decided[DECIDED]; /* of forks.c */
     column status_time; /* of fixed.c, with the equal steps to a stop */
     double begin, stop, pieces, piece;
     /* start and middle of the last step, if there is no kink of a drive between them and now */

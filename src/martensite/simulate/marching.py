@@ -14,6 +14,7 @@ from martensite.base.status import Status
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.reader import Reader
 from martensite.simulate.compiled import CompiledMarch, Functions
+from martensite.simulate.forks import NO_DECISION, Decision
 
 Row = tuple[float, ...]
 SHORTEST = 1e-12
@@ -136,6 +137,10 @@ class Marched:
     """State at the end."""
     extremes: tuple[Row, Row] = ((), ())
     """Minimum and maximum of judged outputs since the start of the whole run."""
+    decision: Decision = NO_DECISION
+    """Closest decision about a forgotten branch."""
+    undecided: float = 0.0
+    """Error [K] of this decision if it may change it; else 0."""
     gap: Row = ()
     """Largest difference of judged outputs from the previous pass up to this leg; empty for the first pass."""
     gaps: Any = ()

@@ -27,6 +27,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate import adaptive
 from martensite.simulate.compiled import CompiledMarch
+from martensite.simulate.forks import COUNTS, ROUNDED, Decision, read_decision
 from martensite.simulate.ledger import EMPTY, STORES, TURNED_OVER
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread, spread_column, spread_limits
@@ -45,7 +46,9 @@ MOST_SEGMENTS = 1 << 21
 FIRST_RECORD = 4096
 EXPECTED = 512
 """Initial capacity of the record of a batch, in steps."""
-RANGES = 11 + len(ACCOUNTS)
+DECIDED = 11 + len(ACCOUNTS)
+"""Numbers of a run before its closest decision, see `Decision`."""
+RANGES = DECIDED + len(Decision._fields)
 """Numbers of a run before the ranges of judged outputs."""
 SHARED = (
     *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
@@ -193,7 +196,7 @@ class MarchRows:
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
     """(runs, RANGES + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`.
+    residual, heat put in and lost, accounts, closest decision, and the ranges of what is judged; see `Marched`.
     """
     record: Numbers
     """Pieces of accepted steps, in the layout of `martensite.simulate.track`; none if they were not recorded."""
@@ -220,13 +223,14 @@ class MarchRows:
         """Return one run."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, *more = numbers
-        accounts, ranges = tuple(more[5 : 5 + len(ACCOUNTS)]), tuple(more[5 + len(ACCOUNTS) :])
+        accounts, ranges = tuple(numbers[11:DECIDED]), tuple(numbers[RANGES:])
         rows, found = self.outputs[run], Status(int(status))
         reached = bisect_right(times, end) if found.failed else len(times)
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
         made = Marched(rows[:reached], ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
         made.accounts, made.record = accounts, self.record
+        made.decision = read_decision(numbers[DECIDED:RANGES])
         low, high = self.extremes[run].tolist()
         made.state, made.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
         return made
@@ -419,6 +423,7 @@ class MarchKernel:
         compiled, traced = self.compiled, self.compiled.program.functions
         places = () if self.fixed else compiled.points
         rates = () if self.fixed else compiled.rates
+        forks = () if self.fixed else compiled.forks
         sizes = [place.size for place in places]
         book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches report no balance
         constants = {
@@ -445,6 +450,11 @@ class MarchKernel:
             "NUMBERS": sum(sizes),
             "SIZES": _format_list(sizes),
             "START": _format_list(list(accumulate(sizes, initial=0))[:-1]),
+            "FORKS": len(forks),
+            "FORK_PARTS": _format_list([f.fraction for f in forks]),
+            "FORK_WEIGHTS": _format_list([f.weight for f in forks]),
+            "COUNTS": COUNTS,
+            "ROUNDED": ROUNDED,
             "RATES": len(rates),
             "PLACES_OF_RATES": _format_list(rates),
             "WIDTHS": _format_list(compiled.widths),
@@ -467,6 +477,7 @@ class MarchKernel:
         }
         solve = "rosenbrock" if self.order == 4 else "solve"
         names = ["step"] if self.fixed else [solve, "ripple", "points"]
+        names += ["forks"] if forks else []
         names += [] if book is EMPTY else ["flows", "entries"]
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
@@ -477,7 +488,7 @@ class MarchKernel:
             if self.lanes == 1
             else lanes_source(compiled.program, functions)
         )
-        control = ["fixed"] if self.fixed else ["lengths", "kinks", "samples", "adaptive"]
+        control = ["fixed"] if self.fixed else ["lengths", "kinks", "samples", "forks", "adaptive"]
         ledger = [] if book is EMPTY else ["ledger"]
         names = ["marching", "drives", "totals", "runs", *ledger, *control, "track"]
         texts = (read_source("simulate", f"{name}.c", {}) for name in names)

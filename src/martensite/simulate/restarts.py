@@ -273,6 +273,7 @@ def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> M
         longest=max(one.longest for one in legs),
         ripple=max(one.ripple for one in parts),
         residual=sum(one.residual for one in parts),
+        decision=min((one.decision for one in legs), key=lambda one: abs(one.margin)),
         accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),
         record=join_rows([one.record for one in legs]),
         gap=before.gap if before else (),

@@ -66,6 +66,7 @@ static void tell(const march *m, block *b, long i) {
     n[9] = b->put_in[i];
     n[10] = b->lost[i];
     for (long k = 0; k < ACCOUNTS; k++) n[11 + k] = b->accounts[k][i];
+    for (long k = 0; k < DECIDED; k++) n[11 + ACCOUNTS + k] = b->decided[k][i];
     for (long k = 0; k < JUDGED; k++) {
         n[SAID + k] = b->high[k][i] - b->low[k][i];
         ends[k] = b->low[k][i];
@@ -140,6 +141,8 @@ static void load_run(const march *m, block *b, long i, long run) {
     for (long k = 0; k < ACCOUNTS; k++) b->accounts[k][i] = 0.0;
     b->next[i] = b->after_edge[i] = b->last_half[i] = b->length[i] = m->first[run];
     b->after_kink[i] = HUGE_VAL;
+    for (long k = 0; k < DECIDED; k++) b->decided[k][i] = k ? 0.0 : HUGE_VAL;
+    b->decided[3][i] = -1.0;
     for (long k = 0; k < PARAMETERS; k++) b->p[k][i] = m->p[k * m->runs + run];
     for (long k = 0; k < 2 * ENVELOPE; k++) b->limits[k][i] = m->limits[k * m->runs + run];
     for (long k = 0; k < JUDGED; k++) b->range[k][i] = m->ranges[run * JUDGED + k];

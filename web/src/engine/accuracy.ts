@@ -1,5 +1,6 @@
 // Runs to a tolerance: martensite/simulate/accuracy.py, for a run from home and at rest.
 
+import { formatGeneral } from "../views/formulas.ts";
 import { UNSOLVED, type Marched, type Plan, type RunModule } from "./march.ts";
 import type { Scenario } from "./types.ts";
 import {
@@ -15,8 +16,8 @@ export function planMarch(base: Base, tolerance: number, ranges: Float64Array | 
   return { ...base, tolerance, ranges, parted, shortest: Math.max(SHORTEST * end, base.inertial * share) };
 }
 
-/** The last run to a tolerance, and a bound on its error as a share of ranges. */
-export function marchTo(module: RunModule, scenario: Scenario, base: Base, tolerance: number): [Marched, number] {
+/** The last run to a tolerance, a bound on its error as a share of ranges, and a warning of a doubtful decision. */
+export function marchTo(module: RunModule, scenario: Scenario, base: Base, tolerance: number): [Marched, number, string] {
   const compared = chooseSamples(base.times.length);
   let local = LOCAL[module.layout.order] * tolerance;
   const some = { ...base, times: Float64Array.from(compared, (k) => base.times[k]!) };
@@ -33,7 +34,42 @@ export function marchTo(module: RunModule, scenario: Scenario, base: Base, toler
     accuracy = Math.max(boundError(scenario, found, before, rows), floor * tolerance);
     if (accuracy <= tolerance) break;
   }
-  return [found, accuracy];
+  const [error, effect] = findDoubt(scenario, found, accuracy);
+  return effect ? [found, Math.max(accuracy, effect), describeDecision(scenario, found.decision, error)] : [found, accuracy, ""];
+}
+
+/** Error [K] and effect, as a share of the range, of a decision that the error of the run may change; else 0. */
+function findDoubt({ layout, judged }: Scenario, { decision, ranges }: Marched, accuracy: number): [number, number] {
+  const [margin = Infinity, , change = 0, place = -1] = decision;
+  const fork = layout.forks[place];
+  if (!fork) return [0, 0];
+  const [fraction, temperature, stress, weight] = fork;
+  const span = (k: number): number => Math.max(ranges[k]!, judged[k]![1]);
+  const error = accuracy * (span(temperature) + layout.perStress * span(stress));
+  const effect = (weight * change) / span(fraction);
+  return Math.abs(margin) <= error && effect > accuracy ? [error, effect] : [0, 0];
+}
+
+/** As `describe_decision` of martensite/simulate/forks.py. */
+function describeDecision({ layout, names, judged }: Scenario, decision: number[], error: number): string {
+  const [margin = 0, time = 0, change = 0, place = 0, branch = 0] = decision;
+  const name = names[judged[layout.forks[place]![0]]![0]]!;
+  const port = name.slice(0, Math.max(0, name.lastIndexOf(".")));
+  const [direct, opposite, start] = branch > 0 ? ["forward", "reverse", "A_s"] : ["reverse", "forward", "M_s"];
+  const where = `t = ${formatGeneral(time, 6)} s${port ? `, element \`${port}\`` : ""}`;
+  return (
+    `Warning: at ${where}, the path ${margin >= 0 ? "misses" : "passes"} the start of the ${opposite} transformation (${start}) by ` +
+    `${power(Math.abs(margin))} K, and the error of the run is up to ${power(error)} K. There the law forgets the interrupted ${direct} ` +
+    `transformation, so the martensite fraction may be wrong by up to ${formatGeneral(change, 2)}; the stated error includes this. ` +
+    'Change the drive or the load a little, or use the law with `history = "return-point"`.'
+  );
+}
+
+/** As Python's format `.1e` writes it. */
+export function power(value: number): string {
+  const [size = "", exponent = "0"] = value.toExponential(1).split("e");
+  const number = Number(exponent);
+  return `${size}e${number < 0 ? "-" : "+"}${String(Math.abs(number)).padStart(2, "0")}`;
 }
 
 /** Samples that are compared: not many more than `FEW`, both ends among them. */

@@ -49,6 +49,8 @@ export interface Marched {
   putIn: number;
   lost: number;
   accounts: Float64Array;
+  /** Closest decision about a forgotten branch: margin [K], time [s], change, fork (-1 without one), branch. */
+  decision: number[];
   /** At the end. */
   state: Float64Array;
   /** Pieces of accepted steps, in the layout of martensite/simulate/track.py; empty if they were not recorded. */
@@ -276,7 +278,8 @@ export class RunModule {
       residual: numbers[8] ?? 0,
       putIn: numbers[9] ?? 0,
       lost: numbers[10] ?? 0,
-      accounts: numbers.slice(11, said),
+      accounts: numbers.slice(11, this.layout.decided),
+      decision: [...numbers.slice(this.layout.decided, said)],
     };
   }
 

@@ -1,7 +1,7 @@
 // A run of a scenario of the page: inputs from its controls, the march, and what is said of it.
 
 import { Refusal } from "../lib/refusal.ts";
-import { hasFailed, marchTo, planMarch, type Base } from "./accuracy.ts";
+import { hasFailed, marchTo, planMarch, power, type Base } from "./accuracy.ts";
 import { readSignal, tableOf } from "./drives.ts";
 import { listSaid, predictInputs, type Changes } from "./inputs.ts";
 import { listTrackRows, weighTrapezoids } from "./track.ts";
@@ -81,8 +81,8 @@ function march(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
   };
   try {
     if (base.step) return describeMarch(scenario, inputs, times, module.march({ ...planMarch(base, inputs.tolerance), recorded: true }), null, follow);
-    const [found, accuracy] = marchTo(module, scenario, base, inputs.tolerance);
-    return describeMarch(scenario, inputs, times, found, accuracy, follow);
+    const [found, accuracy, doubt] = marchTo(module, scenario, base, inputs.tolerance);
+    return describeMarch(scenario, inputs, times, found, accuracy, follow, doubt);
   } catch (error) {
     if (!(error instanceof TooLong)) throw error;
     throw new Refusal(`This run needs more than ${MOST_STEPS.toLocaleString("en")} steps. Make it shorter, or its tolerance larger.`, "input", 400);
@@ -105,7 +105,7 @@ export function planBase({ places }: Scenario, module: RunModule, inputs: Inputs
   };
 }
 
-function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, found: Marched, accuracy: number | null, follow: (found: Marched) => Track): Found {
+function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, found: Marched, accuracy: number | null, follow: (found: Marched) => Track, doubt = ""): Found {
   refuseFailure(scenario, found.status, found.time);
   const leaves = found.status === OUT_OF_ENVELOPE;
   const reached = leaves ? countInside(scenario, inputs, found.rows, found.reached) : found.reached;
@@ -115,7 +115,8 @@ function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, 
   const warnings = accuracy === null ? [] : listUnbalanced(scenario, inputs, found);
   if (exit) warnings.push(describeExit(scenario, exit));
   if (found.status === LONG_STEP) warnings.push(`Warning: ${scenario.statuses[LONG_STEP]}`);
-  if (accuracy !== null && accuracy > inputs.tolerance && !hasFailed(found.status)) {
+  if (doubt) warnings.push(doubt);
+  else if (accuracy !== null && accuracy > inputs.tolerance && !hasFailed(found.status)) {
     warnings.push(
       `Warning: the tolerance of ${power(inputs.tolerance)} was not reached in ${found.steps.toLocaleString("en")} steps; ` +
         `what is judged may be off by ${power(accuracy)} of its range.`,
@@ -306,11 +307,4 @@ function listUnbalanced(scenario: Scenario, inputs: Inputs, found: Marched): str
     tell("work", Math.abs(sum("work") - held - spent - sum("outside")), most, LEAST_WORK);
   }
   return said;
-}
-
-/** As Python's format `.1e` writes it. */
-function power(value: number): string {
-  const [size = "", exponent = "0"] = value.toExponential(1).split("e");
-  const number = Number(exponent);
-  return `${size}e${number < 0 ? "-" : "+"}${String(Math.abs(number)).padStart(2, "0")}`;
 }

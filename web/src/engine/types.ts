@@ -75,6 +75,12 @@ export interface Layout {
   reports: number;
   /** Numbers that are said of a run before the ranges of what is judged. */
   said: number;
+  /** Place of the closest decision among them: margin [K], time [s], change, fork, branch; see forks.py. */
+  decided: number;
+  /** Of each fork its judged fraction, temperature and stress, and its weight in them. */
+  forks: [fraction: number, temperature: number, stress: number, weight: number][];
+  /** Temperature per stress [K/Pa] with the same effect on a transformation. */
+  perStress: number;
   order: 2 | 4;
 }
 

@@ -24,7 +24,7 @@ from martensite.base.parameters import Given, Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource, Heat
-from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.base import AbstractLaw, Fork, Fractions
 from martensite.physics.laws.coupling import StepReport
 from martensite.physics.materials.base import Material
 from martensite.physics.thermal.base import Environment
@@ -139,6 +139,8 @@ class MaterialPoint(NamedTuple):
     oriented_fraction: Scalar
     kinks: tuple[Scalar, ...]
     """See `AbstractLaw.kinks`."""
+    forks: tuple[Fork, ...] = ()
+    """See `AbstractLaw.forks`."""
 
 
 class AbstractElement(Parametrised):
@@ -265,7 +267,10 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
     """Return material points from the memories of a law; empty for a rate-dependent law."""
     if law.rate_dependent:
         return []
-    return [MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], tuple(law.kinks(xp, m))) for m in memories]
+    return [
+        MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], tuple(law.kinks(xp, m)), tuple(law.forks(xp, m)))
+        for m in memories
+    ]
 
 
 def equilibrium_force(

@@ -17,8 +17,9 @@ from martensite.kernels.program import Program
 from martensite.scenario.scenario import Scenario
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.accuracy import shares_stress
+from martensite.simulate.adaptive import PER_STRESS
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.marching_native import RANGES, MarchKernel
+from martensite.simulate.marching_native import DECIDED, RANGES, MarchKernel
 from martensite.simulate.native import march_source
 
 WARMER = 50.0
@@ -88,6 +89,9 @@ def describe_layout(compiled: CompiledMarch, source: RunSource) -> dict[str, Any
         "parameters": len(compiled.paths),
         "reports": len(compiled.report),
         "said": RANGES,
+        "decided": DECIDED,
+        "forks": compiled.forks,
+        "perStress": PER_STRESS,
         "order": 2 if source.march != "adaptive" else compiled.order,
     }
 

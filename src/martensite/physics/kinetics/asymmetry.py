@@ -22,7 +22,7 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.physics.kinetics.history import RESTART
 from martensite.physics.kinetics.strip_legs import PathPoint, find_zero_stress, follow_strip
-from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.base import Fork, Fractions
 
 NONE = "none"
 STOPS, TURNS = 2, 3
@@ -216,6 +216,10 @@ def _kinks(law: Any, xp: Namespace, memory: SidedMemory) -> list[Scalar]:
     return law.on_side(xp, memory.side).kinks(xp, memory.inner)
 
 
+def _forks(law: Any, xp: Namespace, memory: SidedMemory) -> list[Fork]:
+    return law.on_side(xp, memory.side).forks(xp, memory.inner)
+
+
 def _crossing(law: Any, xp: Namespace, _: Any, move: SidedProcess, stress: Scalar, kelvin: Scalar) -> Scalar:
     memory = move.memory
     inner = law.on_side(xp, memory.side).crossing(xp, memory.inner, move.inner, memory.side * stress, kelvin)
@@ -225,5 +229,5 @@ def _crossing(law: Any, xp: Namespace, _: Any, move: SidedProcess, stress: Scala
 
 SIDED_METHODS: dict[str, Callable[..., Any]] = {
     one.__name__[1:]: one
-    for one in (_init, _fractions, _relocate, _select, _follow, _commit, _kinetics, _kinks, _crossing)
+    for one in (_init, _fractions, _relocate, _select, _follow, _commit, _kinetics, _kinks, _forks, _crossing)
 }

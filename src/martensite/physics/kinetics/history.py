@@ -194,6 +194,19 @@ def follow_process(
     return xp.where(ahead, 1.0 - remaining, remaining)
 
 
+def drop_idle_move(
+    xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
+) -> OneFractionProcess:
+    """Return a move without its process if that process did not act up to the end of the leg.
+
+    A second transformation may hold the end of a step before a strip that the elastic trial entered.
+    """
+    first, last = (
+        xp.clip(move.distance(*at, xp), 0.0, 1.0) for at in ((memory.stress, memory.temperature), (stress, temperature))
+    )
+    return move._replace(direction=xp.where(first > last, move.direction, 0.0))
+
+
 def commit_move(
     xp: Namespace,
     memory: OneFractionMemory,

@@ -23,9 +23,11 @@ from martensite.physics.kinetics.history import (
 )
 from martensite.physics.kinetics.return_points import start_points
 from martensite.physics.kinetics.strip_legs import STRAIGHT, Strip, StripCurve
-from martensite.physics.laws.base import Doubt, Fractions
+from martensite.physics.laws.base import Doubt, Fork, Fractions
 
 Point: TypeAlias = tuple[Scalar, Scalar]
+LEAST_LEFT = 1e-300
+"""Smallest fraction left by a wait of an endless process."""
 
 
 class AbstractStripLaw(AbstractSidedDiagram):
@@ -219,6 +221,21 @@ class AbstractStripLaw(AbstractSidedDiagram):
         if self.history == RESUME:
             lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
         return lines
+
+    @override
+    def forks(self, xp: Namespace, memory: OneFractionMemory) -> list[Fork]:
+        if self.history != RESUME:
+            return []
+        at, ahead = (memory.stress, memory.temperature), memory.branch > 0.0
+        distances = [strip.distance(*at, xp) for strip in self.strips()]
+        before = [(v - 1.0) / xp.abs(strip.per_width) for v, strip in zip(distances, self.strips(), strict=True)]
+        own, rest = xp.where(ahead, *distances), xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
+        if self.endless:
+            waits = xp.maximum(xp.minimum(own, 1.0) - memory.scale, 0.0)
+            bound = rest / xp.maximum(self.left_of(xp, 1.0 - waits, ahead), LEAST_LEFT)
+        else:
+            bound = memory.scale * self.left_of(xp, xp.clip(own, 0.0, 1.0), ahead)
+        return [Fork(memory.branch, xp.where(ahead, *before), xp.where(ahead, *before[::-1]), rest, bound)]
 
     def crossing(
         self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.physics.kinetics.history import LEAST_REST, RESTART, RETURN_POINT, compare_parts
+from martensite.physics.kinetics.history import LEAST_REST, RESTART, RESUME, RETURN_POINT, compare_parts
 from martensite.physics.kinetics.return_points import (
     COMPLETE_REST,
     SHARE_TOLERANCE,
@@ -45,7 +45,7 @@ from martensite.physics.kinetics.strip_legs import (
     round_off,
     turning_point,
 )
-from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.base import Fork, Fractions
 
 UNSET = 1.0
 """Distance to the finish line that no process has reduced."""
@@ -195,6 +195,28 @@ def list_kinks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMe
     return [above, -above, *(xp.where(left > 0.0, one, 1.0) for one, (*_, left) in zip(ahead, rows, strict=True))]
 
 
+def list_forks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory) -> list[Fork]:
+    """Return the branch of S or reverse, and the branch of T, which reverse forgets under the rule resume."""
+    if rule != RESUME:
+        return []
+    ahead = memory.branch > 0.0
+    strips = diagram.loading, diagram.cooling, diagram.reverse
+    kelvins = xp.maximum(memory.temperature, diagram.bend), memory.temperature, memory.temperature
+    distances = [one.distance(memory.stress, kelvin) for one, kelvin in zip(strips, kelvins, strict=True)]
+    s, t, r = ((v - 1.0) / xp.abs(one.per_width) for v, one in zip(distances, strips, strict=True))
+    reaches = memory.loading, memory.cooling, memory.reverse
+    left = [compute_rest_ratio(xp, xp.clip(v, 0.0, 1.0), reach) for v, reach in zip(distances, reaches, strict=True)]
+
+    def wait(rest: Scalar, share: Scalar) -> tuple[Scalar, Scalar]:
+        return rest, xp.where(share > 0.0, rest / xp.where(share > 0.0, share, 1.0), rest)
+
+    rest = xp.where(ahead, 1.0 - memory.oriented, memory.martensite)
+    forward, back = xp.minimum(s, t), xp.where(ahead, 1.0 - memory.martensite, 0.0)
+    distances = xp.where(ahead, forward, r), xp.where(ahead, r, forward)
+    waits = wait(rest, xp.where(ahead, left[0], left[2])), wait(back, left[1])
+    return [Fork(memory.branch, *distances, *one) for one in waits]
+
+
 def find_kink(
     xp: Namespace, bend: Scalar, start: PathPoint, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:
@@ -293,11 +315,10 @@ def turn_points(
 ) -> tuple[ReturnPoints, Flag]:
     """Return the return points at the start of a move, empty after a complete branch; and whether it interrupts one.
 
-    S is complete without twins and austenite, T without austenite.
+    Forward is complete without twins and austenite: twins that complete the martensite interrupt a branch of S.
     """
     points, turned = recalled.points, memory.branch * direction < 0.0
-    forward = 1.0 - xp.where(recalled.twinned > 0.5, memory.martensite, memory.oriented)
-    goes_on = xp.where(direction > 0.0, memory.martensite, forward) > COMPLETE_REST
+    goes_on = xp.where(direction > 0.0, memory.martensite, 1.0 - memory.oriented) > COMPLETE_REST
     forget = xp.both(turned, xp.negate(goes_on))
     forwards, reverses = (xp.where(forget, 0.0, one) for one in (points.forwards, points.reverses))
     return points._replace(forwards=forwards, reverses=reverses), xp.both(turned, goes_on)

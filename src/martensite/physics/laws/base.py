@@ -70,6 +70,25 @@ class RPhaseFractions(Fractions):
         return self.rphase * (1.0 - self.martensite)
 
 
+class Fork(NamedTuple):
+    """Branch in progress, and the surface on which the law forgets it.
+
+    A branch with `rest` < `bound` waits: it continues where `bound` has fallen to `rest`. A law that forgot it would
+    continue at once.
+    """
+
+    branch: Scalar
+    """+1 forward, -1 reverse, 0 before the first transformation."""
+    own: Scalar
+    """Distance [K] before the start of this direction; negative inside its strip."""
+    other: Scalar
+    """Distance [K] before the start of the opposite direction."""
+    rest: Scalar
+    """Remaining fraction of the branch [-]."""
+    bound: Scalar
+    """Remaining fraction that the branch allows at this point, at least `rest` [-]."""
+
+
 class Doubt(NamedTuple):
     """Range in which a law is not reliable."""
 
@@ -224,6 +243,13 @@ class AbstractLaw(Parametrised):
         """Return numbers that fall through 0 where a transformation starts or ends, smooth on both sides.
 
         The time integration ends a step there. The list is empty for laws without known kinks.
+        """
+        return []
+
+    def forks(self, xp: Namespace, memory: Any) -> list[Fork]:
+        """Return the branches that a law forgets on a surface; a small change of the path may then change the result.
+
+        The list is empty for laws whose result is a continuous function of the path.
         """
         return []
 

@@ -27,7 +27,7 @@ from martensite.physics.kinetics.asymmetry import NONE
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractSidedDiagram
 from martensite.physics.kinetics.strip_legs import Strip, compute_cosine_rest
 from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
-from martensite.physics.laws.base import LAWS, Doubt, Fractions
+from martensite.physics.laws.base import LAWS, Doubt, Fork, Fractions
 
 PIECES = 3
 """Largest number of processes on a leg: S, reverse and T in some order."""
@@ -191,6 +191,10 @@ class Brinson(AbstractSidedDiagram):
     @override
     def kinks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Scalar]:
         return two_fractions.list_kinks(xp, self.history, self.diagram(), memory)
+
+    @override
+    def forks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Fork]:
+        return two_fractions.list_forks(xp, self.history, self.diagram(), memory)
 
     def young(self, fractions: Fractions) -> Scalar:
         """Return E(ξ) = E_A + ξ (E_M - E_A) [Pa]."""

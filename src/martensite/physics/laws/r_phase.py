@@ -25,7 +25,7 @@ from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram, require_order
 from martensite.physics.kinetics.history import OneFractionMemory, OneFractionProcess
 from martensite.physics.kinetics.strips import AbstractCosineLaw
-from martensite.physics.laws.base import LAWS, Doubt, Fractions, RPhaseFractions
+from martensite.physics.laws.base import LAWS, Doubt, Fork, Fractions, RPhaseFractions
 
 
 class RPhaseMemory(NamedTuple):
@@ -178,8 +178,10 @@ class RPhase(AbstractPhaseDiagram):
         dt: Scalar,
     ) -> RPhaseMemory:
         at, share = (stress, temperature, dt), Fractions(fractions.rphase, fractions.rphase)
-        own = self.whole().commit(xp, memory.martensite, move.martensite, fractions, *at)
-        return RPhaseMemory(own, self.parent().commit(xp, memory.rphase, move.rphase, share, *at))
+        pairs = zip(memory, move, strict=True)
+        first, second = (history.drop_idle_move(xp, one, its, stress, temperature) for one, its in pairs)
+        own = self.whole().commit(xp, memory.martensite, first, fractions, *at)
+        return RPhaseMemory(own, self.parent().commit(xp, memory.rphase, second, share, *at))
 
     def kinetics(
         self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -204,6 +206,10 @@ class RPhase(AbstractPhaseDiagram):
     @override
     def kinks(self, xp: Namespace, memory: RPhaseMemory) -> list[Scalar]:
         return [*self.whole().kinks(xp, memory.martensite), *self.parent().kinks(xp, memory.rphase)]
+
+    @override
+    def forks(self, xp: Namespace, memory: RPhaseMemory) -> list[Fork]:
+        return [*self.whole().forks(xp, memory.martensite), *self.parent().forks(xp, memory.rphase)]
 
     @override
     def crossing(
