@@ -469,8 +469,7 @@ class AdaptiveMarch(AbstractMarch):
         missed = self.plan.tolerance * trial.error if trial.error > 1.0 else 0.0  # minimum step length
         found.residual = max(found.residual, trial.residual) + missed
         middle = self.time + 0.5 * length
-        if self.plan.parted:
-            self._watch_forks(trial, middle, end)
+        self._watch_forks(trial, middle, end)
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
         self.record_piece(SECOND, middle, end, trial.halves[1], trial.full)
         if begins_at_edge and not self.leaps:
@@ -496,6 +495,8 @@ class AdaptiveMarch(AbstractMarch):
 
     def _watch_forks(self, trial: StepTrial, middle: float, end: float) -> None:
         """Look for decisions about forgotten branches at the middle and the end of a step [s]."""
+        if not self.plan.parted:  # the first pass
+            return
         forks, share = self.plan.compiled.forks, COUNTS * self.plan.tolerance
         allowed = [share * self._scale(fork.fraction) / fork.weight for fork in forks]
         for time, state in ((middle, trial.half), (end, trial.full)):

@@ -19,7 +19,7 @@ static void begin_forks(block *b, const flags_of_lanes begins) {
 }
 
 /* close, open and follow decisions of one fork */
-static void follow_fork(block *b, long k, const column *n, const column time, const flags_of_lanes taken, double share) {
+static void follow_fork(block *b, long k, const column *n, const flags_of_lanes taken, double share) {
     column *w = b->watched[k], *d = b->decided;
     EACH(i) {
         const double least = share * b->scale[fork_parts[k]][i];
@@ -28,8 +28,8 @@ static void follow_fork(block *b, long k, const column *n, const column time, co
         const long long t = taken[i], same = branch == last;
         const double lost = allows > 0.0 ? rest - rest * rest / allows : 0.0;
         const long long returns = !same & (ended != 0.0) & (ended == branch);
-        const long long dips = same & (lost > least) & (w[OLDER][i] >= far) & (far > -ROUNDED) & (n[BEFORE_OTHER][i] > far) &
-                               (far < fabs(w[NEAR][i]));
+        const long long dips = same & (lost > least) & (w[OLDER][i] >= far) & (far > -ROUNDED) &
+                               (n[BEFORE_OTHER][i] > far) & (far < fabs(w[NEAR][i]));
         const long long ends = !same & (last != 0.0) & (lost > least);
         const double waits = same ? w[NEAR][i] : HUGE_VAL;
         const double near = returns ? w[DEPTH][i] : dips ? far : waits;
@@ -49,7 +49,6 @@ static void follow_fork(block *b, long k, const column *n, const column time, co
         d[1][i] = closer ? since : d[1][i];
         d[3][i] = closer ? (double)k : d[3][i];
         d[4][i] = closer ? branch : d[4][i];
-        w[OLDER][i] = t ? (same & (branch != 0.0) ? far : -HUGE_VAL) : w[OLDER][i];
         w[SINCE][i] = t & !same ? when : w[SINCE][i];
         w[HAD][i] = t & !same ? rest : had;
         w[OPEN][i] = t & !same ? allows : w[OPEN][i];
@@ -61,19 +60,42 @@ static void follow_fork(block *b, long k, const column *n, const column time, co
         w[KEPT][i] = t ? kept : w[KEPT][i];
         w[FROM][i] = t ? from : w[FROM][i];
         w[RATIO][i] = t ? ratio : w[RATIO][i];
-        w[LAST][i] = t ? branch : last;
-        w[FAR][i] = t ? n[BEFORE_OTHER][i] : far;
-        w[LEFT][i] = t ? n[REST][i] : rest;
-        w[ALLOWS][i] = t ? n[BOUND][i] : allows;
-        w[WHEN][i] = t ? time[i] : when;
+    }
+}
+
+/* whether a fork has a decision in some lane, or may have one now */
+static int may_decide(const block *b, long k, const column *n, const flags_of_lanes taken) {
+    const column *w = b->watched[k];
+    flags_of_lanes may;
+    EACH(i) {
+        const long long dips = (w[OLDER][i] >= w[FAR][i]) & (n[BEFORE_OTHER][i] > w[FAR][i]);
+        const long long open = (w[NEAR][i] < HUGE_VAL) | (w[ENDED][i] != 0.0);
+        may[i] = taken[i] & (dips | open | (n[BRANCH][i] != w[LAST][i]));
+    }
+    return any(may);
+}
+
+/* the point of a fork is the last one now */
+static void shift_fork(column *w, const column *n, const column time, const flags_of_lanes taken) {
+    EACH(i) {
+        const long long t = taken[i], same = (n[BRANCH][i] == w[LAST][i]) & (n[BRANCH][i] != 0.0);
+        w[OLDER][i] = t ? (same ? w[FAR][i] : -HUGE_VAL) : w[OLDER][i];
+        w[LAST][i] = t ? n[BRANCH][i] : w[LAST][i];
+        w[FAR][i] = t ? n[BEFORE_OTHER][i] : w[FAR][i];
+        w[LEFT][i] = t ? n[REST][i] : w[LEFT][i];
+        w[ALLOWS][i] = t ? n[BOUND][i] : w[ALLOWS][i];
+        w[WHEN][i] = t ? time[i] : w[WHEN][i];
     }
 }
 
 static void see_forks(const march *m, block *b, column *states, const column time, const flags_of_lanes taken) {
     column now[FORKS * FORK];
     k_forks(LANES, *b->c, *states, *now);
-    for (long k = 0; k < FORKS; k++)
-        follow_fork(b, k, now + k * FORK, time, taken, COUNTS * m->tolerance / fork_weights[k]);
+    for (long k = 0; k < FORKS; k++) {
+        const column *n = now + k * FORK;
+        if (may_decide(b, k, n, taken)) follow_fork(b, k, n, taken, COUNTS * m->tolerance / fork_weights[k]);
+        shift_fork(b->watched[k], n, time, taken);
+    }
 }
 
 /* the points in the middle and at the end of accepted steps */
