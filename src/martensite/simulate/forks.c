@@ -30,7 +30,7 @@ static void follow_fork(block *b, long k, const column *n, const flags_of_lanes 
         const long long returns = !same & (ended != 0.0) & (ended == branch);
         const long long dips = same & (lost > least) & (w[OLDER][i] >= far) & (far > -ROUNDED) &
                                (n[BEFORE_OTHER][i] > far) & (far < fabs(w[NEAR][i]));
-        const long long ends = !same & (last != 0.0) & (lost > least);
+        const long long ends = !same & (last != 0.0) & (branch != 0.0) & (lost > least);
         const double waits = same ? w[NEAR][i] : HUGE_VAL;
         const double near = returns ? w[DEPTH][i] : dips ? far : waits;
         const double since = returns ? w[SINCE][i] : dips ? when : w[TIME][i];
@@ -39,7 +39,7 @@ static void follow_fork(block *b, long k, const column *n, const flags_of_lanes 
         const double ratio = returns ? w[OPEN][i] / (had > 0.0 ? had : 1.0) : dips ? 1.0 : w[RATIO][i];
         const double begun = same ? ended : ends ? last : 0.0;
         const double entry = same ? w[ENTRY][i] : smaller(far, 0.0), deep = same ? w[DEPTH][i] : 0.0;
-        const double behind = (begun != 0.0) & (branch != 0.0) ? smaller(deep, n[BEFORE_OWN][i] - entry) : deep;
+        const double behind = begun != 0.0 ? smaller(deep, n[BEFORE_OWN][i] - entry) : deep;
         const double bound = ratio * n[BOUND][i], open = near < HUGE_VAL ? 1.0 : 0.0;
         const double found = open * (smaller(kept, bound) - kept * bound / (from > 0.0 ? from : 1.0));
         const long long closer = t & (found > least) & (fabs(near) <= fabs(d[0][i]));

@@ -56,7 +56,7 @@ def describe_decision(decision: Decision, error: float, port: str) -> str:
         f"Warning: at {where}, the path {met} {surface} by {abs(decision.margin):.1e} K, and the error of the run is "
         f"up to {error:.1e} K. There the law forgets the interrupted {direct} transformation, so the martensite "
         f"fraction may be wrong by up to {decision.change:.2g}; the stated error includes this. "
-        'Change the drive or the load a little, or use the law with `history = "return-point"`.'
+        'Give a smaller tolerance, change the drive or the load a little, or use `history = "return-point"` of the law.'
     )
 
 
@@ -102,10 +102,10 @@ class WatchedFork:
         here = OpenDecision(last.other, self.time, last.branch, last.rest, last.bound)
         same = now.branch == last.branch
         if not same:
-            self._end_branch(now, here if last.branch and lost > least else None)
+            self._end_branch(now, here if last.branch and now.branch and lost > least else None)
         elif lost > least and self._turns(now) and (self.near is None or last.other < abs(self.near.margin)):
             self.near = here
-        if self.left and now.branch:
+        if self.left:
             self.left = self.left._replace(margin=min(self.left.margin, now.own - self.left.entry))
         self.older = last.other if same and now.branch else -math.inf
         self.last, self.time = now, time

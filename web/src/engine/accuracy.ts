@@ -61,7 +61,7 @@ function describeDecision({ layout, names, judged }: Scenario, decision: number[
     `Warning: at ${where}, the path ${margin >= 0 ? "misses" : "passes"} the start of the ${opposite} transformation (${start}) by ` +
     `${power(Math.abs(margin))} K, and the error of the run is up to ${power(error)} K. There the law forgets the interrupted ${direct} ` +
     `transformation, so the martensite fraction may be wrong by up to ${formatGeneral(change, 2)}; the stated error includes this. ` +
-    'Change the drive or the load a little, or use the law with `history = "return-point"`.'
+    'Give a smaller tolerance, change the drive or the load a little, or use `history = "return-point"` of the law.'
   );
 }
 
