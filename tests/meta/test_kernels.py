@@ -20,7 +20,7 @@ def test_every_part_traces_in_a_system(cls):
     system = example_system(thing)
     assert thing in list(system.tree())
     functions = set(compile_march(system).program.functions)
-    usual = ["init", "step", "solve", "ripple", "observe", "judge", "points", "flows", "entries"]
+    usual = ["init", "step", "solve", "ripple", "observe", "judge", "points", "forks", "flows", "entries"]
     assert functions == {*usual, *(["rosenbrock"] if system.exchanges() else [])}
 
 
