@@ -22,6 +22,7 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from queue import SimpleQueue
 from typing import BinaryIO
@@ -109,6 +110,16 @@ def _open_streams() -> tuple[BinaryIO, BinaryIO]:
     return source, out
 
 
+@cache
+def _import_later_calls() -> None:
+    """Import what forms and `Live` need, while the page shows the answer before."""
+    from martensite.scenario.catalogue import list_registries
+
+    find_call("model")
+    for registry in list_registries().values():
+        registry.names()
+
+
 def main() -> None:
     """Answer calls until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server
@@ -119,7 +130,7 @@ def main() -> None:
     find_call("run")  # makes the first call fast
     while True:
         if work.empty():
-            find_call("model")  # imported while the page shows the answer before
+            _import_later_calls()
         message, stop = work.get()
         desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
         try:
