@@ -22,7 +22,6 @@ LONG_FILES = {"physics/kinetics/two_fractions.py", "simulate/adaptive.py", "simu
 """Files that are too long today."""
 MOST_BRANCHES = 15
 COMPLEX = {
-    "logs/lab_files.py:interpret_table",
     "simulate/batch.py:compute_sensitivity",
     "simulate/marching_native.py:__init__",
     "simulate/marching_native.py:source",

@@ -164,48 +164,52 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     """Return a table with the meaning of its columns; arguments and errors as `read_lab_file`."""
     meant = guess_meanings(raw, named)
     blocks = leave_blocks(raw, meant)
-    times, clock = _find_times(raw, meant)
-    kept = np.arange(raw.rows) if times is None else times.kept
-    columns: dict[str, Numbers] = {}
-    si_units: dict[str, str] = {}
-    listed: list[ReadColumn] = []
-    notes = [*raw.notes, *blocks, *(times.notes if times else ())]
-    for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
-        if place == clock and times is not None:
-            listed.append(describe_column(place, column, replace(one, name="time"), "s", times.times))
-            columns["time"], si_units["time"] = times.times, "s"
-            continue
-        if not one.name or one.name == IGNORED or one.unit == CLOCK or one.name == "time":
-            listed.append(describe_column(place, column, one, "", np.array([math.nan])))
-            continue
-        (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
-        factor, offset = units.find_conversion(head.spelling, head.unit)
-        numbers = (column.numbers[kept] * one.factor + one.offset) * factor + offset
-        columns[head.name], si_units[head.name] = numbers, head.unit
-        listed.append(describe_column(place, column, replace(one, name=head.name), head.unit, numbers))
-    notes += _list_doubts(raw, meant, clock)
-    notes += _mend_columns(columns, meant)
-    if not any(name != "time" for name in columns):
+    known, clock = _find_times(raw, meant)
+    times, timed = (known, True) if known else _assume_times(raw, bool(blocks))
+    columns, si_units, listed = _convert_columns(raw, meant, times, clock)
+    notes = [*raw.notes, *blocks, *times.notes, *_list_doubts(raw, meant, clock), *_mend_columns(columns, meant)]
+    if columns.keys() <= {"time"}:
         raise UntoldError(_explain_unknown(raw, meant))
-    left, interval = raw.left_out + (times.left_out if times else ()), None
-    if times is None:
-        columns_given = [(c.heading, c.unit, c.numbers) for c in raw.columns]
-        interval = None if blocks else find_interval(raw.said) or find_step(columns_given)
-        columns = {"time": (interval or 1.0) * np.arange(float(raw.rows))} | columns
-        si_units = {"time": "s"} | si_units
-        notes += [f"The file has no times: it says that its samples are {interval:g} s apart."] if interval else []
-    kept_rows = _drop_empty(columns)
-    if len(kept_rows) < len(columns["time"]):
-        left += count_rows("no number but the time", raw.numbers[np.delete(kept, kept_rows)])
+    left, kept_rows = raw.left_out + times.left_out, _drop_empty(columns)
+    if len(kept_rows) < len(times.times):
+        left += count_rows("no number but the time", raw.numbers[np.delete(times.kept, kept_rows)])
         columns = {name: column[kept_rows] for name, column in columns.items()}
     count = sum(one.count for one in left if one.reason != "below the table")
-    assumed = None if times is not None or interval else 1.0
     file, sheet = part_sheet(path)
-    record = Record(f"{file.stem} {sheet}".strip(), columns, si_units, file, count, assumed)
+    record = Record(f"{file.stem} {sheet}".strip(), columns, si_units, file, count, None if timed else 1.0)
     titled = len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
-    timed, start = times is not None or interval is not None, times.start if times else None
     parts = tuple(listed), left, tuple(notes)
-    return LabFile(path, raw.form, record, *parts, timed, start, titled, labels=raw.labels, said=raw.said)
+    return LabFile(path, raw.form, record, *parts, timed, times.start, titled, labels=raw.labels, said=raw.said)
+
+
+def _convert_columns(
+    raw: RawTable, meant: list[Meaning], times: TableTimes, clock: int
+) -> tuple[dict[str, Numbers], dict[str, str], list[ReadColumn]]:
+    """Return the columns in SI with the times, their units, and descriptions of all columns."""
+    columns, si_units = ({}, {}) if clock >= 0 else ({"time": times.times}, {"time": "s"})
+    listed: list[ReadColumn] = []
+    for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
+        if place == clock:
+            listed.append(describe_column(place, column, replace(one, name="time"), "s", times.times))
+            columns["time"], si_units["time"] = times.times, "s"
+        elif one.name in ("", IGNORED, "time") or one.unit == CLOCK:
+            listed.append(describe_column(place, column, one, "", np.array([math.nan])))
+        else:
+            (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
+            factor, offset = units.find_conversion(head.spelling, head.unit)
+            numbers = (column.numbers[times.kept] * one.factor + one.offset) * factor + offset
+            columns[head.name], si_units[head.name] = numbers, head.unit
+            listed.append(describe_column(place, column, replace(one, name=head.name), head.unit, numbers))
+    return columns, si_units, listed
+
+
+def _assume_times(raw: RawTable, separate: bool) -> tuple[TableTimes, bool]:
+    """Return times of a table without a time column, and whether the file gives their interval; else it is 1 s."""
+    given = [(column.heading, column.unit, column.numbers) for column in raw.columns]
+    interval = None if separate else find_interval(raw.said) or find_step(given)
+    notes = (f"The file has no times: it says that its samples are {interval:g} s apart.",) if interval else ()
+    rows = np.arange(raw.rows)
+    return TableTimes((interval or 1.0) * rows.astype(float), rows, None, (), notes), interval is not None
 
 
 def _drop_empty(columns: Mapping[str, Numbers]) -> NDArray[np.intp]:
