@@ -20,6 +20,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
 from martensite.kernels import floats
 from martensite.kernels.nested import name_numbers
+from martensite.simulate.forks import Decision
 from martensite.simulate.marching import Marched, MarchPlan, Row
 
 RANGES = {
@@ -255,6 +256,11 @@ def join_rows(parts: Sequence[Any]) -> Any:
     return list(chain.from_iterable(parts))
 
 
+def _find_closest(legs: Sequence[Marched]) -> Decision:
+    """Return the closest decision of several legs."""
+    return min((leg.decision for leg in legs), key=lambda one: abs(one.margin))
+
+
 def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> Marched:
     """Return a pass from its legs and the previous result; energies cover its legs only."""
     last = legs[-1]
@@ -273,7 +279,7 @@ def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> M
         longest=max(one.longest for one in legs),
         ripple=max(one.ripple for one in parts),
         residual=sum(one.residual for one in parts),
-        decision=min((one.decision for one in legs), key=lambda one: abs(one.margin)),
+        decision=_find_closest(legs),
         accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),
         record=join_rows([one.record for one in legs]),
         gap=before.gap if before else (),
