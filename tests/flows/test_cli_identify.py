@@ -107,7 +107,7 @@ def test_json_holds_what_python_finds() -> None:
     assert fits["validation"] > 98.0
     assert found["free_run"] is True
     assert found["stages"][0]["agreeing"] == 3
-    assert set(found["stages"][0]["numbers"]) == set(same.model.names())
+    assert set(found["stages"][0]["numbers"]) == set(found["stages"][0]["standard_errors"]) == set(same.model.names())
 
 
 def test_stages_in_series_are_saved_and_drawn(folder: Path) -> None:

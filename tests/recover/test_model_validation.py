@@ -8,6 +8,7 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.correlations import correlate_residuals
+from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.information_matrix import invert_normal, sum_blocks
 from martensite.identify.chains.record_parts import find_rising, split_by_direction
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
@@ -211,6 +212,20 @@ def test_errors_are_told_in_the_units_of_what_is_shown(truth):
     assert any("coloured" in s for s in found.sentences)
     with pytest.raises(ParameterError, match="at least 1 sample"):
         estimate_chain_uncertainty(chain, squares, 0)
+
+
+def test_errors_of_estimates_are_their_scatter_for_any_initial_state():
+    """The truth: the scatter of a time constant over records that do not begin in steady state, with white noise."""
+    u = np.repeat(np.random.default_rng(20).uniform(0.5, 1.0, 30), 20)
+    y = lfilter([0.0, 0.05], [1.0, -0.95], u)  # from 0, far below the steady state of the first input
+    estimates = []
+    for seed in range(12):
+        noisy = y + np.random.default_rng(seed).normal(0.0, 0.01, len(u))
+        record = Sampled("steps", DT, u, noisy, ("u",), ("y",), {"u": "1", "y": "mm"})
+        estimates.append(estimate_chain("oe(1,1,1)", [record], Options(starts=1, start="estimate")))
+    found = [next(x for x in one.uncertainty.describe_numbers() if x.name == "tau") for one in estimates]
+    scatter = np.std([x.value for x in found], ddof=1)
+    assert 0.5 < np.mean([x.error for x in found]) / scatter < 2.0
 
 
 # ---------------------------------------------------------------- figures

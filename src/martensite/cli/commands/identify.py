@@ -316,7 +316,8 @@ def _write_stages_report(found: Identified, records: Sequence[Sampled], report: 
 
     names = found.stages[-1].outputs
     own = [select_signals(record, found.model.input_names, names) for record in records]
-    return write_model_report([validate_chain(found.model, one, found.options.skip) for one in own], report)
+    checked = [validate_chain(found.model, one, found.options.skip) for one in own]
+    return write_model_report(checked, report, found.estimates[0].uncertainty if len(found.stages) == 1 else None)
 
 
 def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from threading import Event
 
 import numpy as np
@@ -45,6 +46,7 @@ from martensite.identify.chains.searches import (
     stop_at,
 )
 from martensite.identify.chains.starts import begin_from_chain, list_informed_starts
+from martensite.identify.chains.uncertainty import ChainUncertainty, estimate_chain_uncertainty
 from martensite.search.levenberg_marquardt import Found, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
@@ -89,6 +91,14 @@ class ChainEstimate:
     def squares(self) -> ResidualSquares:
         """Return the minimised sum of squares."""
         return ResidualSquares(self.chain.engine, self.aims)
+
+    @cached_property
+    def uncertainty(self) -> ChainUncertainty | None:
+        """Return the uncertainty of the free numbers; None for an interrupted search, which ends at no minimum."""
+        if not self.complete:
+            return None
+        states = self.found.theta[len(self.chain.theta) :]
+        return estimate_chain_uncertainty(self.chain, self.squares(), states=states)
 
 
 def estimate_chain(

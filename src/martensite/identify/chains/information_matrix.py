@@ -47,12 +47,16 @@ class Sums:
 def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
     """Return the block length of every record in samples, from the correlation time of its residuals.
 
+    Args:
+        squares: minimised sum of squares.
+        theta: numbers of the chain, and estimated initial states.
+
     Raises:
         DataError: a residual is not finite.
     """
     lengths: list[int] = []
-    for aim, state in zip(squares.aims, squares.initial(squares.extend_parameters(theta)), strict=True):
-        y = squares.engine.simulate(theta, aim.record.inputs, state.copy())
+    for aim, state in zip(squares.aims, squares.initial(theta), strict=True):
+        y = squares.engine.simulate(theta[: squares.columns], aim.record.inputs, state.copy())
         errors = (aim.record.outputs - y)[aim.skip :]
         longest = 1.0
         for column in errors.T:

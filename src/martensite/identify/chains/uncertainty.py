@@ -157,7 +157,7 @@ class ChainUncertainty:
 
 
 def estimate_chain_uncertainty(
-    chain: Chain, squares: ResidualSquares, blocks: Sequence[int] | int | None = None
+    chain: Chain, squares: ResidualSquares, blocks: Sequence[int] | int | None = None, states: Numbers | None = None
 ) -> ChainUncertainty:
     """Return the covariance of a chain at the minimum of a sum of squares, such as `estimate.squares()`.
 
@@ -166,16 +166,17 @@ def estimate_chain_uncertainty(
         squares: minimised sum of squares.
         blocks: block length in samples, for all records or for each; default: three correlation times. 1 means
             independent residuals.
+        states: estimated initial states, in the order of `squares`; default: the steady states.
 
     Raises:
         DataError: no sample counts, or a residual is not finite.
         ParameterError: a block is shorter than a sample, or the number of blocks does not fit.
     """
-    theta = chain.theta
+    theta = squares.extend_parameters(chain.theta) if states is None else np.concatenate([chain.theta, states])
     lengths = _choose_lengths(squares, theta, blocks)
     sums = sum_blocks(squares, theta, lengths)
     count = float(sums.counts.sum())
-    p = len(theta)
+    p = len(chain.theta)
     if not count or not np.all(np.isfinite(sums.square)):
         raise DataError("The covariance of a model needs residuals that are finite.")
     inverted = invert_normal(sums.square, chain.names())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static
 
 if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
+    from martensite.identify.chains.estimate import ChainEstimate
     from martensite.identify.chains.stages import Identified
     from martensite.signals.sampling.sampled import Sampled
 
@@ -46,21 +48,31 @@ def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
         f"{one.options.starts} starts; {one.agreeing} of {len(one.fits)} refined searches "
         "agree within 0.1 percentage points."
     )
-    yield from _describe_dynamics(chain)
+    yield from _describe_dynamics(one)
 
 
-def _describe_dynamics(chain: Chain) -> Iterator[Block]:
+def _describe_dynamics(one: ChainEstimate) -> Iterator[Block]:
+    found = one.uncertainty
+    blocks = enumerate(zip(one.chain.blocks, one.chain.split(), strict=True), start=1)
+    errors = {(x.block, x.name): x.error for x in found.describe_numbers()} if found else {}
     rows = [
-        (str(k), name, f"{value:.5g}", unit)
-        for k, (block, theta) in enumerate(zip(chain.blocks, chain.split(), strict=True), start=1)
+        (str(k), name, f"{value:.5g}", _format_error(errors.get((k, name), math.nan)), unit)
+        for k, (block, theta) in blocks
         if block.states()
         for name, value, unit in block.describe_numbers(theta)
     ]
     if rows:
-        yield DataTable(("block", "parameter", "value", "unit"), rows[:MOST_NUMBERS], right=(2,))
+        yield DataTable(("block", "parameter", "value", "standard error", "unit"), rows[:MOST_NUMBERS], right=(2, 3))
     if len(rows) > MOST_NUMBERS:
         left = len(rows) - MOST_NUMBERS
         yield Sentence(f"{left} more parameters of dynamic blocks are in the output of --json.")
+    yield from map(Sentence, found.sentences if found else ())
+
+
+def _format_error(error: float) -> str:
+    if math.isnan(error):
+        return "–"
+    return f"{error:.2g}" if math.isfinite(error) else "undetermined"
 
 
 def _describe_scores(found: Identified) -> Iterator[Block]:
@@ -124,6 +136,7 @@ def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str,
                 "output": stage.output,
                 "free_numbers": len(one.chain.theta),
                 "numbers": dict(zip(one.chain.names(), map(float, one.chain.theta), strict=True)),
+                "standard_errors": _list_errors(one),
                 "refined_fits": [float(fit) for fit in one.fits],
                 "agreeing": int(one.agreeing),
             }
@@ -132,6 +145,12 @@ def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str,
         "scores": [asdict(score) for score in found.scores],
         "warnings": collect_warnings(found, records),
     }
+
+
+def _list_errors(one: ChainEstimate) -> dict[str, float | None]:
+    """Return the standard errors of the free numbers; None if undetermined."""
+    errors = [] if one.uncertainty is None else one.uncertainty.errors.tolist()
+    return {name: x if math.isfinite(x) else None for name, x in zip(one.chain.names(), errors, strict=False)}
 
 
 def summarise_model(
