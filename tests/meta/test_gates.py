@@ -18,7 +18,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "martensite"
 MOST_LINES = 400
-LONG_FILES = {"physics/kinetics/two_fractions.py", "simulate/adaptive.py", "simulate/marching_native.py"}
 """Files that are too long today."""
 MOST_BRANCHES = 15
 COMPLEX = {

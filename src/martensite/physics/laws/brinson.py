@@ -22,11 +22,12 @@ from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics import two_fractions
+from martensite.physics.kinetics import two_fraction_legs, two_fractions
 from martensite.physics.kinetics.asymmetry import NONE
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractSidedDiagram
 from martensite.physics.kinetics.strip_legs import Strip, compute_cosine_rest
-from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
+from martensite.physics.kinetics.two_fraction_legs import Diagram, TwoFractionMemory
+from martensite.physics.kinetics.two_fractions import TwoFractionDirection
 from martensite.physics.laws.base import LAWS, Doubt, Fork, Fractions
 
 PIECES = 3
@@ -110,8 +111,8 @@ class Brinson(AbstractSidedDiagram):
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> tuple[Scalar, Scalar]:
         """Return the point of a leg where the direction may change; else its end."""
-        courses = two_fractions.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
-        return two_fractions.find_handover(xp, courses, memory, stress, temperature)
+        courses = two_fraction_legs.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
+        return two_fraction_legs.find_handover(xp, courses, memory, stress, temperature)
 
     def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
         """Return the fraction that reverse transformation leaves between two distances."""
@@ -152,7 +153,7 @@ class Brinson(AbstractSidedDiagram):
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> TwoFractionDirection:
         diagram = self.diagram()
-        courses = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
+        courses = two_fraction_legs.follow_all_strips(xp, diagram, memory, stress, temperature)
         return two_fractions.select_direction(xp, self.history, diagram, memory, courses)
 
     @override
@@ -181,16 +182,16 @@ class Brinson(AbstractSidedDiagram):
         """Advance along a straight leg; both directions may act in succession."""
         diagram = self.diagram()
         for _ in range(PIECES - 1):
-            courses = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
+            courses = two_fraction_legs.follow_all_strips(xp, diagram, memory, stress, temperature)
             move = two_fractions.select_direction(xp, self.history, diagram, memory, courses)
-            between = two_fractions.find_handover(xp, courses, memory, stress, temperature)
+            between = two_fraction_legs.find_handover(xp, courses, memory, stress, temperature)
             fractions = self.follow(xp, move, *between, dt)
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     @override
     def kinks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Scalar]:
-        return two_fractions.list_kinks(xp, self.history, self.diagram(), memory)
+        return two_fraction_legs.list_kinks(xp, self.history, self.diagram(), memory)
 
     @override
     def forks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Fork]:
