@@ -30,7 +30,7 @@ from martensite.simulate.cuda import device, march, to_ends
 from martensite.simulate.cuda.slopes import print_slopes
 from martensite.simulate.cuda.source import MarchSource
 from martensite.simulate.ensembles import Ensemble
-from martensite.simulate.marching_native import kernel_of
+from martensite.simulate.march_kernel import kernel_of
 from martensite.simulate.variants import VariantSetup
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -23,7 +23,7 @@ from martensite.kernels import compile_jobs
 from martensite.kernels.compiler import find_compiler, is_compiled, load_library
 from martensite.kernels.quick_compiler import find_tcc
 from martensite.signals.step import Step
-from martensite.simulate import marching_native
+from martensite.simulate import march_kernel, marching_native
 from martensite.simulate.api import simulate
 
 SOURCE = "#ifndef QUICK\n#define QUICK 0\n#endif\nlong quick(void) { return QUICK; }\n"
@@ -144,18 +144,18 @@ def test_runs_of_both_compilers_agree_to_their_accuracy(monkeypatch: pytest.Monk
     made: list[tuple[str, str]] = []
 
     def load(mode: str) -> None:
-        def fresh(kernel: marching_native.MarchKernel) -> object:
+        def fresh(kernel: march_kernel.MarchKernel) -> object:
             monkeypatch.setenv("MARTENSITE_QUICK_C", mode)
             monkeypatch.setattr(compile_jobs, "order_library", lambda path, *_: made.append((mode, path.name)))
             return original(kernel)
 
-        original = marching_native._load_library.__wrapped__  # type: ignore[attr-defined]
-        monkeypatch.setattr(marching_native, "_load_library", fresh)
+        original = marching_native.load_kernel.__wrapped__  # type: ignore[attr-defined]
+        monkeypatch.setattr(marching_native, "load_kernel", fresh)
 
     system, waveform = hanging_wire(mass=0.6), Step(high=1.3, at=0.5, until=4.0)
-    keep, runs = marching_native._load_library, []
+    keep, runs = marching_native.load_kernel, []
     for mode in ("off", "first"):
-        monkeypatch.setattr(marching_native, "_load_library", keep)
+        monkeypatch.setattr(marching_native, "load_kernel", keep)
         load(mode)
         runs.append(simulate(system, waveform, 8.0, samples=201, runtime="c"))
     usual, quick = runs

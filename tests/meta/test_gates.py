@@ -18,13 +18,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "martensite"
 MOST_LINES = 400
-"""Files that are too long today."""
+LONG_FILES = {"simulate/adaptive.py"}
+"""Files that are too long today: the step control is one algorithm on one state."""
 MOST_BRANCHES = 15
-COMPLEX = {
-    "simulate/batch.py:compute_sensitivity",
-    "simulate/marching_native.py:__init__",
-    "simulate/marching_native.py:source",
-}
+COMPLEX: set[str] = set()
 """Functions that are too complex today."""
 OPENINGS = {"What": 0, "Whether": 0, "Those|These|That of|The same|Likewise|Also": 0}
 """First words of docstrings that are no summary, and how often each occurs today; the aim is 0."""

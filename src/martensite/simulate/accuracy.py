@@ -126,7 +126,7 @@ class RunEngine:
 
     def _readiness(self, plan: MarchPlan) -> str:
         """Return the state of preparation of the C runtime."""
-        from martensite.simulate.marching_native import kernel_of, tell_readiness
+        from martensite.simulate.march_kernel import kernel_of, tell_readiness
 
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -198,10 +198,6 @@ def compute_sensitivity(
     """
     if runtime not in ("auto", "c", "cuda"):
         raise InputError(f"Derivatives are computed by `c` or `cuda`, not by `{runtime}`.")
-    if runtime != "cuda" and find_compiler() is None:
-        raise CompileError(
-            "Derivatives need a C compiler and none was found; install gcc or clang, or `pip install 'martensite[cc]'`."
-        )
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
     compiled = compile_march(system)
@@ -212,13 +208,7 @@ def compute_sensitivity(
     runs = len(next(iter(varied.values()), [0.0]))
     nominal = zip(compiled.paths, compiled.values(system), strict=True)
     table = np.array([np.broadcast_to(varied.get(path, number), runs) for path, number in nominal])
-    if runtime == "cuda":
-        from martensite.simulate.cuda.slopes import march_slopes
-
-        column, slopes, residual = march_slopes(compiled, table, rows, grid, place)
-    else:
-        found = (_differentiate_in_c(compiled, values, rows, grid, place) for values in table.T.tolist())
-        column, slopes, residual = map(np.array, zip(*found, strict=True))
+    column, slopes, residual = _load_slopes(runtime)(compiled, table, rows, grid, place)
     residual = np.where(np.isfinite(slopes).all((1, 2)), residual, np.nan)
     refused = find_refused(system, varied, runs)
     status = [Status.REFUSED if r else classify_step(s, 0.0) for r, s in zip(refused, residual.tolist(), strict=True)]
@@ -230,14 +220,28 @@ def compute_sensitivity(
     return OutputSensitivity(np.linspace(0.0, duration, samples), column[shown], named, tuple(status))
 
 
+def _load_slopes(runtime: str) -> Callable[..., tuple[Any, Any, Any]]:
+    """Return the function that computes an output, its derivatives and the worst residuals of runs."""
+    if runtime == "cuda":
+        from martensite.simulate.cuda.slopes import march_slopes
+
+        return march_slopes
+    if find_compiler() is None:
+        raise CompileError(
+            "Derivatives need a C compiler and none was found; install gcc or clang, or `pip install 'martensite[cc]'`."
+        )
+    return _differentiate_in_c
+
+
 def _differentiate_in_c(
-    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
-) -> tuple[Any, Any, float]:
-    """Return an output, its derivatives and the largest residual, in C."""
-    seeds = np.zeros((len(values), len(rows)))
+    compiled: CompiledMarch, table: Any, rows: Sequence[int], grid: TimeGrid, place: int
+) -> tuple[Any, Any, Any]:
+    seeds = np.zeros((len(table), len(rows)))
     seeds[rows, range(len(rows))] = 1.0
-    found = march_slopes(compiled, values, seeds, grid, [place])
-    return found.rows[:, 0], found.slopes[:, 0, :], found.residual
+    found = [march_slopes(compiled, values, seeds, grid, [place]) for values in table.T.tolist()]
+    columns = ((one.rows[:, 0], one.slopes[:, 0, :], one.residual) for one in found)
+    column, slopes, residual = map(np.array, zip(*columns, strict=True))
+    return column, slopes, residual
 
 
 def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:

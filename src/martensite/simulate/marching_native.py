@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import ctypes
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from itertools import accumulate, chain, islice, takewhile
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -19,28 +19,18 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.status import Status
-from martensite.kernels.c99 import c_source
-from martensite.kernels.c99_lanes import lanes_source
-from martensite.kernels.compiler import is_compiled, load_library, read_source
-from martensite.kernels.compute_once import cache_answers
 from martensite.signals.base import AbstractWaveform
-from martensite.signals.moments import Segment
-from martensite.simulate import adaptive
-from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.forks import COUNTS, ROUNDED, Decision, read_decision
-from martensite.simulate.ledger import EMPTY, STORES, TURNED_OVER
+from martensite.simulate.forks import Decision, read_decision
+from martensite.simulate.march_kernel import kernel_of, load_kernel
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread, spread_column, spread_limits
+from martensite.simulate.native_drives import Drive, DriveWindow, list_drives
 from martensite.simulate.recorded_track import Observe, record_width
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)
 ROUNDS = 4096
 """Rounds of all batch elements between two checks from Python."""
-FIRST_WINDOW, WINDOW = 256, 65_536
-"""Initial and maximum number of stored segments of a drive."""
-WHOLE = 4096
-"""Number of segments up to which a drive is stored for all passes of a run."""
 MOST_SEGMENTS = 1 << 21
 """Maximum number of drive segments in a batch."""
 FIRST_RECORD = 4096
@@ -50,27 +40,6 @@ DECIDED = 11 + len(ACCOUNTS)
 """Numbers of a run before its closest decision, see `Decision`."""
 RANGES = DECIDED + len(Decision._fields)
 """Numbers of a run before the ranges of judged outputs."""
-SHARED = (
-    *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
-    *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
-    *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL", "TRACED"),
-)
-"""Constants shared with the implementation on floats, under the same names."""
-FUSED = ("-ffp-contract=fast",)
-"""Compiler flags for runs with step size control: fused products and sums.
-
-Runs on given steps round as on floats.
-"""
-
-
-class _Drive(ctypes.Structure):
-    _fields_ = [
-        ("count", ctypes.c_long),
-        ("tones", ctypes.c_long),
-        *((name, ctypes.c_void_p) for name in ("start", "level", "slope", "bend", "amplitude", "rate", "phase")),
-        ("fastest", ctypes.c_double),
-        ("whole", ctypes.c_long),
-    ]
 
 
 class _March(ctypes.Structure):
@@ -89,68 +58,6 @@ class _March(ctypes.Structure):
         ("placed", ctypes.c_long),
         ("totals", ctypes.c_void_p),
     ]
-
-
-class _Window:
-    """Stored segments of a drive in C."""
-
-    def __init__(self, waveform: AbstractWaveform, until: float, whole: Numbers | None = None) -> None:
-        self._coming = _list_segments(waveform, until)
-        tones = np.array([tuple(tone) for tone in waveform.tones()]).reshape(-1, 3)
-        self._tones = np.ascontiguousarray(tones.T)
-        self.tones = len(tones)
-        self._fastest = float(tones[:, 1].max()) if len(tones) else 0.0
-        self._ended = whole is not None
-        self._columns = np.empty((4, 0)) if whole is None else whole
-        self._size = FIRST_WINDOW
-
-    def extend(self, since: float) -> None:
-        """Add segments, and discard segments before `since` [s]."""
-        if self._ended:
-            return
-        place = max(0, int(np.searchsorted(self._columns[0], since, side="right")) - 2)
-        more = _tabulate_segments(islice(self._coming, self._size))
-        self._ended = more.shape[1] < self._size
-        self._size = min(4 * self._size, WINDOW)
-        self._columns = np.concatenate([self._columns[:, place:], more], axis=1)
-
-    def extend_to_end(self, most: int) -> int:
-        """Store all segments unless there are many more than `most`; return the stored number."""
-        self.extend(0.0)
-        while not self._ended and self._columns.shape[1] < most:
-            self.extend(0.0)
-        return self._columns.shape[1]
-
-    def known_until(self) -> float:
-        """Return the end time [s] of the stored segments."""
-        return np.inf if self._ended else float(self._columns[0, -1])
-
-    def fill(self, into: _Drive, locate: Callable[[NDArray[Any]], int]) -> None:
-        """Write the segments to the C structure."""
-        columns, tones = map(locate, self._columns), map(locate, self._tones)
-        into.count, into.tones = self._columns.shape[1], self.tones
-        into.start, into.level, into.slope, into.bend = columns
-        into.amplitude, into.rate, into.phase = tones
-        into.fastest, into.whole = self._fastest, int(self._ended)
-
-
-def _list_segments(waveform: AbstractWaveform, until: float) -> Iterator[Segment]:
-    return takewhile(lambda one: one.start <= until, waveform.segments(0.0))
-
-
-def _tabulate_segments(segments: Iterable[Segment]) -> Numbers:
-    """Return starts, levels, slopes and bends of segments, (4, segments)."""
-    return np.ascontiguousarray(np.fromiter(chain.from_iterable(segments), float).reshape(-1, 4).T)
-
-
-def _list_drives(plan: MarchPlan) -> list[Numbers | None]:
-    """Return the segments of every drive up to the end, cached for all passes; None if too many."""
-    end, kept = plan.times[-1], plan.drives
-    if end not in kept:
-        kept.clear()  # another leg of the run
-        rows = (list(islice(_list_segments(one, end), WHOLE + 1)) for one in plan.waveforms)
-        kept[end] = [_tabulate_segments(row) if len(row) <= WHOLE else None for row in rows]
-    return kept[end]
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,21 +180,8 @@ class MarchArrays:
         self.states = spread(plan.start or 0.0, (runs.count, compiled.size))
         self.extremes = np.empty((runs.count, 2, judged))
         self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
-        end = plan.times[-1]
-        if runs.own is None:
-            rows = zip(plan.waveforms, _list_drives(plan), strict=True)
-            self.windows = [[_Window(waveform, end, whole) for waveform, whole in rows]]
-        else:
-            self.windows = [[_Window(waveform, end) for waveform in row] for row in runs.own]
-        self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
-        most = MOST_SEGMENTS
-        for window in (window for row in self.windows for window in row):
-            if runs.lanes > 1:
-                most -= window.extend_to_end(most)
-            else:
-                window.extend(0.0)
-                while not window.known_until() > plan.times[0]:
-                    window.extend(plan.times[0])
+        self.windows = _open_windows(runs)
+        self.drives = (Drive * max(1, sum(map(len, self.windows))))()
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
         """Return the C structure with the address of each array."""
@@ -313,19 +207,37 @@ class MarchArrays:
 
     def knows_all(self) -> bool:
         """Return whether all drives are stored up to their ends."""
-        return all(window.known_until() == np.inf for row in self.windows for window in row)
+        return all(window.known_until() == np.inf for window in chain.from_iterable(self.windows))
 
     def fill_drives(self, locate: Callable[[NDArray[Any]], int]) -> None:
         """Write the addresses of segments and tones of every drive."""
-        flat = (window for row in self.windows for window in row)
-        for window, drive in zip(flat, self.drives, strict=False):
+        for window, drive in zip(chain.from_iterable(self.windows), self.drives, strict=False):
             window.fill(drive, locate)
+
+
+def _open_windows(runs: Runs) -> list[list[DriveWindow]]:
+    """Return the drives of all runs or of each run, with their segments: of a batch up to the ends of the drives."""
+    plan, end = runs.plan, runs.plan.times[-1]
+    if runs.own is None:
+        rows = zip(plan.waveforms, list_drives(plan), strict=True)
+        windows = [[DriveWindow(waveform, end, whole) for waveform, whole in rows]]
+    else:
+        windows = [[DriveWindow(waveform, end) for waveform in row] for row in runs.own]
+    most = MOST_SEGMENTS
+    for window in chain.from_iterable(windows):
+        if runs.lanes > 1:
+            most -= window.extend_to_end(most)
+        else:
+            window.extend(0.0)
+            while not window.known_until() > plan.times[0]:
+                window.extend(plan.times[0])
+    return windows
 
 
 class _Marching(MarchArrays):
     def __init__(self, runs: Runs) -> None:
         super().__init__(runs)
-        self.library = _load_library(kernel_of(self.plan, runs.outputs, runs.lanes, runs.own))
+        self.library = load_kernel(kernel_of(self.plan, runs.outputs, runs.lanes, runs.own))
         self.block = ctypes.create_string_buffer(self.library.size_of_block())
         self.march = self.describe(_get_address)
 
@@ -368,7 +280,7 @@ class _Marching(MarchArrays):
 
 def observe_in_c(runs: Runs) -> Observe:
     """Return the function that computes stored outputs of recorded states, with the parameters of each run."""
-    library = _load_library(kernel_of(runs.plan, runs.outputs, runs.lanes, runs.own))
+    library = load_kernel(kernel_of(runs.plan, runs.outputs, runs.lanes, runs.own))
     count, outputs = runs.count, runs.outputs
     table = spread_column(runs.values, count)
 
@@ -385,142 +297,3 @@ def observe_in_c(runs: Runs) -> Observe:
 
 def _get_address(array: Any) -> int:
     return ctypes.addressof(ctypes.c_char.from_buffer(array)) if array.size else 0  # `array.ctypes` is much slower
-
-
-def kernel_of(
-    plan: MarchPlan, outputs: Sequence[int], lanes: int = 1, own: Sequence[Sequence[AbstractWaveform]] | None = None
-) -> MarchKernel:
-    """Return the kernel for runs of a plan, optionally with individual waveforms."""
-    rows = [plan.waveforms] if own is None else own
-    tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
-    fixed = plan.step is not None
-    order = 2 if fixed else plan.order
-    return MarchKernel(plan.compiled, tuple(outputs), lanes, tones, order, own is not None, fixed)
-
-
-@dataclass(frozen=True)
-class MarchKernel:
-    """Key of a compiled library."""
-
-    compiled: CompiledMarch
-    outputs: tuple[int, ...]
-    lanes: int
-    tones: int
-    """Largest number of tones of a drive."""
-    order: int = 2
-    own: bool = False
-    """True if every run has individual drives."""
-    fixed: bool = False
-    """True if the steps are given."""
-
-    @property
-    def flags(self) -> tuple[str, ...]:
-        """Return additional compiler flags."""
-        return () if self.fixed else FUSED
-
-    def source(self) -> str:
-        """Return the C source."""
-        compiled, traced = self.compiled, self.compiled.program.functions
-        places = () if self.fixed else compiled.points
-        rates = () if self.fixed else compiled.rates
-        forks = () if self.fixed else compiled.forks
-        sizes = [place.size for place in places]
-        book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches report no balance
-        constants = {
-            "LANES": self.lanes,
-            "SIMD": '_Pragma("omp simd")' if self.lanes > 1 else "",
-            "SIZE": compiled.size,
-            "DRIVES": compiled.drives,
-            "INPUTS": compiled.inputs,
-            "OUTPUTS": len(self.outputs),
-            "RECORDED": record_width(compiled.drives, sum(compiled.states_observed(self.outputs))),
-            "JUDGED": len(compiled.convergence_scales),
-            "ENVELOPE": len(compiled.envelope),
-            "HEATED": len(compiled.heated),
-            "CONSTANTS": compiled.program.constants,
-            "PARAMETERS": len(compiled.paths),
-            "ORDER": self.order,
-            "TONES": self.tones,
-            "OWN": int(self.own),
-            "JUDGE_SIGNALS": int(compiled.asks_for_signals("judge")),
-            "OBSERVE_SIGNALS": int(compiled.asks_for_signals("observe", self.outputs)),
-            "POINTS": len(places),
-            "PARTS": _format_list([p.fraction for p in places]),
-            "WEIGHTS": _format_list([p.weight for p in places]),
-            "NUMBERS": sum(sizes),
-            "SIZES": _format_list(sizes),
-            "START": _format_list(list(accumulate(sizes, initial=0))[:-1]),
-            "FORKS": len(forks),
-            "FORK_PARTS": _format_list([f.fraction for f in forks]),
-            "FORK_WEIGHTS": _format_list([f.weight for f in forks]),
-            "COUNTS": COUNTS,
-            "ROUNDED": ROUNDED,
-            "RATES": len(rates),
-            "PLACES_OF_RATES": _format_list(rates),
-            "WIDTHS": _format_list(compiled.widths),
-            "PLACES": _format_list(compiled.heated),
-            "LEAST": _format_list([least for _, least in compiled.convergence_scales]),
-            "OBSERVED": _format_list(compiled.states_observed(self.outputs)),
-            "LEDGER": int(book is not EMPTY),
-            "ENTRIES": book.size,
-            "HELD": len(book.held),
-            "EFFORTS": len(book.efforts),
-            "BALANCED": int(book.heat),
-            "FLOWS": len(traced["flows"].outputs),
-            "ACCOUNTS": len(ACCOUNTS),
-            "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
-            "STORE_OF": _format_list([STORES[account] for account in book.held]),
-            "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),
-            "FOLLOWS": int(compiled.follows and not self.fixed),
-            "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
-            **{name: getattr(adaptive, name) for name in SHARED},
-        }
-        solve = "rosenbrock" if self.order == 4 else "solve"
-        names = ["step"] if self.fixed else [solve, "ripple", "points"]
-        names += ["forks"] if forks else []
-        names += [] if book is EMPTY else ["flows", "entries"]
-        functions = [traced[name] for name in ("init", "judge", *names)]
-        observe = traced["observe"]
-        wanted = tuple(observe.outputs[i] for i in self.outputs)
-        functions.append(replace(observe, outputs=wanted))
-        kernels = (
-            c_source(compiled.program, functions, not self.fixed)
-            if self.lanes == 1
-            else lanes_source(compiled.program, functions)
-        )
-        control = ["fixed"] if self.fixed else ["lengths", "kinks", "samples", "forks", "adaptive"]
-        ledger = [] if book is EMPTY else ["ledger"]
-        names = ["marching", "drives", "totals", "runs", *ledger, *control, "track"]
-        texts = (read_source("simulate", f"{name}.c", {}) for name in names)
-        texts = [read_source("signals", "reader.c", constants), *texts]
-        return "\n".join([kernels, *texts])
-
-
-_LOADED: set[MarchKernel] = set()
-
-
-@cache_answers(4)
-def _write_source(kernel: MarchKernel) -> str:
-    """Return the C source of a kernel, cached."""
-    return kernel.source()
-
-
-@cache_answers(64)
-def _load_library(kernel: MarchKernel) -> Any:
-    library = load_library(_write_source(kernel), kernel.flags, soon=kernel.lanes == 1)
-    for name in ("march_on", "size_of_block"):
-        getattr(library, name).restype = ctypes.c_long
-    library.time_of.restype = ctypes.c_double
-    _LOADED.add(kernel)
-    return library
-
-
-def tell_readiness(kernel: MarchKernel) -> str:
-    """Return `loaded`, `compiled` (not yet loaded in this process) or `new`."""
-    if kernel in _LOADED:
-        return "loaded"
-    return "compiled" if is_compiled(_write_source(kernel), kernel.flags, soon=kernel.lanes == 1) else "new"
-
-
-def _format_list(numbers: Sequence[float]) -> str:
-    return "{" + ", ".join(map(repr, [*numbers, 0])) + "}"

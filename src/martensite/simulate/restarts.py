@@ -8,6 +8,7 @@ pass (decision 049).
 from __future__ import annotations
 
 import math
+import operator
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -273,7 +274,7 @@ def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> M
         last,
         **{name: sum(getattr(one, name) for one in legs) for name in ("steps", "rejected", "put_in", "lost")},
         rows=rows,
-        ranges=tuple(b - a for a, b in zip(low, high, strict=True)),
+        ranges=tuple(map(operator.sub, high, low)),
         status=worst.status,
         time=last.time if last.status.failed or not worst.status else worst.time,
         longest=max(one.longest for one in legs),

@@ -19,7 +19,8 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.accuracy import shares_stress
 from martensite.simulate.adaptive import PER_STRESS
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.marching_native import DECIDED, RANGES, MarchKernel
+from martensite.simulate.march_kernel import MarchKernel
+from martensite.simulate.marching_native import DECIDED, RANGES
 from martensite.simulate.native import march_source
 
 WARMER = 50.0

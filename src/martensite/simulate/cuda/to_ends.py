@@ -20,7 +20,8 @@ from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.cuda import device
 from martensite.simulate.cuda.source import THREADS, WORDS
 from martensite.simulate.ledger import EMPTY
-from martensite.simulate.marching_native import MarchArrays, MarchKernel, MarchRows, Runs, kernel_of
+from martensite.simulate.march_kernel import MarchKernel, kernel_of
+from martensite.simulate.marching_native import MarchArrays, MarchRows, Runs
 
 FLAGS = ("-default-device", "-diag-suppress=177")
 """NVRTC options: compile for the device by default, without warnings on unused functions."""
