@@ -24,7 +24,7 @@ from martensite.simulate.forks import Decision, read_decision
 from martensite.simulate.march_kernel import kernel_of, load_kernel
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread, spread_column, spread_limits
-from martensite.simulate.native_drives import Drive, DriveWindow, list_drives
+from martensite.simulate.native_drives import DriveTable, DriveWindow, list_drives
 from martensite.simulate.recorded_track import Observe, record_width
 
 Numbers = NDArray[np.float64]
@@ -181,7 +181,7 @@ class MarchArrays:
         self.extremes = np.empty((runs.count, 2, judged))
         self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
         self.windows = _open_windows(runs)
-        self.drives = (Drive * max(1, sum(map(len, self.windows))))()
+        self.drives = (DriveTable * max(1, sum(map(len, self.windows))))()
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
         """Return the C structure with the address of each array."""

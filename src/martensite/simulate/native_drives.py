@@ -21,7 +21,7 @@ WHOLE = 4096
 """Number of segments up to which a drive is stored for all passes of a run."""
 
 
-class Drive(ctypes.Structure):
+class DriveTable(ctypes.Structure):
     """Segments and tones of a drive, as C reads them."""
 
     _fields_ = [
@@ -67,7 +67,7 @@ class DriveWindow:
         """Return the end time [s] of the stored segments."""
         return np.inf if self._ended else float(self._columns[0, -1])
 
-    def fill(self, into: Drive, locate: Callable[[NDArray[Any]], int]) -> None:
+    def fill(self, into: DriveTable, locate: Callable[[NDArray[Any]], int]) -> None:
         """Write the segments to the C structure."""
         columns, tones = map(locate, self._columns), map(locate, self._tones)
         into.count, into.tones = self._columns.shape[1], self.tones
