@@ -85,6 +85,7 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     put = law.relocate(xp, after, Fractions(1.0 - x, 1.0 - x), s0, t0)
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
     others += (*law.kinks(xp, after), law.trained_share(xp, s1))
+    others += tuple(x for one in law.forks(xp, after) for x in (*one[:4], xp.minimum(one.bound, 1.0)))
     return end, law.fractions(after), spring, others, drive, law.fractions(put)
 
 

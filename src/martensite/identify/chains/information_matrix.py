@@ -17,7 +17,6 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import qr
 
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.residuals import ResidualSquares
@@ -250,6 +249,8 @@ def _find_flat(root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str
 
 def _part_directions(lost: Numbers) -> Numbers:
     """Combine the directions so that each contains few parameters."""
+    from scipy.linalg import qr
+
     count = lost.shape[1]
     order = np.asarray(qr(lost.T, pivoting=True, mode="r")[-1], dtype=int)
     return lost @ np.linalg.inv(lost[order[:count]])
