@@ -1,8 +1,8 @@
 // How pictures adapt to a processor that draws them: the cost of the last one decides resolution, shadow and rest.
 
-/** Shortest time between two pictures while something can be held, or runs follow a slider [ms]: three frames of the
- * browser, so that curves and controls keep half of the processor. */
-export const SELDOM = 40;
+/** Shortest time between two pictures while something can be held, or runs follow a slider [ms]: two frames of the
+ * browser, so that curves and controls keep their share of the processor. */
+export const SELDOM = 30;
 /** Shortest rest before a picture with all details [ms]. */
 const REST = 400;
 /** Rest per cost of a picture. */
