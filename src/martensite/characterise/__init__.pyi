@@ -17,6 +17,9 @@ from martensite.characterise.motor_constants import MotorConstants as MotorConst
 from martensite.characterise.motor_constants import estimate_motor_constants as estimate_motor_constants
 from martensite.characterise.motor_constants import steady_running as steady_running
 from martensite.characterise.motor_constants import winding_resistance as winding_resistance
+from martensite.characterise.plateaus import Plateaus as Plateaus
+from martensite.characterise.plateaus import convert_plateaus as convert_plateaus
+from martensite.characterise.plateaus import find_plateaus as find_plateaus
 from martensite.characterise.spectrum import SpectralPeak as SpectralPeak
 from martensite.characterise.spectrum import natural_frequency as natural_frequency
 from martensite.characterise.tangent_fit import TangentFit as TangentFit

@@ -27,6 +27,7 @@ from martensite.scenario import recorded_waveforms
 from martensite.scenario.build import Builder, Table, as_table, name_section, refuse_unknown
 from martensite.scenario.laws import law_caution, override_caution, rphase_caution
 from martensite.scenario.place_units import PlaceUnits
+from martensite.scenario.plateau_section import build_with_plateaus
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.grid import require_unit
@@ -163,8 +164,10 @@ class Assembly:
         if driven or "waveform" in table:
             self.waveforms[drive] = self._waveform(table, source.unit, path, drive)
         builder = Builder(material, origins=self.origins)
-        made = Builder(material, origins=self.origins, extra=("material",)).choose(
-            ELEMENTS, element, f"{prefix}element", draws=True
+        elements = Builder(material, origins=self.origins, extra=("material",))
+        place = f"{prefix}element"
+        made = build_with_plateaus(
+            element, place, lambda described: elements.choose(ELEMENTS, described, place, draws=True)
         )
         for caution in (find(material, made) for find in (law_caution, override_caution, rphase_caution)):
             if caution is not None and caution not in self.cautions:

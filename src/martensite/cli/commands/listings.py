@@ -11,7 +11,16 @@ from typer import Argument
 
 from martensite.base.summary import Block, DataTable, Heading, Summary
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, Settings, Text, import_modules, load_scenario
+from martensite.cli.options import (
+    Imports,
+    Json,
+    Settings,
+    Text,
+    import_modules,
+    load_scenario,
+    read_quantity,
+    refuse_idle,
+)
 
 if TYPE_CHECKING:
     from martensite.app.forms.form_types import GroupNode, SingleNode
@@ -122,17 +131,32 @@ def materials(
     name: Annotated[
         Text, Argument(metavar="[NAME|FILE]", help="Name of the material to show, e.g. flexinol-90.")
     ] = None,
+    plateaus: Annotated[
+        Text, typer.Option(help='Show the plateau stresses of a superelastic test at a temperature, e.g. "60 degC".')
+    ] = None,
+    law: Annotated[
+        Text, typer.Option(help="Law of the plateaus; by default the one that the material belongs to.")
+    ] = None,
     json: Json = False,
 ) -> None:
-    """List the materials, or show one with all sources."""
+    """List the materials, or show one with all sources, or its plateau stresses."""
     from martensite.physics.materials.base import load_material, material_names
-    from martensite.show.summaries.parts import summarise_material, summarise_materials
+    from martensite.show.summaries.parts import summarise_material, summarise_materials, summarise_plateaus
     from martensite.show.terminal import print_summary
 
+    refuse_idle("--law", law is not None and plateaus is None, "only --plateaus uses a law")
+    refuse_idle("--plateaus", plateaus is not None and name is None, "no material is named")
     if name is None:
         summary = summarise_materials([load_material(one) for one in material_names()])
-    else:
+    elif plateaus is None:
         summary = summarise_material(load_material(name))
+    else:
+        from martensite.scenario.laws import configure_laws
+
+        material = load_material(name)
+        usual = "lagoudas" if "H_sat" in material.values else "liang-rogers"
+        (configured,) = configure_laws([law or (material.law or {}).get("kind", usual)], name, {})
+        summary = summarise_plateaus(configured, read_quantity("plateaus", plateaus, "K"))
     print_summary(summary, json)
 
 

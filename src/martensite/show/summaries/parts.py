@@ -10,10 +10,15 @@ from typing import Any
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.base.units import OF_READINGS
+from martensite.characterise.plateaus import find_plateaus
 from martensite.physics.materials.base import DOUBTFUL, NAMES, Material
 from martensite.scenario.citations import read_bibliography, read_title
+from martensite.scenario.laws import ConfiguredLaw
 from martensite.signals.base import DRIVE
 
+ELASTIC = ("E_A", "E_M", "eps_L", "H_sat", "H_min")
+"""Parameters that finite-element programs ask for beside the plateaus."""
+PLATEAUS = "Stresses at which the law transforms when it is loaded and unloaded at this temperature."
 NUMBERS = ("name", "value", "kind", "meaning", "source", "note")
 
 
@@ -84,3 +89,29 @@ def summarise_material(material: Material) -> Summary:
     blocks += [Sentence(f"[{source.cite}] {source.text}") for source in sources]
     title = f"{material.name}: {material.title}"
     return Summary(title, blocks, asdict(material), material.summary)
+
+
+def summarise_plateaus(configured: ConfiguredLaw, temperature: float) -> Summary:
+    """Return the plateau stresses of a law at a temperature [K], and their change with temperature.
+
+    Raises:
+        InputError: the law is not superelastic at this temperature.
+    """
+    law, material = configured.law, configured.material
+    found = find_plateaus(law, temperature)
+    slopes = found.estimate_slopes(find_plateaus(law, temperature + 1.0))
+    numbers = {leaf.path: (leaf.value, leaf.declared.unit) for leaf in law.leaves() if leaf.path in ELASTIC}
+    numbers |= {
+        "loading_start": (found.loading[0], "Pa"),
+        "loading_end": (found.loading[1], "Pa"),
+        "unloading_start": (found.unloading[0], "Pa"),
+        "unloading_end": (found.unloading[1], "Pa"),
+        "loading_slope": (slopes[0], "Pa/K"),
+        "unloading_slope": (slopes[1], "Pa/K"),
+    }
+    rows = [(name, write_quantity(value, unit)) for name, (value, unit) in numbers.items()]
+    name = f"{material.name}, " if material else ""
+    title = f"{name}law {law.registered_name} at {write_quantity(temperature, 'K')}"
+    data = {"law": law.registered_name, "temperature": temperature} | {n: value for n, (value, _) in numbers.items()}
+    notes = [Sentence(one, "caution") for one in configured.cautions]
+    return Summary(title, [DataTable(("quantity", "value"), rows), *notes], data, PLATEAUS)
