@@ -1,5 +1,6 @@
 """The bundle and the types of the page that are committed are what their sources give."""
 
+import runpy
 import shutil
 import subprocess
 import sys
@@ -28,7 +29,10 @@ def write_types(*arguments: str, folder: Path = WEB) -> subprocess.CompletedProc
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-SOURCES = ("scenario/catalogue.py", "app/forms/form_types.py", "simulate/accuracy.py", "simulate/marching.py")
+def list_sources() -> list[Path]:
+    """Return the Python files that the types and constants follow from."""
+    module = runpy.run_path(str(WEB / "write_types.py"))
+    return [*module["SOURCES"], *module["CONSTANTS"]]
 
 
 @pytest.mark.parametrize(("old", "new"), [("summary: str", "summary: str | None"), ("FINER = ", "FINER = 1")])
@@ -38,11 +42,10 @@ def test_types_and_constants_of_the_page_are_those_of_python(tmp_path: Path, old
     for folder in ("form", "engine"):
         shutil.copytree(WEB / "src" / folder, tmp_path / "web" / "src" / folder)
     shutil.copy(WEB / "write_types.py", tmp_path / "web")
-    for name in SOURCES:
-        place = tmp_path / "src" / "martensite" / name
+    for source in list_sources():
+        place = tmp_path / source.relative_to(WEB.parent)
         place.parent.mkdir(parents=True, exist_ok=True)
-        text = (WEB.parent / "src" / "martensite" / name).read_text("utf-8")
-        place.write_text(text.replace(old, new))
+        place.write_text(source.read_text("utf-8").replace(old, new))
     done = write_types("--check", folder=tmp_path / "web")
     assert done.returncode == 1
     assert "not the newest" in done.stderr

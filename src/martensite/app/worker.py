@@ -115,9 +115,10 @@ def _import_later_calls() -> None:
     """Import what forms and `Live` need, while the page shows the answer before."""
     from martensite.scenario.catalogue import list_registries
 
-    find_call("model")
-    for registry in list_registries().values():
-        registry.names()
+    with suppress(Exception):  # the call that needs a faulty part answers with the reason
+        find_call("model")
+        for registry in list_registries().values():
+            registry.names()
 
 
 def main() -> None:
