@@ -1,6 +1,7 @@
-"""Wear settles exponentially with cycles, changes no bit where it is nothing, and is the same on all machines.
+"""Wear settles exponentially, may go on with the logarithm of cycles, and changes no bit where it is nothing.
 
-Source of truth: the closed form, ε_r = ε_∞ (σ/σ_r)(1 - exp(-N/N₀)) under a dead weight, and the same wire without wear.
+Source of truth: the closed form, ε_r = (σ/σ_r)(ε_∞ (1 - exp(-N/N₀)) + ε_d log10(1 + N/N₀)) under a dead weight, and
+the same wire without wear.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from martensite.testing.examples import build_example
 ZERO, COLD, HOT = 273.15, 283.15, 413.15
 CYCLES = ms.signals.Triangle(low=COLD, high=HOT, frequency=0.01)
 DRIFT = {"residual_strain": 0.005, "reference_stress": 100e6, "stroke_loss": 0.3, "temperature_shift": -6.0}
+SLOW = {"residual_strain_per_decade": 0.002, "stroke_loss_per_decade": 0.05, "temperature_shift_per_decade": -1.0}
 
 
 def build_wire(wear: Wear | None, law: str = "liang-rogers", material: str = "flexinol-90", **options: str) -> ms.Wire:
@@ -41,22 +43,24 @@ def build_system(wear: Wear | None, *, heated: bool = False, spring: bool = Fals
     )
 
 
-def test_it_settles_exponentially_with_the_cycles() -> None:
-    wear = Wear(settling_cycles=3.0, cycles=2.0, **DRIFT)
+@pytest.mark.parametrize("slow", [{}, SLOW], ids=["settles", "goes on"])
+def test_it_follows_the_closed_form(slow: dict[str, float]) -> None:
+    wear = Wear(settling_cycles=3.0, cycles=2.0, **DRIFT, **slow)
     worn, new = (simulate(build_system(w), CYCLES, 1000.0, step=0.5, samples=21) for w in (wear, None))
     hot, cold = worn["strain"][1::2], worn["strain"][2::2]
     stress = worn["stress"][0]
     for k, (less, more) in enumerate(zip(hot, cold, strict=True)):
         for strain, done, martensite in ((less, 2.5 + k, 0.0), (more, 3.0 + k, 1.0)):
-            w = 1.0 - math.exp(-done / 3.0)
-            residual, lost = 0.005 * stress / 100e6 * w, 0.3 * w * 0.041 * martensite
+            w, decades = 1.0 - math.exp(-done / 3.0), math.log10(1.0 + done / 3.0) if slow else 0.0
+            residual = (0.005 * w + 0.002 * decades) * stress / 100e6
+            lost = (0.3 * w + 0.05 * decades) * 0.041 * martensite
             fresh = new["strain"][1] if martensite == 0.0 else new["strain"][2]
             assert strain == pytest.approx(fresh + residual - lost, abs=1e-12)
 
 
 def test_temperatures_shift_by_what_is_done() -> None:
-    """A wire that is worn to the end transforms as one with other temperatures, at every sample."""
-    wear = Wear(settling_cycles=1.0, cycles=1e3, temperature_shift=-6.0)
+    """A wire after many cycles transforms as one with other temperatures, at every sample."""
+    wear = Wear(settling_cycles=1e6, cycles=99e6, temperature_shift=-4.0, temperature_shift_per_decade=-1.0)
     worn = simulate(build_system(wear), CYCLES, 200.0, step=0.5, samples=201)
     system = build_system(None)
     names = ("A_s", "A_f", "M_s", "M_f")
@@ -77,7 +81,8 @@ def test_wear_that_is_nothing_changes_no_bit(law: dict[str, str]) -> None:
     "law", [("liang-rogers", "flexinol-90"), ("brinson", "niti-brinson-1993"), ("mas", "finger-mas")]
 )
 def test_it_is_the_same_on_all_machines(law: tuple[str, str], c_compiler: Any) -> None:
-    system = build_system(Wear(settling_cycles=4.0, **DRIFT), heated=True, spring=True, law=law[0], material=law[1])
+    wear = Wear(settling_cycles=4.0, **DRIFT, **SLOW)
+    system = build_system(wear, heated=True, spring=True, law=law[0], material=law[1])
     wave = ms.Sine(low=0.0, high=0.6, frequency=0.1)
     a, b = (simulate(system, wave, 20.0, samples=41, step=0.05, runtime=one) for one in ("floats", "c"))
     assert all(np.allclose(a[name], b[name], rtol=1e-9, atol=1e-12) for name in a.columns)

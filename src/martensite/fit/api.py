@@ -111,7 +111,7 @@ def fit_logs(
         settings=overrides,
         search={"method": method, "loss": loss, "starts": starts, "seed": seed},
     )
-    return task.arrange().solve(tell, None if state is None else Path(state))
+    return task.arrange().choose_drift().solve(tell, None if state is None else Path(state))
 
 
 def build_task(scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges) -> FitTask:

@@ -3,7 +3,7 @@
 Rows of one condition are repeats. Their mean has the number of repeats as its weight. Their scatter about the mean,
 pooled over the table, is the noise of the measure. If a column has standard deviations s, the weight of a row is n/s².
 
-    auto     3 or more specimens: leave out each in turn; fewer: a fifth of the conditions
+    auto     3 or more specimens: leave out each in turn; fewer: the later cycles, or a fifth of the conditions
     each     leave out every specimen in turn, from a fit to all others
     25 %     fraction of the conditions, first at the edge and in the middle
     A, B     specimens of these names
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 LEFT_OUT = 0.2
 """Default fraction of held-out conditions."""
+LATER = 0.3
+"""Fraction of the cycles held out from a table of cycles, the latest."""
 SPECIMENS = 3
 """Number of specimens from which each is left out in turn by default."""
 TRIED = 2
@@ -287,6 +289,8 @@ def _choose_held_rows(
     if hold_out == EACH or (hold_out == AUTO and len(made) >= SPECIMENS):
         choose_held_out(EACH, names, [])
         return list(made), True
+    if hold_out == AUTO and (later := hold_later(made)) is not None:
+        return later, False
     if hold_out == AUTO or (isinstance(hold_out, str) and hold_out.strip().endswith("%")):
         share = LEFT_OUT if hold_out == AUTO else read_share(str(hold_out))
         return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in made], False
@@ -294,6 +298,19 @@ def _choose_held_rows(
         return list(made), False
     held = choose_held_out(hold_out, names, [one.record.times for one in made])
     return [replace(one, held=ALL if rows else ()) for one, rows in zip(made, held, strict=True)], False
+
+
+def hold_later(experiments: Sequence[object], share: float = LATER) -> list[ConditionExperiment] | None:
+    """Return tables of cycles with the later cycles held out; None if one of them has no cycles."""
+    found = list[ConditionExperiment]()
+    for one in experiments:
+        levels = sorted(set(one.cycles)) if isinstance(one, ConditionExperiment) else []
+        if not isinstance(one, ConditionExperiment) or len(levels) < 2:
+            return None
+        first = levels[-min(max(1, round(share * len(levels))), len(levels) - 1)]
+        rows = [k + 1.0 for k, cycles in enumerate(one.cycles) if cycles >= first]
+        found.append(replace(one, held=tuple((k, k) for k in rows)))
+    return found
 
 
 def pick_rows(count: int, share: float) -> list[float]:

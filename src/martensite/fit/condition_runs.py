@@ -26,6 +26,8 @@ from martensite.simulate.measures.run_table import tabulate_samples
 
 LEAST_STEPS = 200
 """Least number of steps of a run."""
+CYCLES = "wear.cycles"
+"""End of the path of the cycles before a row."""
 
 
 class TableRow(NamedTuple):
@@ -71,6 +73,12 @@ class ConditionExperiment(Experiment):
     def measures(self) -> dict[str, AbstractMeasure]:
         """Return the compared measures."""
         return {words: parse_measure(words) for words in self.columns}
+
+    @property
+    def cycles(self) -> list[float]:
+        """Return the cycles of wear before each row; empty without such a column."""
+        path = next((x for x in self.conditions[0].inputs if x.endswith(CYCLES)), "")
+        return [row.inputs[path] for row in self.conditions] if path else []
 
     @property
     def over_time(self) -> bool:

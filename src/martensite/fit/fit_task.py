@@ -159,6 +159,20 @@ class ArrangedFit:
     turns: bool = False
     """True if every record is also left out in turn."""
 
+    def choose_drift(self, tell: Tell | None = None) -> ArrangedFit:
+        """Return the fit with the law of drift that predicts later cycles best, if the free parameters allow several.
+
+        Raises:
+            KeyboardInterrupt: the comparison was interrupted.
+            SolveError: no law can be fitted.
+        """
+        from martensite.fit.drift_choice import choose_drift
+
+        problem, notes = choose_drift(
+            self.problem, lambda one: solve_problem(one, **vars(self.search), tell=tell, inputs=False)
+        )
+        return replace(self, problem=problem, notes=(*self.notes, *notes))
+
     def solve(self, tell: Tell | None = None, state: Path | None = None) -> Fit:
         """Solve the fit; see `solve` for reports and saved states.
 

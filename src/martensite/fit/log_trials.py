@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -55,6 +56,23 @@ INTERRUPTION, BOX = "interruption", "time box"
 
 Stage = Callable[[str], None]
 Keep = Callable[[Problem, SearchNote], None]
+
+
+class AbstractTried(Protocol):
+    """Fit with a held-out error."""
+
+    @property
+    def fit(self) -> Fit:
+        """Return the fit."""
+        ...
+
+    @property
+    def error(self) -> float:
+        """Return the held-out error."""
+        ...
+
+
+Tried = TypeVar("Tried", bound=AbstractTried)
 
 
 @dataclass(frozen=True)
@@ -219,7 +237,7 @@ def rebuild_problem(proposals: Sequence[Proposal], model: TriedModel) -> Problem
     return replace(arrange_proposal(made, read_proposal(made)), free=model.fit.problem.free)
 
 
-def choose_model(tried: Sequence[TriedModel]) -> TriedModel:
+def choose_model(tried: Sequence[Tried]) -> Tried:
     """Return the simplest model, unless one with more parameters has a clearly smaller held-out error."""
     ranked = sorted(tried, key=lambda one: (len(one.fit.problem.free), one.error))
     best = ranked[0]

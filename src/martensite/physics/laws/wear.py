@@ -1,16 +1,19 @@
-"""Wear: saturating drift of law parameters with cycles.
+"""Wear: drift of law parameters with cycles, which settles exponentially and may go on with their logarithm.
 
-    N' = ½ |ξ'| + a max(T - T_h, 0)         completed cycles;   w = 1 - exp(-N/N₀)
-    ε_r' = max(ε_∞ σ/σ_r - ε_r, 0) N'/N₀    residual strain: at a constant stress ε_∞ (σ/σ_r) w
+    N' = ½ |ξ'| + a max(T - T_h, 0)                     completed cycles
+    w = 1 - exp(-N/N₀),  d = log10(1 + N/N₀)            settled fraction, and decades after settling
+    ε_r' = max((ε_∞ + ε_d d) S - ε_r, 0) N'/N₀ + ε_d S d'    residual strain, with S = σ/σ_r
 
-Transformation temperatures are shifted by w ΔT, transformation strains multiplied by 1 - w s. Residual strain never
-decreases. It follows the fraction at the end of a step, inside its solve, at the initial stress; the law parameters are
-those at the start of the step, an error of first order.
+At a constant stress ε_r = (ε_∞ w + ε_d d) S. Transformation temperatures are shifted by w ΔT + d ΔT_d, transformation
+strains multiplied by 1 - w s - d s_d. Residual strain never decreases. It follows the fraction at the end of a step,
+inside its solve, at the initial stress; the law parameters are those at the start of the step, an error of first order.
 
 Source: an internal variable that saturates exponentially with accumulated transformation, after Tanaka et al. (1995)
-and Zaki and Moumni (2007), both from memory. The user must supply all values: no wire data are known.
+and Zaki and Moumni (2007), both from memory. The logarithm is empirical. The user must supply all values: no wire data
+are known.
 """
 
+import math
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
@@ -19,9 +22,12 @@ from martensite.base.parameters import Number, Parametrised, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
+LN_10 = math.log(10.0)
 TEMPERATURES = ("A_s", "A_f", "M_s", "M_f", "T_L")
 STRAINS = ("eps_L", "eps_T", "H_sat", "H_min", "eps_L_compression", "H_sat_compression")
 """Law parameters that are shifted, and that are reduced."""
+LEAST_LEFT = 0.05
+"""Least remaining share of a transformation strain."""
 
 
 class Worn(NamedTuple):
@@ -46,6 +52,15 @@ class Wear(Parametrised):
     temperature_shift: Number = param(
         "delta_degC", "shift of transformation temperatures in the end", low=-100.0, high=100.0, default=0.0
     )
+    residual_strain_per_decade: Number = param(
+        "1", "further residual strain for each factor of 10 in cycles", low=0.0, high=0.02, default=0.0
+    )
+    stroke_loss_per_decade: Number = param(
+        "1", "further loss of transformation strain for each factor of 10 in cycles", low=0.0, high=0.2, default=0.0
+    )
+    temperature_shift_per_decade: Number = param(
+        "delta_degC", "further shift for each factor of 10 in cycles", low=-20.0, high=20.0, default=0.0
+    )
     overheat_temperature: Number = param("K", "temperature above which heat wears", low=200.0, high=1e3, default=1e3)
     overheat_rate: Number = param("1/K/s", "cycles done in a second, per kelvin above it", low=0.0, default=0.0)
 
@@ -60,11 +75,12 @@ class Wear(Parametrised):
         if not strain or not any(name in values for name in TEMPERATURES):
             listed = ", ".join((*STRAINS, *TEMPERATURES))
             raise ParameterError(f"Law `{law.registered_name}` cannot wear: it has none of {listed}.")
-        if self.temperature_shift and law.steep and not law.rate_dependent:
+        if (self.temperature_shift or self.temperature_shift_per_decade) and law.steep and not law.rate_dependent:
             raise ParameterError(f"Law `{law.registered_name}` is too steep for a `temperature_shift`; try law `mas`.")
-        if self.residual_strain > 0.1 * strain * self.settling_cycles:
+        growth = (self.residual_strain + self.residual_strain_per_decade / LN_10) / self.settling_cycles
+        if growth > 0.1 * strain:
             raise ParameterError(
-                f"Parameter `residual_strain` of `Wear` grows by {self.residual_strain / self.settling_cycles:.3g} in "
+                f"Residual strain of `Wear` grows by {growth:.3g} in "
                 f"a cycle, more than a tenth of the transformation strain {strain:.3g}; give more `settling_cycles`."
             )
 
@@ -83,8 +99,10 @@ class Wear(Parametrised):
 
     def apply(self, xp: Namespace, law: AbstractLaw, worn: Worn) -> AbstractLaw:
         """Return the worn law."""
-        done = self._settle(xp, worn.cycles)
-        shift, left = done * self.temperature_shift, 1.0 - done * self.stroke_loss
+        done, decades = self._settle(xp, worn.cycles), self._decades(xp, worn.cycles)
+        shift = done * self.temperature_shift + decades * self.temperature_shift_per_decade
+        lost = done * self.stroke_loss + decades * self.stroke_loss_per_decade
+        left = xp.maximum(1.0 - lost, LEAST_LEFT)
         numbers = {leaf.path: leaf.value for leaf in law.leaves()}
         changed = {name: numbers[name] + shift for name in TEMPERATURES if name in numbers}
         changed |= {name: numbers[name] * left for name in STRAINS if name in numbers}
@@ -101,10 +119,16 @@ class Wear(Parametrised):
         """Return the completed fraction of the change."""
         return 1.0 - xp.exp(-cycles / self.settling_cycles)
 
+    def _decades(self, xp: Namespace, cycles: Scalar) -> Scalar:
+        """Return the decades of cycles, counted from the settling cycles."""
+        return xp.log(1.0 + cycles / self.settling_cycles) * (1.0 / LN_10)
+
     def _turn(self, xp: Namespace, worn: Worn, fractions: Fractions) -> Scalar:
         return 0.5 * xp.abs(fractions.martensite - worn.martensite)
 
     def _grow(self, xp: Namespace, worn: Worn, more: Scalar) -> Scalar:
         """Return the residual strain `more` cycles later."""
-        aim = self.residual_strain * (xp.maximum(worn.stress, 0.0) / self.reference_stress)
-        return worn.residual + xp.maximum(aim - worn.residual, 0.0) * self._settle(xp, more)
+        load = xp.maximum(worn.stress, 0.0) / self.reference_stress
+        begun, slope = self._decades(xp, worn.cycles), self.residual_strain_per_decade * load
+        settled = xp.maximum(self.residual_strain * load + slope * begun - worn.residual, 0.0) * self._settle(xp, more)
+        return worn.residual + settled + slope * (self._decades(xp, worn.cycles + more) - begun)

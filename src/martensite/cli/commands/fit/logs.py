@@ -308,7 +308,7 @@ def run_fit(
     check = TimeBox(seconds).limit(1.0) if seconds else None
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
-        arranged = task.arrange()
+        arranged = task.arrange().choose_drift(check)
         for module in ("scipy.optimize", "scipy.stats", "scipy.stats.qmc"):
             import_module(module)  # an interrupt during the search would leave it half imported
         extras.check(arranged)
