@@ -129,12 +129,12 @@ class Registry(Generic[T]):
         return same_place and old.__qualname__ == new.__qualname__ and not self._is_own(new)
 
 
-def _select_points(**wanted: str) -> EntryPoints:
+def _select_points(**wanted: Any) -> EntryPoints:
     return _read_points(tuple(sys.path)).select(**wanted)
 
 
 @lru_cache(1)
-def _read_points(path: tuple[str, ...]) -> EntryPoints:
+def _read_points(path: tuple[str, ...]) -> Any:
     """Return the entry points of all distributions in `path`; each registry would read 200 files."""
     return entry_points()
 

@@ -296,7 +296,7 @@ def _choose_held_rows(
         return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in made], False
     if hold_out == NONE:
         return list(made), False
-    held = choose_held_out(hold_out, names, [one.record.times for one in made])
+    held = choose_held_out(hold_out, names, [one.record.times.tolist() for one in made])
     return [replace(one, held=ALL if rows else ()) for one, rows in zip(made, held, strict=True)], False
 
 

@@ -40,7 +40,7 @@ OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
-    "div": operator.truediv,
+    "div": operator.truediv,  # pyright: ignore[reportUnknownMemberType]
     "neg": operator.neg,
     "lt": operator.lt,
     "le": operator.le,

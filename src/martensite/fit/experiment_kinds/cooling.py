@@ -51,7 +51,7 @@ class Cooling(AbstractExperimentKind):
     def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
         """Yield an element that cools from the start of each record, as if heated until then."""
         rows = [_cut_hot(record) for record in records]
-        rises = [fit_rise(one.times, one["temperature"]) for one in rows]
+        rises = [fit_rise(one.times.tolist(), one["temperature"].tolist()) for one in rows]
         tau, room = (
             float(np.median([x.value for x in xs])) for xs in zip(*((r.tau, r.final) for r in rises), strict=True)
         )
