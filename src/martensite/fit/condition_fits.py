@@ -289,15 +289,19 @@ def _choose_held_rows(
     if hold_out == EACH or (hold_out == AUTO and len(made) >= SPECIMENS):
         choose_held_out(EACH, names, [])
         return list(made), True
-    if hold_out == AUTO and (later := hold_later(made)) is not None:
-        return later, False
-    if hold_out == AUTO or (isinstance(hold_out, str) and hold_out.strip().endswith("%")):
-        share = LEFT_OUT if hold_out == AUTO else read_share(str(hold_out))
-        return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in made], False
+    if hold_out == AUTO:
+        return hold_later(made) or _hold_share(made, LEFT_OUT), False
+    if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
+        return _hold_share(made, read_share(hold_out)), False
     if hold_out == NONE:
         return list(made), False
     held = choose_held_out(hold_out, names, [one.record.times.tolist() for one in made])
     return [replace(one, held=ALL if rows else ()) for one, rows in zip(made, held, strict=True)], False
+
+
+def _hold_share(made: Sequence[ConditionExperiment], share: float) -> list[ConditionExperiment]:
+    """Return the experiments with a fraction of their conditions held out."""
+    return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in made]
 
 
 def hold_later(experiments: Sequence[object], share: float = LATER) -> list[ConditionExperiment] | None:

@@ -8,7 +8,7 @@ the intervals of their amplitudes exclude 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +24,7 @@ from martensite.fit.log_trials import CLEARLY, choose_model
 from martensite.fit.problem import Problem
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.quantity_text import format_number, join_phrases, list_names
+from martensite.search.time_box import OutOfTimeError
 
 PER_DECADE = "_per_decade"
 """End of the names of amplitudes of the logarithm."""
@@ -69,16 +70,30 @@ def choose_drift(problem: Problem, solve: Callable[[Problem], Fit]) -> tuple[Pro
         KeyboardInterrupt: the comparison was interrupted.
         SolveError: no law can be fitted.
     """
-    slow = [name for name in problem.names if name.endswith(PER_DECADE)]
-    slow = [name for name in slow if name.removesuffix(PER_DECADE) in problem.names]
-    later = hold_later(problem.experiments)
+    ends = (name.removesuffix(PER_DECADE) for name in problem.names if name.endswith(PER_DECADE))
+    settling = [name for name in ends if name in problem.names]
+    slow, later = [name + PER_DECADE for name in settling], hold_later(problem.experiments)
     if not slow or later is None:
         return problem, []
-    settling = [name.removesuffix(PER_DECADE) for name in slow]
     free = tuple(_allow_zero(x) if x.name in (*slow, *settling) else x for x in problem.free)
-    problem = replace(problem, free=free)
+    begun = replace(problem, free=free)
+    try:
+        tried, notes = _try_laws(begun, {"exponential": slow, "logarithm": settling, "both": []}, later, solve)
+    except OutOfTimeError:
+        return problem, ["The laws of drift were not compared, because of the time box (`--time-box`)."]
+    simple = [one for one in tried if one.dropped or one.excludes_zero([*slow, *settling])]
+    return _conclude(choose_model(simple or tried), tried, later, notes)
+
+
+def _try_laws(
+    problem: Problem,
+    laws: Mapping[str, Sequence[str]],
+    later: Sequence[ConditionExperiment],
+    solve: Callable[[Problem], Fit],
+) -> tuple[list[TriedDrift], list[str]]:
+    """Return the laws fitted to the earlier cycles, and remarks; `laws` lists the amplitudes that are 0."""
     tried, notes = list[TriedDrift](), list[str]()
-    for name, dropped in (("exponential", slow), ("logarithm", settling), ("both", [])):
+    for name, dropped in laws.items():
         made = _drop_numbers(problem, dropped)
         held = tuple(replace(new, held=old.held) for new, old in zip(made.experiments, later, strict=True))
         try:
@@ -86,15 +101,12 @@ def choose_drift(problem: Problem, solve: Callable[[Problem], Fit]) -> tuple[Pro
         except SolveError as error:
             notes.append(f"Drift law not compared: {name}. {error}")
             continue
-        if fit.reason == INTERRUPTED:
-            raise KeyboardInterrupt
-        if fit.reason == OUT_OF_TIME:
-            return problem, ["The laws of drift were not compared, because of the time box (`--time-box`)."]
+        if fit.reason in (INTERRUPTED, OUT_OF_TIME):
+            raise KeyboardInterrupt if fit.reason == INTERRUPTED else OutOfTimeError
         tried.append(TriedDrift(name, made, fit, tuple(dropped)))
     if not tried:
         raise SolveError(f"No law of drift can be fitted. {' '.join(notes)}")
-    simple = [one for one in tried if one.dropped or one.excludes_zero([*slow, *settling])]
-    return _conclude(choose_model(simple or tried), tried, later, notes)
+    return tried, notes
 
 
 def _conclude(
