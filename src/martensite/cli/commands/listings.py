@@ -139,7 +139,7 @@ def materials(
     ] = None,
     json: Json = False,
 ) -> None:
-    """List the materials, or show one with all sources, or its plateau stresses."""
+    """List the materials, or show one with all sources."""
     from martensite.physics.materials.base import load_material, material_names
     from martensite.show.summaries.parts import summarise_material, summarise_materials, summarise_plateaus
     from martensite.show.terminal import print_summary
