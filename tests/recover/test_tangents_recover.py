@@ -68,7 +68,7 @@ def wandering() -> Record:
 
 def spiked() -> Record:
     base = SAMPLE.cycle(STRESS)
-    strain = np.asarray(base["strain"])
+    strain = np.array(base["strain"])
     strain[[20, 71, 110, 190, 260]] += 0.03
     return edited(base, "strain", strain)
 
