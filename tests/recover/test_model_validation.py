@@ -18,6 +18,7 @@ from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests, thin_line
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
 from martensite.show.pages import write_model_report
+from martensite.show.summaries.identification import summarise_model
 from martensite.signals.sampling.sampled import Sampled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
@@ -226,6 +227,12 @@ def test_errors_of_estimates_are_their_scatter_for_any_initial_state():
     found = [next(x for x in one.uncertainty.describe_numbers() if x.name == "tau") for one in estimates]
     scatter = np.std([x.value for x in found], ddof=1)
     assert 0.5 < np.mean([x.error for x in found]) / scatter < 2.0
+    one = validate_chain(estimates[0].chain, estimates[0].records[0])
+    band = estimates[0].uncertainty.band(one.record, state=one.state)
+    assert band.outputs == pytest.approx(one.computed, rel=1e-12)
+    assert 0.9 < measure_coverage(band, one.record)[0] < 0.99
+    (said,) = (x.text for x in summarise_model([one], estimates[0].uncertainty).blocks if "95 % band" in str(x))
+    assert f"{100.0 * measure_coverage(band, one.record)[0]:.1f} %" in said
 
 
 # ---------------------------------------------------------------- figures

@@ -114,13 +114,13 @@ class ChainUncertainty:
             first = columns.stop
         return numbers
 
-    def band(self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None) -> OutputBand:
+    def band(self, record: Sampled, level: float = LEVEL, state: Numbers | None = None) -> OutputBand:
         """Return the outputs along a record with the band that holds a fraction `level` of the samples.
 
         Args:
             record: inputs of the run.
             level: probability.
-            start: initial state with derivatives; default: the steady state under the first inputs.
+            state: state at the first sample, taken as known; default: the steady state under the first inputs.
 
         Raises:
             ParameterError: the level is not between 0 and 1.
@@ -132,6 +132,7 @@ class ChainUncertainty:
         outputs: list[Numbers] = []
         spreads: list[Numbers] = []
         engine, theta = self.chain.engine, self.chain.theta
+        start = None if state is None else ChainStart(state, np.zeros((len(state), len(theta))))
         for chunk in engine.sensitivities(theta, record.inputs, start):
             slopes = chunk.slopes[:, :, chunk.slopes.shape[2] - len(theta) :]
             outputs.append(chunk.outputs)

@@ -55,6 +55,8 @@ class Validation:
     whiteness: tuple[Whiteness, ...]
     crossed: tuple[Crossed, ...]
     begins: str
+    state: Numbers | None = None
+    """State at the first sample; None for a steady start."""
 
     @property
     def residuals(self) -> Numbers:
@@ -216,6 +218,7 @@ def validate_chain(
         tuple(_test_whiteness(record, residuals)),
         tuple(_test_correlation(record, residuals, level)),
         begin.said,
+        begin.state,
     )
 
 

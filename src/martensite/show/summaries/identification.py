@@ -202,7 +202,7 @@ def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) ->
         f"The worst tenth of the record is from {format_number(worst.begin)} to {format_number(worst.end)} s, "
         f"with an rms error of {format_number(worst.rms, 3)}."
     )
-    band = None if found is None else found.band(one.record)
+    band = None if found is None else found.band(one.record, state=one.state)
     if band is not None:
         held = measure_coverage(band, one.record, one.skip)
         shares = ", ".join(f"{100.0 * share:.1f} %" for share in held)
