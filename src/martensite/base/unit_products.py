@@ -1,4 +1,4 @@
-"""Products and quotients of common units, such as `mW/mm^2`, without pint.
+"""Common units, and their products and quotients, such as `mW/mm^2`, without pint.
 
 A unit is a factor and the exponents of the base units m, kg, s, A, K and rad. Unknown symbols are left to pint.
 """
@@ -8,6 +8,51 @@ from __future__ import annotations
 import re
 from functools import cache
 from typing import NamedTuple
+
+_DECLARED = (
+    "1 K K/Pa K/Pa^2 m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
+    "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H W/kg"
+)
+"""Units in which parameters are declared."""
+EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit in _DECLARED.split()} | {
+    "%": ("1", 0.01, 0.0),
+    "degC": ("K", 1.0, 273.15),
+    "mm": ("m", 1e-3, 0.0),
+    "cm": ("m", 1e-2, 0.0),
+    "um": ("m", 1e-6, 0.0),
+    "ms": ("s", 1e-3, 0.0),
+    "us": ("s", 1e-6, 0.0),
+    "min": ("s", 60.0, 0.0),
+    "kHz": ("Hz", 1e3, 0.0),
+    "g": ("kg", 1e-3, 0.0),
+    "N/mm": ("N/m", 1e3, 0.0),
+    "kPa": ("Pa", 1e3, 0.0),
+    "MPa": ("Pa", 1e6, 0.0),
+    "GPa": ("Pa", 1e9, 0.0),
+    "MPa/K": ("Pa/K", 1e6, 0.0),
+    "K/MPa": ("K/Pa", 1e-6, 0.0),
+    "K/MPa^2": ("K/Pa^2", 1e-12, 0.0),
+    "mV": ("V", 1e-3, 0.0),
+    "mA": ("A", 1e-3, 0.0),
+    "mW": ("W", 1e-3, 0.0),
+    "ohm m": ("ohm*m", 1.0, 0.0),
+    "kJ/kg": ("J/kg", 1e3, 0.0),
+    "deg": ("rad", 0.017453292519943295, 0.0),
+    "deg/s": ("rad/s", 0.017453292519943295, 0.0),
+    "mN*m": ("N*m", 1e-3, 0.0),
+    "mH": ("H", 1e-3, 0.0),
+    "mm^2": ("m^2", 1e-6, 0.0),
+    "J/g": ("J/kg", 1e3, 0.0),
+    "W/g": ("W/kg", 1e3, 0.0),
+    "mW/mg": ("W/kg", 1e3, 0.0),
+    "kohm": ("ohm", 1e3, 0.0),
+    "uohm m": ("ohm*m", 1e-6, 0.0),
+    "uohm*cm": ("ohm*m", 1e-8, 0.0),
+    "nF": ("F", 1e-9, 0.0),
+    "uF": ("F", 1e-6, 0.0),
+    "mN/V": ("N/V", 1e-3, 0.0),
+}
+"""Spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset."""
 
 _BASES = ("m", "kg", "s", "A", "K", "rad")
 _DERIVED = {
@@ -23,33 +68,15 @@ _DERIVED = {
     "F": "A*s/V",
 }
 _SCALED = {
-    "%": ("1", 1e-2),
-    "degC": ("K", 1.0),
-    "mm": ("m", 1e-3),
-    "cm": ("m", 1e-2),
-    "um": ("m", 1e-6),
-    "ms": ("s", 1e-3),
-    "us": ("s", 1e-6),
-    "min": ("s", 60.0),
-    "kHz": ("Hz", 1e3),
-    "g": ("kg", 1e-3),
     "mg": ("kg", 1e-6),
     "mN": ("N", 1e-3),
     "kN": ("N", 1e3),
-    "kPa": ("Pa", 1e3),
-    "MPa": ("Pa", 1e6),
-    "GPa": ("Pa", 1e9),
     "mJ": ("J", 1e-3),
     "kJ": ("J", 1e3),
-    "mW": ("W", 1e-3),
-    "mV": ("V", 1e-3),
-    "mA": ("A", 1e-3),
-    "kohm": ("ohm", 1e3),
     "mohm": ("ohm", 1e-3),
-    "deg": ("rad", 0.017453292519943295),
     "rpm": ("rad/s", 0.10471975511965977),
-    "mH": ("H", 1e-3),
 }
+"""Further units: SI unit and factor."""
 _FACTOR = re.compile(r"([*/]?)([A-Za-z%]+|1)(?:\^(\d))?")
 
 
@@ -89,8 +116,8 @@ def _find_symbol(symbol: str) -> UnitProduct | None:
         return UnitProduct(1.0, tuple(int(symbol == base) for base in _BASES))
     if symbol in _DERIVED:
         return read_product(_DERIVED[symbol])
-    if symbol not in _SCALED:
+    if symbol not in EVERYDAY and symbol not in _SCALED:
         return None
-    unit, factor = _SCALED[symbol]
+    unit, factor = EVERYDAY[symbol][:2] if symbol in EVERYDAY else _SCALED[symbol]
     known = read_product(unit)
     return known and UnitProduct(factor * known.factor, known.exponents)

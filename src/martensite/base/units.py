@@ -13,52 +13,7 @@ from importlib import import_module
 from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from martensite.base.errors import UnitError
-from martensite.base.unit_products import read_product
-
-_DECLARED = (
-    "1 K K/Pa K/Pa^2 m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
-    "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H W/kg"
-)
-"""Units in which parameters are declared."""
-EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit in _DECLARED.split()} | {
-    "%": ("1", 0.01, 0.0),
-    "degC": ("K", 1.0, 273.15),
-    "mm": ("m", 1e-3, 0.0),
-    "cm": ("m", 1e-2, 0.0),
-    "um": ("m", 1e-6, 0.0),
-    "ms": ("s", 1e-3, 0.0),
-    "us": ("s", 1e-6, 0.0),
-    "min": ("s", 60.0, 0.0),
-    "kHz": ("Hz", 1e3, 0.0),
-    "g": ("kg", 1e-3, 0.0),
-    "N/mm": ("N/m", 1e3, 0.0),
-    "kPa": ("Pa", 1e3, 0.0),
-    "MPa": ("Pa", 1e6, 0.0),
-    "GPa": ("Pa", 1e9, 0.0),
-    "MPa/K": ("Pa/K", 1e6, 0.0),
-    "K/MPa": ("K/Pa", 1e-6, 0.0),
-    "K/MPa^2": ("K/Pa^2", 1e-12, 0.0),
-    "mV": ("V", 1e-3, 0.0),
-    "mA": ("A", 1e-3, 0.0),
-    "mW": ("W", 1e-3, 0.0),
-    "ohm m": ("ohm*m", 1.0, 0.0),
-    "kJ/kg": ("J/kg", 1e3, 0.0),
-    "deg": ("rad", 0.017453292519943295, 0.0),
-    "deg/s": ("rad/s", 0.017453292519943295, 0.0),
-    "mN*m": ("N*m", 1e-3, 0.0),
-    "mH": ("H", 1e-3, 0.0),
-    "mm^2": ("m^2", 1e-6, 0.0),
-    "J/g": ("J/kg", 1e3, 0.0),
-    "W/g": ("W/kg", 1e3, 0.0),
-    "mW/mg": ("W/kg", 1e3, 0.0),
-    "kohm": ("ohm", 1e3, 0.0),
-    "uohm m": ("ohm*m", 1e-6, 0.0),
-    "uohm*cm": ("ohm*m", 1e-8, 0.0),
-    "nF": ("F", 1e-9, 0.0),
-    "uF": ("F", 1e-6, 0.0),
-    "mN/V": ("N/V", 1e-3, 0.0),
-}
-"""Spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset."""
+from martensite.base.unit_products import EVERYDAY, read_product
 
 DEGREES = "delta_degC"
 """Unit of a temperature difference [K], which has no offset."""
