@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from martensite.scenario.scenario import read_scenario
+from martensite.search.lags import filter_lag
 from martensite.signals.records import Record
 
 DRIVES = ("voltage", "current", "power", "duty")
@@ -154,10 +155,7 @@ def simulate_log(
     if outside == "delay":
         found = np.interp(times - chance.uniform(0.8, 2.0) * tau, times, found)
     if outside == "lag":
-        keep, slow = np.exp(-np.diff(times) / (chance.uniform(0.7, 2.0) * tau)), [found[0]]
-        for one, level in zip(keep, found[1:], strict=True):
-            slow.append(level + (slow[-1] - level) * one)
-        found = np.array(slow)
+        found = filter_lag(times, found[:, None], chance.uniform(0.7, 2.0) * tau, early=True)[:, 0]
     if outside == "drift":
         found = found + chance.uniform(0.1, 0.3) * np.ptp(found) * times / times[-1]
     if outside == "friction":  # the slider follows when the wire has moved by the slack

@@ -130,39 +130,34 @@ def convert_plateaus(law: AbstractLaw, plateaus: Plateaus) -> dict[str, float]:
     """
     _require_lines(law)
     numbers = {leaf.path: leaf.value for leaf in law.leaves()}
-    (begin, end), (back, last) = plateaus.loading, plateaus.unloading
-    forward, reverse = numbers["C_M"], numbers["C_A"]
-    starts = {"begin": begin - numbers.get("sigma_s", 0.0), "end": end, "back": back, "last": last}
+    wanted = np.array([*plateaus.loading, *plateaus.unloading])
+    lines = wanted - [numbers.get("sigma_s", 0.0), 0.0, 0.0, 0.0]
     for _ in range(ROUNDS):
-        values = _place_lines(numbers, plateaus, starts)
+        values = _place_lines(numbers, plateaus, lines.tolist())
         there = find_plateaus(law.with_values(values), plateaus.temperature)
-        errors = {
-            "begin": begin - there.loading[0],
-            "end": end - there.loading[1],
-            "back": back - there.unloading[0],
-            "last": last - there.unloading[1],
-        }
-        if max(map(abs, errors.values())) <= CLOSE * end:
+        errors = wanted - [*there.loading, *there.unloading]
+        if np.abs(errors).max() <= CLOSE * wanted.max():
             return values
-        starts = {name: stress + errors[name] for name, stress in starts.items()}
+        lines += errors
     raise SolveError(
         f"No transformation temperatures of `{law.registered_name}` give these plateaus at "
-        f"{plateaus.temperature - 273.15:.4g} °C with C_M {forward / 1e6:.3g} and C_A {reverse / 1e6:.3g} MPa/K; check "
-        "the slopes, or take another law."
+        f"{plateaus.temperature - 273.15:.4g} °C with C_M {numbers['C_M'] / 1e6:.3g} and C_A "
+        f"{numbers['C_A'] / 1e6:.3g} MPa/K; check the slopes, or take another law."
     )
 
 
-def _place_lines(numbers: dict[str, float], plateaus: Plateaus, stresses: dict[str, float]) -> dict[str, float]:
-    """Return the temperatures of straight lines through stresses at the temperature of a test."""
+def _place_lines(numbers: dict[str, float], plateaus: Plateaus, stresses: list[float]) -> dict[str, float]:
+    """Return the temperatures of straight lines through four stresses [Pa] at the temperature of a test."""
     kelvin, width = plateaus.temperature, plateaus.loading[1] - plateaus.loading[0]
+    begin, end, back, last = stresses
     values = {
-        "M_s": kelvin - stresses["begin"] / numbers["C_M"],
-        "M_f": kelvin - stresses["end"] / numbers["C_M"],
-        "A_s": kelvin - stresses["back"] / numbers["C_A"],
-        "A_f": kelvin - stresses["last"] / numbers["C_A"],
+        "M_s": kelvin - begin / numbers["C_M"],
+        "M_f": kelvin - end / numbers["C_M"],
+        "A_s": kelvin - back / numbers["C_A"],
+        "A_f": kelvin - last / numbers["C_A"],
     }
     if "sigma_f" in numbers:
-        values["sigma_f"] = stresses["end"] - stresses["begin"]
+        values["sigma_f"] = end - begin
         values["M_f"] = values["M_s"] - width / numbers["C_M"]
     return values
 

@@ -308,8 +308,10 @@ def hold_later(experiments: Sequence[object], share: float = LATER) -> list[Cond
     """Return tables of cycles with the later cycles held out; None if one of them has no cycles."""
     found = list[ConditionExperiment]()
     for one in experiments:
-        levels = sorted(set(one.cycles)) if isinstance(one, ConditionExperiment) else []
-        if not isinstance(one, ConditionExperiment) or len(levels) < 2:
+        if not isinstance(one, ConditionExperiment):
+            return None
+        levels = sorted(set(one.cycles))
+        if len(levels) < 2:
             return None
         first = levels[-min(max(1, round(share * len(levels))), len(levels) - 1)]
         rows = [k + 1.0 for k, cycles in enumerate(one.cycles) if cycles >= first]

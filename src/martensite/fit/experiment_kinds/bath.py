@@ -28,7 +28,16 @@ from martensite.fit.experiment_kinds.base import (
 from martensite.fit.experiment_kinds.driven import A_F, vary_loads
 from martensite.fit.experiment_kinds.loops import find_column, read_loop
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
-from martensite.fit.experiment_kinds.values import EPS, SIGMA, SLOPE, Document, make_loop, make_record, write_values
+from martensite.fit.experiment_kinds.values import (
+    EPS,
+    MODULI,
+    SIGMA,
+    SLOPE,
+    Document,
+    make_loop,
+    make_record,
+    write_values,
+)
 from martensite.search.quantity_text import format_number
 from martensite.signals.records import Record
 
@@ -79,7 +88,7 @@ class BathTest(AbstractExperimentKind):
         output, sign = _name_output(rows, shape, known)
         column = output if (shape, sign) == (output, 1.0) else f"{output}={shape}*{sign:g}"
         effect = "the shape within a transformation is counted from it"
-        moduli = {n: known.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", 70e9), ("E_M", 28e9))}
+        moduli = {n: known.take(f"element.law.{n}", "Pa", x, effect) for n, x in MODULI.items()}
         slopes = {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
         base = _describe_bath(rows, sizes, write_values("Pa", **moduli) | write_values("Pa/K", **slopes))
         if len(found.measured) > 1:

@@ -24,6 +24,7 @@ from martensite.fit.experiment_kinds.survey import LogSurvey
 from martensite.fit.experiment_kinds.values import (
     EPS,
     LAGOUDAS,
+    MODULI,
     ROOM,
     SIGMA,
     SLOPE,
@@ -64,12 +65,8 @@ E_M = "28 GPa"
 """Element heated by a logged drive."""
 ABSORBED_LOAD = "temperatures at zero stress absorb it"
 """Effect of an assumed load."""
-LAW = {
-    "A_f": ("K", A_F + 273.15),
-    "C_A": ("Pa/K", SLOPE),
-    "C_M": ("Pa/K", SLOPE),
-    "E_A": ("Pa", 70e9),
-    "E_M": ("Pa", 28e9),
+LAW = {"A_f": ("K", A_F + 273.15), "C_A": ("Pa/K", SLOPE), "C_M": ("Pa/K", SLOPE)} | {
+    name: ("Pa", value) for name, value in MODULI.items()
 }
 """Parameter of the law -> its unit and assumed value [SI]."""
 FILM = "environment.cooling.h={:.4g}..{:.4g} W/m^2/K log"

@@ -27,6 +27,7 @@ from martensite.fit.experiment_kinds.loops import ROUNDNESS, SLOPES, find_column
 from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
 from martensite.fit.experiment_kinds.values import (
     LAGOUDAS,
+    MODULI,
     SLOPE,
     WAIST,
     Document,
@@ -129,7 +130,7 @@ def _read_loop(record: Record, column: str, known: Assumptions) -> Record:
 def _take_moduli(known: Assumptions, levels: int) -> dict[str, float]:
     """Return the given or assumed moduli [Pa], which are equal at one load, where no strain shows their difference."""
     effect = "the transformation strain absorbs the elastic strain of the load"
-    austenite = known.take("element.law.E_A", "Pa", 70e9, effect)
+    austenite = known.take("element.law.E_A", "Pa", MODULI["E_A"], effect)
     return {"E_A": austenite, "E_M": known.take("element.law.E_M", "Pa", austenite if levels == 1 else 30e9, effect)}
 
 
@@ -181,7 +182,7 @@ def _vary_loop_laws(
     sigma = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
     top, apart = guess["A_f"] + 10.0, max(guess["A_f"] - guess["M_s"], 3.0)
     wide = max(guess["A_f"] - guess["A_s"], 4.0), max(guess["M_s"] - guess["M_f"], 4.0)
-    shared = write_values("Pa", E_A=guess.get("E_A", 70e9), E_M=guess.get("E_M", 30e9))
+    shared = write_values("Pa", E_A=guess.get("E_A", MODULI["E_A"]), E_M=guess.get("E_M", 30e9))
     shared |= write_values("Pa/K", C_A=guess["C_A"], C_M=guess["C_M"])
     common = SLOPES if levels > 1 else ()
     common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if "E_A" not in guess else ()

@@ -19,6 +19,8 @@ SLOPE = 7.5e6
 """C_A and C_M if loops at one load do not determine them [Pa/K]."""
 WAIST = ("waist_f=0.1..0.98", "waist_r=0.1..0.98")
 LAGOUDAS = {"kind": "lagoudas", "sigma_crit": "0 MPa"} | dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.45)
+MODULI = {"E_A": 70e9, "E_M": 28e9}
+"""Assumed Young's moduli [Pa]."""
 EXAMPLE_UNITS = {
     "time": "s",
     "temperature": "K",
