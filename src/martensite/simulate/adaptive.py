@@ -495,7 +495,7 @@ class AdaptiveMarch(AbstractMarch):
 
     def _watch_forks(self, trial: StepTrial, middle: float, end: float) -> None:
         """Look for decisions about forgotten branches at the middle and the end of a step [s]."""
-        if not self.plan.parted:  # the first pass
+        if not (self.plan.compiled.forks and self.plan.parted):  # the first pass is not parted
             return
         forks, share = self.plan.compiled.forks, COUNTS * self.plan.tolerance
         allowed = [share * self._scale(fork.fraction) / fork.weight for fork in forks]
