@@ -1,7 +1,7 @@
-"""A small parser of units in text files, which shares nothing with `martensite.logs`: the words above a column.
+"""Independent parser of the units above the columns of a text file. It imports nothing from `martensite.logs`.
 
-It makes no claim unless it finds a unit of its own table in a heading (`Load (N)`, `T/K`, `t_ms`, `x in mm`) or in a
-row of units. It judges a read file by its numbers: those of the file times the factor of its own unit.
+It claims a unit only if it finds one of its table in a heading (`Load (N)`, `T/K`, `t_ms`, `x in mm`) or in a row of
+units. Values that the package reads must be the numbers of the file times the factor of the claimed unit.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ SHORTEST = 5
 
 @dataclass(frozen=True)
 class Words:
-    """One column: the units that the words above it give, and its numbers in every notation that its cells allow."""
+    """Column with its claimed units, and its numbers with a decimal point, a decimal comma and thousands."""
 
     claims: frozenset[tuple[str, float, float]]
     notations: tuple[Any, ...]
 
     def allows(self, si: str, values: Iterable[float]) -> bool:
-        """Return whether values are the numbers of the file in a unit that its words give."""
+        """Return whether values equal the numbers of the file in a claimed unit."""
         own = np.asarray([x for x in values if np.isfinite(x)])
         return any(unit == si and self._holds(own, factor, offset) for unit, factor, offset in self.claims)
 
@@ -73,7 +73,7 @@ class Words:
         return float(np.mean(apart <= 1e-6 * np.abs(own) + 1e-9 * factor)) > 0.95
 
     def allows_times(self, times: Sequence[float]) -> bool:
-        """Return whether the usual step of times is that of the file in a unit that its words give."""
+        """Return whether the usual step of times equals the step of the file in a claimed unit."""
         step, own = find_step(np.asarray(times)), [find_step(x) for x in self.notations]
         seconds = [factor for unit, factor, _ in self.claims if unit == "s"]
         return any(0.4 < step / (x * factor) < 2.5 for x in own if x > 0.0 for factor in seconds)
@@ -86,7 +86,7 @@ def find_step(times: Any) -> float:
 
 
 def read_words(raw: bytes) -> dict[int, Words]:
-    """Return column number, from 1 -> its words, of a text file; empty if there is no table."""
+    """Return the claims of a text file by column number from 1; empty without a table."""
     lines = [line for line in re.split(r"\r\n|\r|\n", decode(raw)) if line.strip()]
     pairs = [one for line in lines if (one := LABELLED.findall(line))]
     if 2 * len(pairs) > len(lines) and len(pairs[0]) > 1:
@@ -112,7 +112,7 @@ def read_words(raw: bytes) -> dict[int, Words]:
 
 
 def decode(raw: bytes) -> str:
-    """Return the text of a file: UTF-16 by its many zeros, else UTF-8, else cp1252."""
+    """Return the text of a file in UTF-16 if it has many zero bytes, otherwise in UTF-8 or cp1252."""
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return raw.decode("utf-16", "replace")
     if 3 * raw.count(0) > len(raw):
@@ -124,7 +124,7 @@ def decode(raw: bytes) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Return whether a cell is a number, also with a unit behind it."""
+    """Return whether a cell is a number, with or without a unit."""
     return re.fullmatch(rf"\s*{NUMBER}\s*[A-Za-z°%]*\s*", cell) is not None
 
 
@@ -146,7 +146,7 @@ def find_units(cell: str, alone: bool) -> set[tuple[str, float, float]]:
 
 
 def parse_numbers(cells: Sequence[str]) -> tuple[Any, ...]:
-    """Return the numbers of cells with decimal points, with decimal commas, and with thousands; unreadable omitted."""
+    """Return the readable numbers of cells in each notation: decimal point, decimal comma, thousands."""
     texts = [re.sub(r"[^\d.,eE+-].*$", "", cell.strip().strip('"').strip()) for cell in cells]
     notations = (("", ""), (",", "."), (",", ""), (".", ""))
     found: list[Any] = []
@@ -169,7 +169,7 @@ def _split(lines: Sequence[str], sign: str | None) -> list[list[str]]:
 
 
 def _count_numbers(rows: Sequence[Sequence[str]]) -> float:
-    """Return the numbers of the most usual width, weighed by their fraction of the cells."""
+    """Return the score of the most frequent row width; cells with numbers raise the score of a row."""
     scores: Counter[int] = Counter()
     for row in rows:
         if is_data(row):
@@ -179,7 +179,7 @@ def _count_numbers(rows: Sequence[Sequence[str]]) -> float:
 
 
 def _split_head(line: str, sign: str | None, width: int) -> list[str]:
-    """Return a line above the table as `width` cells; empty if it has another number of them."""
+    """Return the cells of a line above the table; empty if it does not have `width` cells."""
     text = re.sub(r"^[#%]\s*(?=\w)", "", line)
     splits = [_split([text], one)[0] for one in (sign, ",", ";", "\t")]
     for row in [*splits, re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", text)]:

@@ -1,4 +1,4 @@
-"""Liang–Rogers law against its printed curves, and in a system; `test_strip_laws` has what it shares with others."""
+"""Liang–Rogers law: its printed curves and a system. Tests of all strip laws are in `test_strip_laws`."""
 
 import pytest
 from builders import ZERO, along, chamber, fraction_after, isobar, law_a, through

@@ -93,9 +93,9 @@ def _describe_variants(result: Result, variants: Variants) -> str:
 
 def _list_remarks(result: Result) -> list[str]:
     """Return remarks on user-defined parts, in sentences."""
-    remedies = {"conforms": ".", NOT_TRIED: "; `martensite conform FILE` does."}
+    remedies = {"conforms": ".", NOT_TRIED: "; run `martensite conform FILE`."}
     return [
-        f"Part `{name}` is none of this package's; its promises: {found}"
+        f"Part `{name}` is not from this package; its conformance: {found}"
         f"{remedies.get(found, '; what it computes cannot be trusted.')}"
         for name, found in result.conformance.items()
     ]
