@@ -100,7 +100,9 @@ def summarise_plateaus(configured: ConfiguredLaw, temperature: float) -> Summary
     law, material = configured.law, configured.material
     found = find_plateaus(law, temperature)
     slopes = found.estimate_slopes(find_plateaus(law, temperature + 1.0))
-    numbers = {leaf.path: (leaf.value, leaf.declared.unit) for leaf in law.leaves() if leaf.path in ELASTIC}
+    numbers = {
+        leaf.path: (leaf.value, leaf.declared.unit) for leaf in law.leaves() if leaf.path in ELASTIC and leaf.value
+    }
     numbers |= {
         "loading_start": (found.loading[0], "Pa"),
         "loading_end": (found.loading[1], "Pa"),
@@ -111,7 +113,7 @@ def summarise_plateaus(configured: ConfiguredLaw, temperature: float) -> Summary
     }
     rows = [(name, write_quantity(value, unit)) for name, (value, unit) in numbers.items()]
     name = f"{material.name}, " if material else ""
-    title = f"{name}law {law.registered_name} at {write_quantity(temperature, 'K')}"
+    title = f"{name}law {law.registered_name} at {temperature - 273.15:.4g} °C"
     data = {"law": law.registered_name, "temperature": temperature} | {n: value for n, (value, _) in numbers.items()}
     notes = [Sentence(one, "caution") for one in configured.cautions]
     return Summary(title, [DataTable(("quantity", "value"), rows), *notes], data, PLATEAUS)
