@@ -87,6 +87,8 @@ class RunEngine:
     """CPU time [s] for all passes together."""
     used: str = "floats"
     """Runtime of the last pass."""
+    marching: Any = None
+    """Last pass in C, whose arrays the next pass uses again."""
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
@@ -153,14 +155,14 @@ class RunEngine:
 
     def _on_c(self, plan: MarchPlan) -> Marched:
         """Run in C and compile if necessary."""
-        from martensite.simulate.marching_native import Runs, march_runs
+        from martensite.simulate.marching_native import Marching, Runs
 
         outputs = range(len(self.compiled.outputs))
         if self.tell is not None and self._readiness(plan) == "new":
             self.tell("compiling", 0.0)
         self.used = "C"
-        runs = Runs(plan, self.values, 1, tuple(outputs), 1)
-        return march_runs(runs, self._watch("simulating")).take_run(0, plan.times)
+        self.marching = Marching(Runs(plan, self.values, 1, tuple(outputs), 1), self.marching)
+        return self.marching.go(self._watch("simulating")).take_run(0, plan.times)
 
     def observe(self, plan: MarchPlan, outputs: Sequence[int], used: str) -> Observe:
         """Return the function that computes outputs of recorded states on the runtime `used`."""
@@ -214,8 +216,7 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
     """Return the last run to a tolerance and its error bounds as fractions of the ranges of judged outputs."""
     compared = choose_samples(len(plan.times), plan.skipped)
     local = LOCAL[plan.order] * tolerance
-    some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
-    found = march(replace(some, tolerance=local))
+    found = march(replace(plan, times=[plan.times[k] for k in compared], recorded=False, tolerance=local))
     rows, accuracy = found.rows, math.inf
     for turn in range(MOST_PASSES):
         local /= FINER
@@ -244,7 +245,7 @@ def find_doubts(compiled: CompiledMarch, decisions: Any, accuracy: Any, ranges: 
     """
     margin, _, change, place, _ = np.asarray(decisions, float).reshape(-1, len(Decision._fields)).T
     nothing = np.zeros(len(margin))
-    if not compiled.forks:
+    if not compiled.forks or not (place >= 0.0).any():
         return nothing, nothing
     spans = np.maximum(ranges, [least for _, least in compiled.convergence_scales])
     fraction, temperature, stress, weight = np.array(compiled.forks)[place.astype(int)].T

@@ -18,7 +18,7 @@ from martensite.base.status import Status
 from martensite.kernels import floats
 from martensite.simulate.accuracy import RunEngine, Tell, choose_rows, choose_samples, march_to, require_budget
 from martensite.simulate.alarms import judge_limits
-from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march, name_outputs
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march, list_values, name_outputs
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.forks import describe_decision
@@ -99,7 +99,7 @@ def simulate(
         inertial=inertial_step(system),
         skipped=samples - len(times),
     )
-    engine = RunEngine(compiled, compiled.values(system), runtime, tell, budget)
+    engine = RunEngine(compiled, list_values(system), runtime, tell, budget)
     relay = Relay(engine, start, place_stops(restart_at, times))
 
     def march(relay: Relay, plan: MarchPlan) -> tuple[Marched, float | None]:
@@ -179,7 +179,7 @@ def _march_grid(
     if runtime == "c":
         from martensite.simulate.native import march_c
 
-        found = march_c(compiled, compiled.values(system), grid, limits, start)
+        found = march_c(compiled, list_values(system), grid, limits, start)
     if found is None or found.status.failed:
         functions, size = bind_march(system)
         found = march_floats(functions, size, grid, Border(compiled, functions, limits), start)
@@ -238,7 +238,7 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, conte
         system,
         context.waveform,
         np.array(plan.times[: len(rows)], float),
-        dict(zip(names, np.array(rows, float).T.copy(), strict=False)),
+        dict(zip(names, np.array(np.asarray(rows, float).T, order="C"), strict=False)),
         found.status,
         found.status_time,
         found.steps,

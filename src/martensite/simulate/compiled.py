@@ -167,6 +167,12 @@ def compile_march(system: AbstractSystem) -> CompiledMarch:
     return _compile_march(Keyed(system))
 
 
+@remember
+def list_values(system: AbstractSystem) -> tuple[float, ...]:
+    """Return the parameter values of a system in the order of `compile_march`."""
+    return tuple(compile_march(system).values(system))
+
+
 def bind_system(system: AbstractSystem) -> tuple[Functions, int]:
     """Return the functions of a system on floats with bound parameters, and the number of states."""
     compiled = compile_system(system)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar, cast
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly.base import DriveSignal
 from martensite.base.errors import InputError, suggest_name
+from martensite.base.remember_results import remember
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import TimeGrid, build_grid, grid_of_samples, require_unit
@@ -23,7 +25,17 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
     Raises:
         InputError: a named drive does not exist, or one waveform is given for several drives.
     """
-    names = [drive.name for drive in system.drives()]
+    return _assign_drives(list_drive_signals(system), given)
+
+
+@remember
+def list_drive_signals(system: AbstractSystem) -> tuple[DriveSignal, ...]:
+    """Return the drive signals of a system, in order."""
+    return tuple(system.drives())
+
+
+def _assign_drives(signals: Sequence[DriveSignal], given: Kind | Mapping[str, Kind]) -> dict[str, Kind]:
+    names = [signal.name for signal in signals]
     if not isinstance(given, Mapping):
         _require_drive(given)
         if len(names) != 1:
@@ -61,9 +73,10 @@ def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) 
     Raises:
         InputError: a name or a unit does not fit, or a temperature is prescribed by nothing.
     """
-    known = by_name(system, given)
+    signals = list_drive_signals(system)
+    known = _assign_drives(signals, given)
     found: list[Kind | Constant] = []
-    for name, unit, *_ in system.drives():
+    for name, unit, *_ in signals:
         if name not in known and unit == "K":
             raise InputError(f"Drive `{name}` sets a temperature and needs a waveform.")
         one = known[name] if name in known else Constant(level=0.0)

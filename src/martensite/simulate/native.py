@@ -112,6 +112,9 @@ def spread_limits(limits: Any, runs: int) -> Any:
 def spread_column(values: Sequence[Any], runs: int) -> Any:
     """Return the parameters of all runs, (parameters, runs), from scalars or arrays."""
     found = np.empty((len(values), runs))
+    if all(type(value) is float for value in values):
+        found.T[...] = values
+        return found
     for row, value in enumerate(values):
         found[row] = value
     return found

@@ -42,7 +42,7 @@ class DriveWindow:
         self._tones = np.ascontiguousarray(tones.T)
         self.tones = len(tones)
         self._fastest = float(tones[:, 1].max()) if len(tones) else 0.0
-        self._ended = whole is not None
+        self.whole = self._ended = whole is not None
         self._columns = np.empty((4, 0)) if whole is None else whole
         self._size = FIRST_WINDOW
 

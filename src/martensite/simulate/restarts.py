@@ -12,6 +12,7 @@ import operator
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import chain, pairwise, zip_longest
 from typing import Any, NamedTuple
 
@@ -81,20 +82,21 @@ HOME = Restart()
 """Default start of a run."""
 
 
-def list_samples(duration: float, samples: int, begin: float) -> list[float]:
+@lru_cache(16)
+def list_samples(duration: float, samples: int, begin: float) -> tuple[float, ...]:
     """Return the samples [s] of a run of a `duration` [s] from its start, and its start time.
 
     Raises:
         InputError: the start is not before the end.
     """
-    whole: list[float] = (duration * np.arange(samples) / (samples - 1)).tolist()
+    whole = tuple(map(float, duration * np.arange(samples) / (samples - 1)))
     if begin == 0.0:
         return whole
     if not begin < duration * (1.0 - SAME):
         raise InputError(
             f"The run continues at {begin:.6g} s, but ends at {duration:.6g} s, counted from 0; give a longer duration."
         )
-    return [begin, *whole[bisect_left(whole, begin + SAME * duration) :]]
+    return (begin, *whole[bisect_left(whole, begin + SAME * duration) :])
 
 
 def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
