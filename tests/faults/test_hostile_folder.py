@@ -69,7 +69,7 @@ def run_cluster() -> None:
 
 
 def run_module() -> None:
-    """As ziglang and submitit are called."""
+    """As ziglang is called."""
     words = python_command("-m", "json.tool")
     done = subprocess.run(words, env=python_environment(), input="1", capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "1"

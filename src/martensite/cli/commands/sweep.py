@@ -20,9 +20,8 @@ from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import open_bar, show_spinner
 
 if TYPE_CHECKING:
-    from martensite.design.sweep.api import Progress, SweepExecution
+    from martensite.design.sweep.api import Progress
     from martensite.design.sweep.pareto import ParetoFront
-    from martensite.design.sweep.slurm_array import SlurmArray
     from martensite.design.sweep.table import SweepTable
 
 StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="Sweep store (Zarr folder).")]
@@ -77,23 +76,12 @@ def sweep(
     chunk: Annotated[
         Text, Option(metavar="I/N", help="Part I/N of the chunks to run, for job arrays, e.g. 1/8.")
     ] = None,
-    slurm: Annotated[
-        Text,
-        Option(
-            metavar="OPTIONS",
-            help=(
-                'SLURM job array to submit, e.g. "partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB"; '
-                "a queued array reports its progress."
-            ),
-        ),
-    ] = None,
-    dry_run: Annotated[bool, Option("--dry-run", help="Print the --slurm script without submitting it.")] = False,
     figure: Annotated[Path | None, Option(help="Figure to write or replace: .png, .svg or .pdf.")] = None,
     force: Annotated[bool, Option("--force", help="Overwrite an existing store.")] = False,
     json: Json = False,
 ) -> None:
     """Run variants of a scenario; resume an interrupted sweep."""
-    from martensite.design.sweep.api import SweepExecution, begin_sweep, count_missing
+    from martensite.design.sweep.api import SweepExecution, begin_sweep
     from martensite.design.sweep.job import MEASURES, SweepRequest
     from martensite.show.figures.sweep import plot_sweep
     from martensite.show.summaries.sweep import summarise_sweep
@@ -114,16 +102,8 @@ def sweep(
     )
     how = SweepExecution(backend, workers, scheduler, chunk, tuple(source.modules or ()), force)
     path = out or Path(f"{source.file.stem}.zarr")
-    array = _ask_slurm(slurm, path, how, dry_run, figure)
-    if array and dry_run:
-        typer.echo(array.write_script(count_missing(loaded, wanted, path)))
-        return
     with show_spinner(f"preparing {loaded.title}"):
         begun = begin_sweep(loaded, wanted, path, how)
-    array_job = array and array.go_on(begun)
-    if array_job:
-        print_summary(array_job, json)
-        return
     with show_sweep(loaded.title) as tell:
         progress = begun.run(tell)
     print_summary(summarise_sweep(begun.plan, begun.store, progress), json)
@@ -131,26 +111,6 @@ def sweep(
         from martensite.design.sweep.reading import read_sweep
 
         drawn.write(draw=lambda: plot_sweep(read_sweep(path)))
-
-
-def _ask_slurm(
-    words: str | None, path: Path, how: SweepExecution, dry_run: bool, figure: Path | None
-) -> SlurmArray | None:
-    from martensite.design.sweep.slurm_array import SlurmArray
-    from martensite.design.sweep.slurm_options import parse_slurm_options
-
-    if words is None:
-        if dry_run:
-            raise InputError("Option `--dry-run` shows the script of `--slurm`, which is not given.")
-        return None
-    given = {"backend": how.backend, "workers": how.workers, "scheduler": how.scheduler, "chunk": how.part}
-    for name, value in (given | {"figure": figure}).items():
-        if value:
-            raise InputError(f"Option `--{name}` has no effect with `--slurm`.")
-    array = SlurmArray(path, parse_slurm_options(words))
-    if how.force and not dry_run:
-        array.require_idle()
-    return array
 
 
 def _read_trace(words: str) -> tuple[str, int]:

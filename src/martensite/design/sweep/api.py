@@ -213,16 +213,6 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
     return PlannedSweep(plan, store, job, part, backend, remarks)
 
 
-def count_missing(scenario: Scenario, wanted: SweepRequest, path: Path) -> int:
-    """Return the number of missing chunks of a sweep, without changes to its store.
-
-    Raises:
-        InputError: an axis, an option or the store is invalid.
-    """
-    chunks = prepare_plan(scenario, wanted)[0].chunks
-    return chunks - len(Store(path).made()) if path.exists() else chunks
-
-
 def run_sweep(
     scenario: Scenario | str | Path,
     *,
