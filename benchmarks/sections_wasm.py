@@ -24,16 +24,8 @@ from martensite.export.wasm import build_wasm
 from martensite.scenario.scenario import load
 from martensite.simulate.compiled import bind_system
 
-WIRE = ("element.diameter", "element.length", "environment.temperature", "element.law.A_f")
 EXAMPLES = ("pwm_bias_spring", "finger", "closed_loop_sensorless", "hand")
 STEPS, ROUNDS = 2000, 20
-SLOPES = {
-    "pwm_bias_spring": ("element.diameter", "stiffness", "A_f", "drive"),
-    "finger": ("element.diameter", "element.length", "environment.temperature", "cooling.h"),
-    "closed_loop_sensorless": tuple(f"plant.{name}" for name in WIRE),
-    "hand": tuple(f"group.thumb_proximal_flexor.{name.replace('element', 'element.strand')}" for name in WIRE),
-}
-"""Directions, of which the first is measured alone too."""
 
 
 def run_floats(system: Any, first: Sequence[float], steps: Sequence[Step]) -> float:
@@ -77,23 +69,6 @@ def measure_example(name: str, repeats: int) -> dict[str, Any]:
     }
 
 
-def measure_slopes(name: str, repeats: int) -> dict[str, Any]:
-    """A row of the table of slopes: none, one and four of them in turn."""
-    scenario = load(ROOT / f"examples/{name}.toml")
-    system = scenario.whole
-    first, steps = played_by_system(system, scenario.waveform, scenario.duration, STEPS, 1)
-    chosen = {"none": (), "one": SLOPES[name][:1], "four": SLOPES[name]}
-    found: dict[str, list[float]] = {kind: [] for kind in chosen}
-    made = {kind: build_wasm(system, name="model", first=first, slopes=by) for kind, by in chosen.items()}
-    for _ in range(repeats):
-        for kind, one in made.items():
-            with tempfile.TemporaryDirectory() as folder:
-                write_module(one, Path(folder))
-                found[kind].append(play_module(one, Path(folder), steps, ROUNDS)[1]["seconds"])
-    times = {f"{kind} [us]": 1e6 * min(seconds) / len(steps) for kind, seconds in found.items()}
-    return {"example": name, **times, **{f"{kind} [kB]": one.packed / 1e3 for kind, one in made.items()}}
-
-
 KINDS = ("floats", "C", "wasm")
 
 
@@ -105,8 +80,6 @@ def wasm(options: Options) -> list[Table]:
         print(f"section wasm left out: there is no {missing}")
         return []
     rows = [measure_example(name, options.repeats) for name in EXAMPLES]
-    sloped = [measure_slopes(name, options.repeats) for name in EXAMPLES]
     return [
-        Table("WebAssembly: one step", rows, "Wall time, best of interleaved rounds; C with the libm of this machine."),
-        Table("WebAssembly: one step with slopes", sloped, "The same with derivatives; sizes compressed by gzip."),
+        Table("WebAssembly: one step", rows, "Wall time, best of interleaved rounds; C with the libm of this machine.")
     ]

@@ -18,14 +18,13 @@ from martensite.export.c_example import Step
 from martensite.export.fmu.binaries import find_zig
 from martensite.export.wasm import WasmModule
 from martensite.export.wasm.module import list_sources
-from martensite.export.wasm.slopes import CoreSlopes
 from martensite.kernels.compiler import find_compiler
 
 PLAY = """
 import { readFileSync, writeFileSync } from "node:fs";
 import { load, outputs } from "./NAME.js";
-const { first, dt, signals, rounds, slopes } = JSON.parse(readFileSync("played.json", "utf8"));
-const model = (await load()).create({ signals: first, slopes });
+const { first, dt, signals, rounds } = JSON.parse(readFileSync("played.json", "utf8"));
+const model = (await load()).create({ signals: first });
 const names = Object.keys(outputs), columns = names.map((name) => [model.read(name)]);
 const saved = model.save();
 let seconds = Infinity;
@@ -76,16 +75,12 @@ def call_node(folder: Path, script: str) -> str:
 def play_module(
     made: WasmModule, folder: Path, steps: Sequence[Step], rounds: int = 0
 ) -> tuple[Any, Mapping[str, Any]]:
-    """Outputs at the start and after every step, (steps + 1, outputs), the best time of some rounds and the status.
-
-    A module with slopes takes all of them along.
-    """
+    """Outputs at the start and after every step, (steps + 1, outputs), the best time of some rounds and the status."""
     core, columns = made.core, list(zip(*(inputs for _, inputs in steps), strict=True))
     signals = {one.name: columns[one.index] for one in core.inputs}
     first = {one.name: made.first[one.index] for one in core.inputs}
-    slopes = made.slopes.names if made.slopes else ()
     lengths = [dt for dt, _ in steps]
-    played = {"first": first, "dt": lengths, "signals": signals, "rounds": rounds, "slopes": slopes}
+    played = {"first": first, "dt": lengths, "signals": signals, "rounds": rounds}
     (folder / "played.json").write_text(json.dumps(played), encoding="utf-8")
     said = json.loads(call_node(folder, PLAY.replace("NAME", core.name)))
     return np.fromfile(folder / "found.bin").reshape(len(core.outputs), -1).T, said
@@ -94,12 +89,10 @@ def play_module(
 class NativeLanes:
     """The lanes of a core, compiled for this machine with its own libm."""
 
-    def __init__(
-        self, core: CCore, folder: Path, lanes: int, more: Sequence[str] = (), slopes: CoreSlopes | None = None
-    ) -> None:
+    def __init__(self, core: CCore, folder: Path, lanes: int, more: Sequence[str] = ()) -> None:
         self.core, self.lanes = core, lanes
         core.write(folder)
-        (folder / "lanes.c").write_text(list_sources(core, slopes)["lanes.c"], encoding="utf-8")
+        (folder / "lanes.c").write_text(list_sources(core)["lanes.c"], encoding="utf-8")
         flags = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", *more)
         command = [find_compiler() or "cc", *flags, "lanes.c", "-o", "lanes.so", "-lm"]
         subprocess.run(command, cwd=folder, check=True)
@@ -130,32 +123,3 @@ class NativeLanes:
         arrays = (chosen, rows, self.status, self.taken)
         self.call("run", len(steps), lengths, np.ascontiguousarray(signals), every, len(outputs), *arrays)
         return rows, time.perf_counter() - begin
-
-
-class NativeSlopes(NativeLanes):
-    """The same with slopes in all directions that a core has."""
-
-    def __init__(self, slopes: CoreSlopes, folder: Path, lanes: int, more: Sequence[str] = ()) -> None:
-        super().__init__(slopes.core, folder, lanes, more, slopes)
-        self.places = np.array(list(slopes.places.values()), np.int32)
-        self.count, groups = len(self.places), -(-len(self.places) // slopes.width)
-        self.kept = np.zeros((lanes, slopes.program.constants))
-        self.tangents = np.zeros((lanes, groups, slopes.size))
-        self.call("slopes_prepare", self.count, self.places, self.kept, self.tangents)
-
-    def start(self, first: Sequence[float]) -> None:
-        """All lanes at rest under the same signals, with the slopes of that."""
-        signals = np.repeat(np.array(first, float), self.lanes)
-        self.call("slopes_start", signals, self.status, self.tangents.shape[1], self.kept, self.tangents)
-        assert not self.status.any()
-
-    def run_slopes(self, steps: Sequence[Step], every: int, outputs: Sequence[int]) -> tuple[Any, Any]:
-        """Rows (rows, outputs, lanes), and their slopes (rows, outputs, directions, lanes)."""
-        lengths = np.array([dt for dt, _ in steps])
-        signals = np.repeat(np.array([inputs for _, inputs in steps])[:, :, None], self.lanes, axis=2)
-        rows = np.full((-(-len(steps) // every), len(outputs), self.lanes), np.inf)
-        slopes = np.full((*rows.shape[:2], self.count, self.lanes), np.inf)
-        arrays = (np.array([*outputs, 0], np.int32), rows, self.status, self.taken)
-        begin = len(steps), lengths, np.ascontiguousarray(signals), every, len(outputs)
-        self.call("slopes_run", *begin, *arrays, self.count, self.kept, self.tangents, slopes)
-        return rows, slopes

@@ -30,7 +30,7 @@ def source_text(core: CCore) -> str:
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
     more = print_tried(core) + print_rates(core)
-    return fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + print_step(core) + _SEEN + more)
+    return fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN + more)
 
 
 def fill_text(core: CCore, text: str) -> str:
@@ -76,16 +76,15 @@ def _print_bound(core: CCore, variable: CoreVariable, value: float) -> str:
     return precision_of(core.precision).literal(value)
 
 
-def print_step(core: CCore, begin: str = "", kernel: str = "", kept: str = "") -> str:
-    """Return a template of a step: its start, kernel call, further checks and stored values."""
+def _print_step(core: CCore) -> str:
+    """Return a template of a step: its start, kernel call, checks and stored values."""
     return "".join(
         [
-            begin or _STEP_BEGIN,
+            _STEP_BEGIN,
             _STEP_CHECKED,
             _SAMPLE if core.sample else "",
-            kernel or "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
+            "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
             _CHECKED if core.reports else _FINITE_STATE,
-            kept,
             _TAKEN,
             _REPORTED if core.reports else "    return ${NAME}_OK;\n",
             "}\n\n",

@@ -15,7 +15,6 @@ from martensite.base.errors import CompileError, InputError
 from martensite.base.lazy import write_install_line
 from martensite.export.c_core import CCore, build_c_core
 from martensite.export.fmu.binaries import find_zig
-from martensite.export.wasm.slopes import CoreSlopes, choose_slopes
 from martensite.export.wasm.wrapper import guide_text, read_text, script_text, types_text
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE
 
@@ -28,8 +27,6 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-sanitize=undefined",
 )
-VECTORS = ("-msimd128",)
-"""Vector instructions for derivatives, which browsers have since 2023."""
 LINKED = ("-Wl,--no-entry", "-Wl,-z,stack-size=262144", "-Wl,--export=__heap_base", "-Wl,--strip-all")
 """The stack is below all data: an overflow ends the call and overwrites no number."""
 
@@ -43,8 +40,6 @@ class WasmModule:
     first: tuple[float, ...]
     """Signals at the start."""
     binary: bytes
-    slopes: CoreSlopes | None = None
-    """Derivatives of the module; None without."""
 
     @cached_property
     def packed(self) -> int:
@@ -57,19 +52,14 @@ class WasmModule:
         name = self.core.name
         return {
             f"{name}.wasm": self.binary,
-            f"{name}.js": script_text(self.core, self.first, self.slopes),
-            f"{name}.d.ts": types_text(self.core, self.slopes),
-            "README.md": guide_text(self.core, self.title, self.first, len(self.binary), self.packed, self.slopes),
+            f"{name}.js": script_text(self.core, self.first),
+            f"{name}.d.ts": types_text(self.core),
+            "README.md": guide_text(self.core, self.title, self.first, len(self.binary), self.packed),
         }
 
 
 def build_wasm(
-    system: AbstractSystem,
-    *,
-    name: str | None = None,
-    title: str = "",
-    first: Sequence[float] = (),
-    slopes: Sequence[str] = (),
+    system: AbstractSystem, *, name: str | None = None, title: str = "", first: Sequence[float] = ()
 ) -> WasmModule:
     """Build a WebAssembly module of a system or a bench.
 
@@ -78,17 +68,16 @@ def build_wasm(
         name: C identifier for the files; by default made of the kinds of its parts.
         title: title of its guide.
         first: signals at the start, in the order of its drives; by default 0.
-        slopes: parameters (paths or unique endings) and signals by which outputs have derivatives.
 
     Raises:
-        ParameterError: the name is not an identifier, or a derivative of `slopes` is impossible.
+        ParameterError: the name is not an identifier.
         InputError: the compiler is missing.
         CompileError: the compiler failed.
     """
     core = build_c_core(system, name=name)
     given = tuple(first) or (0.0,) * len(core.inputs)
-    chosen = choose_slopes(system, core, slopes) if slopes else None
-    return WasmModule(core, title or core.description, given, _compile_core(core, chosen), chosen)
+    binary = compile_sources({**core.files, **list_sources(core)}, ["lanes.c"])
+    return WasmModule(core, title or core.description, given, binary)
 
 
 def find_wasm_compiler() -> list[str]:
@@ -99,14 +88,9 @@ def find_wasm_compiler() -> list[str]:
     return [*zig, "cc"]
 
 
-def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
-    vectors = VECTORS if slopes and slopes.width > 1 else ()
-    return compile_sources({**core.files, **list_sources(core, slopes)}, ["lanes.c"], vectors)
-
-
-def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: Sequence[str] = ()) -> bytes:
+def compile_sources(sources: Mapping[str, str], compiled: Sequence[str]) -> bytes:
     """Compile C sources, given by file name, to an optimised module."""
-    command = [*find_wasm_compiler(), *FLAGS, *more, "-I.", *compiled, "-o", "made.wasm", *LINKED]
+    command = [*find_wasm_compiler(), *FLAGS, "-I.", *compiled, "-o", "made.wasm", *LINKED]
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
@@ -122,10 +106,7 @@ def write_math() -> str:
     return series + read_text("math.h")
 
 
-def list_sources(core: CCore, slopes: CoreSlopes | None = None) -> dict[str, str]:
-    """Return the sources on a core: its batch functions, optional derivatives, and the replacement of libm."""
+def list_sources(core: CCore) -> dict[str, str]:
+    """Return the sources on a core: its batch functions and the replacement of libm."""
     begin = f'#include "{core.name}.c"\n#define CORE(name) {core.name}_##name\n'
-    lanes = begin + read_text("lanes.c")
-    if slopes:
-        lanes += f"\n{slopes.source}\n{read_text('slopes.c')}{slopes.step_source}"
-    return {"math.h": write_math(), "lanes.c": lanes}
+    return {"math.h": write_math(), "lanes.c": begin + read_text("lanes.c")}

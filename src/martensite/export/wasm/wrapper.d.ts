@@ -3,8 +3,6 @@
 export type Parameter = $PARAMETERS;
 export type Signal = $SIGNALS;
 export type Output = $OUTPUTS;
-/** What there may be slopes by. */
-export type Direction = $DIRECTIONS;
 export type Status = "ok" | "long step" | "unsolved" | "out of range" | "not finite" | "bad input";
 
 /** One number for all lanes, or one for each. */
@@ -46,31 +44,26 @@ export function load(source?: string | URL | Response | BufferSource | WebAssemb
 export interface Program {
   readonly module: WebAssembly.Module;
   /** A model in its own memory, at rest under its signals. */
-  create<By extends Direction = never>(options?: {
+  create(options?: {
     lanes?: number;
     parameters?: Partial<Record<Parameter, Numbers>>;
     signals?: Partial<Record<Signal, Numbers>>;
-    /** Parameters and signals by which outputs have slopes: steps take them along from the start. */
-    slopes?: readonly By[];
-  }): Model<By>;
+  }): Model;
 }
 
-export interface Run<Name extends Output, By extends Direction = never> {
+export interface Run<Name extends Output> {
   /** End of the steps of the rows [s]. */
   time: Float64Array;
   /** Rows × lanes, lane by lane within a row; no numbers from where a lane has failed. */
   columns: Record<Name, Float64Array>;
-  /** Slopes of an output by a parameter or a signal [unit of the output per that of the other], as columns. */
-  slopes: Record<Name, Record<By, Float64Array>>;
   /** The worst of every lane. */
   status: Status[];
   /** That every lane has taken. */
   steps: Int32Array;
 }
 
-export interface Model<By extends Direction = never> {
+export interface Model {
   readonly lanes: number;
-  readonly slopes: readonly By[];
   /** Since the start [s]. */
   time: number;
   /** Set parameters: all of them, or none with an error. The model goes on from its state. */
@@ -84,8 +77,6 @@ export interface Model<By extends Direction = never> {
   read(name: Output, lane?: number): number;
   column(name: Output): Float64Array;
   observe(lane?: number): Record<Output, number>;
-  /** Slope of an output in a lane: by a parameter, or by a signal that is moved by a constant from the start on. */
-  slope(name: Output, by: By, lane?: number): number;
   /** Many steps in one call, with a row after every `every`th and at the end. */
   run<Name extends Output = Output>(options: {
     dt: Numbers;
@@ -97,7 +88,7 @@ export interface Model<By extends Direction = never> {
     every?: number;
     /** `keep` returns what the other lanes did where one has failed. */
     failures?: "throw" | "keep";
-  }): Run<Name, By>;
+  }): Run<Name>;
   /** All numbers of the model, to go back to. */
   save(): Float64Array;
   restore(saved: Float64Array): void;

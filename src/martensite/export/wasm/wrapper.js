@@ -38,9 +38,9 @@ class Program {
     this.module = module;
   }
 
-  /** A model in its own memory, at rest under the signals given, with slopes by what is named. */
-  create({ lanes = 1, parameters: values = {}, signals: given = {}, slopes = [] } = {}) {
-    return new Model(this.module, lanes, values, given, slopes);
+  /** A model in its own memory, at rest under the signals given. */
+  create({ lanes = 1, parameters: values = {}, signals: given = {} } = {}) {
+    return new Model(this.module, lanes, values, given);
   }
 }
 
@@ -48,13 +48,6 @@ function place(table, kind, name) {
   const known = Object.hasOwn(table, name) ? table[name] : undefined;
   if (!known) throw new RangeError(`There is no ${kind} "${name}". Valid: ${Object.keys(table).join(", ")}.`);
   return known.index;
-}
-
-/** Place of a parameter or a signal that slopes are asked by. */
-function direction(name) {
-  if (Object.hasOwn(DIRECTIONS, name)) return DIRECTIONS[name];
-  const known = Object.keys(DIRECTIONS).join(", ") || "none; write the module with `--slopes`";
-  throw new RangeError(`There are no slopes by "${name}". Valid: ${known}.`);
 }
 
 function requireFinite(values) {
@@ -81,23 +74,17 @@ class Model {
   #at = {};
   #base;
 
-  constructor(module, lanes, values, given, slopes) {
+  constructor(module, lanes, values, given) {
     requireCounts({ lanes });
-    const wanted = slopes.map(direction);
-    const groups = Math.ceil(wanted.length / WIDTH);
     this.lanes = lanes;
-    this.slopes = [...slopes];
     this.time = 0;
     this.#call = new WebAssembly.Instance(module).exports;
     this.#heap = this.#call.memory;
     this.#base = Math.ceil(this.#call.__heap_base.value / 16) * 16;
     const sizes = { models: SIZE * lanes, signals: INPUTS * lanes, seen: OUTPUTS * lanes, status: lanes, taken: lanes };
-    const count = wanted.length;
-    const kept = { kept: VALUES * lanes, tangents: groups * TANGENT * lanes, sloped: OUTPUTS * count * lanes };
-    const { end, ...at } = this.#lay({ ...sizes, ...(count && { wanted: count, ...kept }), end: 0 });
+    const { end, ...at } = this.#lay({ ...sizes, end: 0 });
     this.#at = at;
     this.#base = end;
-    if (count) this.#whole("wanted", count).set(wanted);
     this.#call.defaults(this.#at.models, lanes);
     const now = this.#numbers("signals");
     for (const { index, first } of Object.values(signals)) now.fill(first, index * lanes, (index + 1) * lanes);
@@ -115,9 +102,7 @@ class Model {
   }
 
   get #sizes() {
-    const count = this.slopes.length;
-    const tangents = Math.ceil(count / WIDTH) * TANGENT;
-    return { models: SIZE, signals: INPUTS, seen: OUTPUTS, tangents, sloped: OUTPUTS * count };
+    return { models: SIZE, signals: INPUTS, seen: OUTPUTS };
   }
 
   #whole(name, count = this.lanes) {
@@ -151,20 +136,6 @@ class Model {
       this.#numbers("models").set(before);
       throw error;
     }
-    this.#prepareSlopes();
-  }
-
-  #prepareSlopes() {
-    const { models, wanted, kept, tangents } = this.#at;
-    if (wanted) this.#call.slopes_prepare(models, this.lanes, this.slopes.length, wanted, kept, tangents);
-  }
-
-  /** Call a function of the module, or that which takes slopes along. */
-  #go(name, ...given) {
-    const { models, kept, tangents } = this.#at;
-    if (!this.slopes.length) return this.#call[name](models, this.lanes, ...given);
-    const groups = Math.ceil(this.slopes.length / WIDTH);
-    return this.#call[`slopes_${name}`](models, this.lanes, ...given, groups, kept, tangents);
   }
 
   get(name, lane = 0) {
@@ -189,7 +160,7 @@ class Model {
   /** To rest under the signals, at time 0. */
   start(given = {}) {
     this.#give(given);
-    this.#go("start", this.#at.signals, this.#at.status);
+    this.#call.start(this.#at.models, this.lanes, this.#at.signals, this.#at.status);
     this.#worst("start");
     this.time = 0;
   }
@@ -197,7 +168,7 @@ class Model {
   /** Go on by dt [s] under constant signals. */
   step(dt, given = {}) {
     this.#give(given);
-    this.#go("step", this.#at.signals, dt, this.#at.status);
+    this.#call.step(this.#at.models, this.lanes, this.#at.signals, dt, this.#at.status);
     if (this.#whole("status").some((one) => one <= COARSE)) this.time += dt;
     return this.#worst(`go on by ${dt} s`);
   }
@@ -211,23 +182,6 @@ class Model {
   /** An output of a lane. */
   read(name, lane = 0) {
     return this.#see()[place(outputs, "output", name) * this.lanes + this.#lane(lane)];
-  }
-
-  /** The slope of an output by a parameter or a signal, of a lane. */
-  slope(name, by, lane = 0) {
-    const [count, { models, signals: given, sloped, status, kept, tangents }] = [this.slopes.length, this.#at];
-    const at = place(outputs, "output", name) * count + this.#carried(by);
-    this.#call.slopes_observe(models, this.lanes, given, sloped, status, count, kept, tangents);
-    this.#worst("be observed");
-    const slope = this.#numbers("sloped")[at * this.lanes + this.#lane(lane)];
-    if (!Number.isFinite(slope)) throw new RangeError(`The slope of "${name}" by "${by}" is ${slope} here.`);
-    return slope;
-  }
-
-  #carried(by) {
-    const found = this.slopes.indexOf(by);
-    if (found >= 0) return found;
-    throw new RangeError(`This model takes no slopes by "${by}" along, but by: ${this.slopes.join(", ") || "none"}.`);
   }
 
   /** An output of every lane. */
@@ -257,27 +211,22 @@ class Model {
     const places = names.map((name) => place(outputs, "output", name));
     const { lanes } = this;
     const [rows, row] = [Math.ceil(steps / every), places.length * lanes];
-    const count = this.slopes.length;
     const sizes = { dt: steps, signals: steps * INPUTS * lanes, places: places.length, rows: rows * row };
-    const at = this.#lay({ ...sizes, sloped: rows * row * count });
+    const at = this.#lay(sizes);
     const lengths = this.#numbers(at.dt, steps);
     typeof dt === "number" ? lengths.fill(dt) : lengths.set(dt);
     const played = this.#numbers(at.signals, steps * INPUTS * lanes);
     this.#play(played, lengths, given);
     this.#whole(at.places, places.length).set(places);
-    const { models, status, taken, kept, tangents } = this.#at;
-    const asked = [models, lanes, steps, at.dt, at.signals, every, places.length, at.places, at.rows, status, taken];
-    count ? this.#call.slopes_run(...asked, count, kept, tangents, at.sloped) : this.#call.run(...asked);
+    const { models, status, taken } = this.#at;
+    const chosen = [places.length, at.places, at.rows];
+    this.#call.run(models, lanes, steps, at.dt, at.signals, every, ...chosen, status, taken);
     this.#numbers("signals").set(played.subarray((steps - 1) * INPUTS * lanes));
     const counts = this.#whole("taken").slice();
     const time = this.#times(lengths, every, counts.reduce((a, b) => Math.max(a, b), 0));
     if (failures === "throw") this.#worst(`run for ${steps} steps`);
     const columns = this.#columns(names, this.#numbers(at.rows, rows * row));
-    const pairs = names.flatMap((name) => this.slopes.map((by) => [name, by]));
-    const found = this.#columns(pairs.keys(), this.#numbers(at.sloped, rows * row * count));
-    const slopes = Object.fromEntries(names.map((name) => [name, {}]));
-    pairs.forEach(([name, by], k) => (slopes[name][by] = found[k]));
-    return { time, columns, slopes, status: Array.from(this.#whole("status"), (one) => STATUS[one]), steps: counts };
+    return { time, columns, status: Array.from(this.#whole("status"), (one) => STATUS[one]), steps: counts };
   }
 
   /** Where so many numbers of each kind lie above the model; the memory is made to hold them. */
@@ -292,8 +241,8 @@ class Model {
     return at;
   }
 
-  #columns(every, seen) {
-    const [{ lanes }, names] = [this, [...every]];
+  #columns(names, seen) {
+    const { lanes } = this;
     const found = names.map(() => new Float64Array(names.length && seen.length / names.length));
     for (let k = 0; k < seen.length; k++) {
       const [row, inside] = [Math.floor(k / (names.length * lanes)), k % (names.length * lanes)];
@@ -334,33 +283,19 @@ class Model {
 
   /** All numbers of the model, to go back to. */
   save() {
-    const parts = [[...this.#mark, this.time], this.#numbers("signals"), this.#numbers("models")];
-    if (this.slopes.length) parts.push(this.#numbers("tangents"));
-    const saved = new Float64Array(parts.reduce((length, part) => length + part.length, 0));
-    let at = 0;
-    for (const part of parts) {
-      saved.set(part, at);
-      at += part.length;
-    }
+    const saved = new Float64Array(3 + (SIZE + INPUTS) * this.lanes);
+    saved.set([TAG, this.lanes, this.time]);
+    saved.set(this.#numbers("signals"), 3);
+    saved.set(this.#numbers("models"), 3 + INPUTS * this.lanes);
     return saved;
   }
 
-  /** What saved numbers begin with. */
-  get #mark() {
-    return [TAG, this.lanes, ...this.slopes.map(direction)];
-  }
-
   restore(saved) {
-    const [mark, { models, signals, tangents }] = [this.#mark, this.#sizes];
-    const begin = mark.length + 1;
-    const [middle, end] = [begin + signals * this.lanes, begin + (signals + models) * this.lanes];
-    if (saved.length !== end + tangents * this.lanes || mark.some((one, k) => saved[k] !== one))
-      throw new RangeError("These numbers were not saved by this model with as many lanes and the same slopes.");
-    this.time = saved[begin - 1];
-    this.#numbers("signals").set(saved.subarray(begin, middle));
-    this.#numbers("models").set(saved.subarray(middle, end));
-    if (!tangents) return;
-    this.#prepareSlopes();
-    this.#numbers("tangents").set(saved.subarray(end));
+    const middle = 3 + INPUTS * this.lanes;
+    if (saved.length !== middle + SIZE * this.lanes || saved[0] !== TAG || saved[1] !== this.lanes)
+      throw new RangeError("These numbers were not saved by this model with as many lanes.");
+    this.time = saved[2];
+    this.#numbers("signals").set(saved.subarray(3, middle));
+    this.#numbers("models").set(saved.subarray(middle));
   }
 }

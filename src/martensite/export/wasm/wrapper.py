@@ -12,7 +12,6 @@ from typing import Any
 from martensite.export.c_core import CCore
 from martensite.export.c_names import CoreVariable
 from martensite.export.c_text import count_elements
-from martensite.export.wasm.slopes import CoreSlopes
 
 STEP = 0.01
 """Step [s] in the guide for a model with steps of any length."""
@@ -23,17 +22,13 @@ def read_text(name: str) -> str:
     return (Path(__file__).parent / name).read_text(encoding="utf-8")
 
 
-def script_text(core: CCore, first: Sequence[float], slopes: CoreSlopes | None = None) -> str:
+def script_text(core: CCore, first: Sequence[float]) -> str:
     """Return NAME.js."""
-    sizes: dict[str, Any] = {
+    sizes = {
         "INPUTS": len(core.inputs),
         "OUTPUTS": len(core.outputs),
         "SIZE": sum(map(count_elements, (len(core.parameters), core.constants, core.states))) + 2,
         "TAG": zlib.crc32(core.source.encode()),
-        "DIRECTIONS": json.dumps(slopes.places if slopes else {}),
-        "WIDTH": slopes.width if slopes else 1,
-        "VALUES": slopes.program.constants if slopes else 0,
-        "TANGENT": slopes.size if slopes else 0,
     }
     tables = {
         "parameters": {one.name: _describe_parameter(one) for one in core.parameters},
@@ -47,7 +42,7 @@ def script_text(core: CCore, first: Sequence[float], slopes: CoreSlopes | None =
     return begin + read_text("wrapper.js").replace("$NAME", core.name)
 
 
-def types_text(core: CCore, slopes: CoreSlopes | None = None) -> str:
+def types_text(core: CCore) -> str:
     """Return NAME.d.ts."""
     return Template(read_text("wrapper.d.ts")).substitute(
         NAME=core.name,
@@ -55,13 +50,10 @@ def types_text(core: CCore, slopes: CoreSlopes | None = None) -> str:
         PARAMETERS=_join_names(core.parameters),
         SIGNALS=_join_names(core.inputs),
         OUTPUTS=_join_names(core.outputs),
-        DIRECTIONS=" | ".join(map(json.dumps, slopes.names)) if slopes else "never",
     )
 
 
-def guide_text(
-    core: CCore, title: str, first: Sequence[float], raw: int, packed: int, slopes: CoreSlopes | None = None
-) -> str:
+def guide_text(core: CCore, title: str, first: Sequence[float], raw: int, packed: int) -> str:
     """Return README.md, with the sizes of the module [bytes]."""
     given = ", ".join(f"{json.dumps(one.name)}: {first[one.index]!r}" for one in core.inputs[:1])
     driven = {one.name for one in core.inputs}
@@ -77,20 +69,9 @@ def guide_text(
         STEP=core.sample_time or STEP,
         GIVEN=f"{{ {given} }}",
         OUTPUT=next((one.name for one in core.outputs if one.name not in driven), core.outputs[0].name),
-        SLOPES=_describe_slopes(slopes),
         SIGNALS=_print_rows(core.inputs),
         OUTPUTS=_print_rows(core.outputs),
         PARAMETERS=_print_rows(core.parameters),
-    )
-
-
-def _describe_slopes(slopes: CoreSlopes | None) -> str:
-    if slopes is None:
-        return "Slopes by parameters are not in it; `--slopes` puts them there."
-    named = ", ".join(f"`{name}`" for name in slopes.names)
-    return (
-        f"`create({{ slopes: [{json.dumps(slopes.names[0])}] }})` takes derivatives along: `slope(output, by)` is one\n"
-        f"  now, `run` returns columns `slopes[output][by]`. There are slopes by {named}."
     )
 
 

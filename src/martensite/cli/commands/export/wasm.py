@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,13 +29,6 @@ def wasm(
     out: Annotated[Path | None, Option(metavar="FOLDER", help="Output folder [default: ./SCENARIO_wasm].")] = None,
     name: Annotated[Text, Option(help="Prefix of file names [default: SCENARIO].")] = None,
     part: Annotated[str, Option(help="Exported part: whole (loop and plant) or plant.")] = "whole",
-    slopes: Annotated[
-        Text,
-        Option(
-            metavar="NAMES",
-            help=("Parameters and signals by which all outputs are differentiated, comma-separated, e.g. A_s,drive."),
-        ),
-    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -56,7 +48,7 @@ def wasm(
     names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")
     files = check_folder_files(out, names, force)
     find_wasm_compiler()
-    made = _make_module(source.load(), name, part, [one.strip() for one in (slopes or "").split(",") if one.strip()])
+    made = _make_module(source.load(), name, part)
     make_folder(out)
     with replace_together():
         for path in files:
@@ -64,13 +56,13 @@ def wasm(
     print_summary(_summarise_module(made), json, files)
 
 
-def _make_module(loaded: Scenario, name: str, part: str, slopes: Sequence[str]) -> WasmModule:
+def _make_module(loaded: Scenario, name: str, part: str) -> WasmModule:
     from martensite.export.c_example import played_by_system
     from martensite.export.wasm import build_wasm
 
     system = loaded.system if part == "plant" else loaded.whole
     first, _ = played_by_system(system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
-    return build_wasm(system, name=name, title=loaded.title or name, first=first, slopes=slopes)
+    return build_wasm(system, name=name, title=loaded.title or name, first=first)
 
 
 def _summarise_module(made: WasmModule) -> Summary:
@@ -85,13 +77,11 @@ def _summarise_module(made: WasmModule) -> Summary:
         "sample_time": core.sample_time,
         "signals": {one.name: one.unit for one in core.inputs},
         "outputs": {one.name: one.unit for one in core.outputs},
-        "slopes": list(made.slopes.names) if made.slopes else [],
     }
     signals = ", ".join(f"{one.name} [{one.unit}]" for one in core.inputs)
-    slopes = f"slopes by {', '.join(made.slopes.names)}" if made.slopes else "no slopes (`--slopes`)"
     lines = (
         f"{core.description}: {len(core.parameters)} parameters, {core.states} states, {len(core.outputs)} outputs",
         f"signals: {signals}",
-        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip; {slopes}",
+        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip",
     )
     return Summary("", [Sentence(line) for line in lines], data)
