@@ -16,18 +16,15 @@ import numpy as np
 import pytest
 from benchmarks import sections_cuda
 from benchmarks.sections import Options
-from builders import law_a
 from command import Command
 from cuda_on_host import HostMemory, HostProgram
-from slope_cases import under_weight
 
 from martensite.base.errors import InputError
 from martensite.base.status import Status
 from martensite.design.sweep.subject import list_waveforms
 from martensite.scenario.scenario import load
-from martensite.simulate.batch import OutputSensitivity, compute_sensitivity, simulate_batch
+from martensite.simulate.batch import simulate_batch
 from martensite.simulate.cuda import device, march, to_ends
-from martensite.simulate.cuda.slopes import print_slopes
 from martensite.simulate.cuda.source import MarchSource
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.march_kernel import kernel_of
@@ -157,65 +154,6 @@ def test_runs_to_a_tolerance(machine: str) -> None:
             assert np.all(apart <= (found.accuracy + exact.accuracy) * scale)
 
 
-# ---------------------------------------------------------------- derivatives
-
-SLOPES = {
-    "weight": ("position", ["A_s", "C_A", "diameter"]),
-    "pwm_bias_spring": ("stress", ["A_f", "diameter", "environment.temperature", "C_A", "stiffness"]),  # in two passes
-    "antagonistic_wires": ("angle", ["protagonist.element.diameter", "antagonist.element.length"]),
-}
-
-
-def differentiate(name: str, runtime: str, over: Any = None) -> OutputSensitivity:
-    """A wire on a weight, one on a spring, or two that pull against each other."""
-    output, wrt = SLOPES[name]
-    if name == "weight":
-        case = under_weight(law_a())
-        system, waves = case.system, case.waves
-    else:
-        scenario = load(EXAMPLES / f"{name}.toml")
-        system, waves = scenario.system, list_waveforms(scenario)
-    run = {"step": STEP, "samples": 11, "output": output}
-    return compute_sensitivity(system, waves, 6.0, wrt, **run, runtime=runtime, over=over)
-
-
-@pytest.mark.parametrize("name", SLOPES)
-def test_slopes_are_those_of_c(name: str, machine: str) -> None:
-    """Vectors of slopes in C, plain numbers on a GPU: two ways of printing one transform."""
-    exact, found = (differentiate(name, runtime) for runtime in ("c", "cuda"))
-    assert np.abs(found.column - exact.column).max() <= 1e-9 * np.abs(exact.column).max()
-    for path, slope in exact.slopes.items():
-        assert np.abs(slope).max() > 0.0
-        assert np.abs(found.slopes[path] - slope).max() <= 1e-9 * np.abs(slope).max(), path
-
-
-def test_slopes_of_a_batch(machine: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of each run those of C and of central differences, a few runs at a time; a refused one has no numbers."""
-    monkeypatch.setattr(HostMemory, "free", 27_000)  # two runs beside 26 kB of signals
-    wide = 2e-5
-    over = {
-        "diameter": 0.25e-3 * np.array([1.0 - wide, 1.0, 1.0 + wide, 1.0, 1.1]),
-        "A_f": 273.15 + np.array([98.0, 98.0, 98.0, 10.0, 99.0]),
-    }
-    exact, found = (differentiate("pwm_bias_spring", runtime, over) for runtime in ("c", "cuda"))
-    assert found.status == exact.status == (Status.OK, Status.OK, Status.OK, Status.REFUSED, Status.OK)
-    assert np.isnan(found.column[3]).all() and np.isnan(exact.column[3]).all()
-    for path, slope in exact.slopes.items():
-        largest = np.nanmax(np.abs(slope))
-        np.testing.assert_allclose(found.slopes[path], slope, rtol=0.0, atol=1e-9 * largest)
-        np.testing.assert_allclose(found.of_range()[path], exact.of_range()[path], rtol=0.0, atol=2e-9 * largest)
-    slope = found.slopes["element.diameter"]
-    difference = (found.column[2] - found.column[0]) / np.ptp(over["diameter"][:3])
-    np.testing.assert_allclose(slope[1], difference, rtol=0.0, atol=1e-6 * np.abs(slope[1]).max())
-
-
-def test_nvrtc_compiles_slopes() -> None:
-    pytest.importorskip("cuda.bindings", reason="cuda-bindings is not installed")
-    compiled = course_of("pwm_bias_spring", "cuda").compiled
-    source = print_slopes(compiled, (3, 5, 7, 9), (compiled.outputs.index("stress"),), (1,))
-    assert len(device.compile_source(source.text, "sm_90")) > 10_000
-
-
 # ---------------------------------------------------------------- compiling
 
 
@@ -258,9 +196,5 @@ def test_without_a_device(tmp_path: Path) -> None:
     said = Command(*words, "--runtime", "cuda", "--out", str(out)).refused()
     assert "CUDA device" in str(said) or "cuda-bindings" in str(said)
     assert not out.exists()
-    with pytest.raises(InputError, match=r"CUDA device|cuda-bindings"):
-        differentiate("weight", "cuda")
-    with pytest.raises(InputError, match="computed by `c` or `cuda`, not by `floats`"):
-        differentiate("weight", "floats")
     (table,) = sections_cuda.cuda(Options([]))
     assert not table.rows and "Left out" in table.note

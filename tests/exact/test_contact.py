@@ -100,9 +100,7 @@ def test_slopes_of_a_grip_are_those_of_differences(c_compiler: None) -> None:
     changed = {"mechanism.cylinder_radius": 1e-6, "mechanism.stiffness": 1e-2}
 
     def compute(system: Any) -> Any:
-        return compute_sensitivity(
-            system, trapezoid(), 25.0, list(changed), output="contact_force", runtime="c", **options
-        )
+        return compute_sensitivity(system, trapezoid(), 25.0, list(changed), output="contact_force", **options)
 
     found = compute(system)
     for path, change in changed.items():

@@ -61,21 +61,15 @@ def differentiate_results(
 
     The derivatives are scalar nodes of the same graph, which every runtime can print.
     """
-    rows = (differentiate_along(program, name, places, {wanted: 1.0}) for wanted in inputs)
-    return [list(row) for row in zip(*rows, strict=True)]
-
-
-def differentiate_along(
-    program: Program, name: str, places: Sequence[int], moving: Mapping[str, Expr | float]
-) -> list[Expr]:
-    """Differentiate along one direction, in which inputs or parameters (`p3`) move by a node or a number."""
     graph = program.graph
+    outputs = [program.functions[name].outputs[i] for i in places]
     duals = GraphDuals(program.xp, graph.constant(0.0))
-    nodes = [graph.input(one, VARYING) for one in moving]
-    known = {n.index: duals.pair(n, program.as_node(s)) for n, s in zip(nodes, moving.values(), strict=True)}
-    walk = TangentWalk(graph, duals, known)
-    outputs = program.functions[name].outputs
-    return [duals.fill(walk.pair(outputs[i].index)[1]) for i in places]
+    columns: list[list[Expr]] = []
+    for wanted in inputs:
+        node = graph.input(wanted, VARYING)
+        walk = TangentWalk(graph, duals, {node.index: duals.pair(node, program.as_node(1.0))})
+        columns.append([duals.fill(walk.pair(one.index)[1]) for one in outputs])
+    return [list(row) for row in zip(*columns, strict=True)]
 
 
 def _seed_inputs(graph: Graph, duals: GraphDuals, moving: Mapping[str, int]) -> dict[int, Any]:

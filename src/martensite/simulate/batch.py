@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,11 +18,9 @@ from martensite.simulate.api import check_run
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.ensembles import Ensemble
-from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import classify_step
 from martensite.simulate.measures.extremes import Largest, Smallest
 from martensite.simulate.native_slopes import march_slopes
-from martensite.simulate.refusals import find_refused
 from martensite.simulate.result import Result, Variants
 from martensite.simulate.start_report import describe_batch_start
 from martensite.simulate.variants import NAMES, RUNTIMES, VariantSetup
@@ -34,16 +32,14 @@ class OutputSensitivity:
 
     times: Any
     column: Any
-    """Output in SI, (samples,); (runs, samples) for a batch, NaN for failed runs."""
+    """Output in SI, (samples,)."""
     slopes: dict[str, Any]
-    """d(output)/d(parameter) by full parameter path, of the same shape."""
-    status: tuple[Status, ...] = (Status.OK,)
-    """Status at the end of every run."""
+    """d(output)/d(parameter) by full parameter path, (samples,)."""
 
     def of_range(self) -> dict[str, Any]:
-        """Return the derivative of the range of the output (stroke for a position); for a batch, (runs,)."""
-        ends = [np.expand_dims(find(self.column, -1), -1) for find in (np.argmax, np.argmin)]
-        return {p: np.subtract(*(np.take_along_axis(s, k, -1) for k in ends)).sum(-1) for p, s in self.slopes.items()}
+        """Return the derivative of the range of the output (stroke for a position)."""
+        top, bottom = np.argmax(self.column), np.argmin(self.column)
+        return {path: slope[top] - slope[bottom] for path, slope in self.slopes.items()}
 
 
 def simulate_batch(
@@ -173,8 +169,6 @@ def compute_sensitivity(
     step: float,
     output: str = "position",
     samples: int = 1001,
-    runtime: str = "auto",
-    over: Mapping[str, Sequence[float]] | None = None,
 ) -> OutputSensitivity:
     """Compute exact derivatives of an output over time with respect to parameters.
 
@@ -188,60 +182,31 @@ def compute_sensitivity(
         step: longest of equal steps [s].
         output: name of the differentiated column.
         samples: number of equidistant samples, both ends included.
-        runtime: `c`, `cuda` (an NVIDIA GPU, one run per thread), or `auto` for C.
-        over: parameter path (or unique ending) -> one value per run of a batch, in SI.
 
     Raises:
-        InputError: unknown parameter, output or runtime, or no GPU was found for `cuda`.
+        InputError: unknown parameter or output.
         CompileError: no C compiler was found.
-        SolveError: the run failed; runs of a batch have a status instead.
+        SolveError: the run failed.
     """
-    if runtime not in ("auto", "c", "cuda"):
-        raise InputError(f"Derivatives are computed by `c` or `cuda`, not by `{runtime}`.")
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
     compiled = compile_march(system)
     (place,) = _find_indices(compiled, [output])
     rows = [compiled.paths.index(path) for path in (system.resolve(name) for name in wrt)]
     grid = grid_of(system, waveform, duration, samples, step)
-    varied = _convert_varied(system, over) if over else {}
-    runs = len(next(iter(varied.values()), [0.0]))
-    nominal = zip(compiled.paths, compiled.values(system), strict=True)
-    table = np.array([np.broadcast_to(varied.get(path, number), runs) for path, number in nominal])
-    column, slopes, residual = _load_slopes(runtime)(compiled, table, rows, grid, place)
-    residual = np.where(np.isfinite(slopes).all((1, 2)), residual, np.nan)
-    refused = find_refused(system, varied, runs)
-    status = [Status.REFUSED if r else classify_step(s, 0.0) for r, s in zip(refused, residual.tolist(), strict=True)]
-    if not over and status[0].failed:
-        raise SolveError(f"The run failed, so it has no derivatives. {status[0].sentence}")
-    lost, shown = [one.failed for one in status], slice(None) if over else 0
-    column[lost] = slopes[lost] = np.nan
-    named = {compiled.paths[row]: slopes[shown, :, i] for i, row in enumerate(rows)}
-    return OutputSensitivity(np.linspace(0.0, duration, samples), column[shown], named, tuple(status))
-
-
-def _load_slopes(runtime: str) -> Callable[..., tuple[Any, Any, Any]]:
-    """Return the function that computes an output, its derivatives and the worst residuals of runs."""
-    if runtime == "cuda":
-        from martensite.simulate.cuda.slopes import march_slopes
-
-        return march_slopes
     if find_compiler() is None:
         raise CompileError(
             "Derivatives need a C compiler and none was found; install gcc or clang, or `pip install 'martensite[cc]'`."
         )
-    return _differentiate_in_c
-
-
-def _differentiate_in_c(
-    compiled: CompiledMarch, table: Any, rows: Sequence[int], grid: TimeGrid, place: int
-) -> tuple[Any, Any, Any]:
-    seeds = np.zeros((len(table), len(rows)))
+    seeds = np.zeros((len(compiled.paths), len(rows)))
     seeds[rows, range(len(rows))] = 1.0
-    found = [march_slopes(compiled, values, seeds, grid, [place]) for values in table.T.tolist()]
-    columns = ((one.rows[:, 0], one.slopes[:, 0, :], one.residual) for one in found)
-    column, slopes, residual = map(np.array, zip(*columns, strict=True))
-    return column, slopes, residual
+    found = march_slopes(compiled, compiled.values(system), seeds, grid, [place])
+    slopes = found.slopes[:, 0, :]
+    status = classify_step(found.residual if np.isfinite(slopes).all() else math.nan, 0.0)
+    if status.failed:
+        raise SolveError(f"The run failed, so it has no derivatives. {status.sentence}")
+    named = {compiled.paths[row]: slopes[:, i] for i, row in enumerate(rows)}
+    return OutputSensitivity(np.linspace(0.0, duration, samples), found.rows[:, 0], named)
 
 
 def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:
