@@ -199,7 +199,7 @@ def test_commands_work_without_any_extra(python: Path, folder: Path) -> None:
         "export fmu wire.toml --sources-only",
         "check wire.toml",
         "hardware ports",
-        "describe wire.toml",
+        "params wire.toml",
     )
     for line, (status, said, wrong) in zip(lines, ask_all(python, folder, *lines), strict=True):
         assert status == 0, (line, said, wrong)

@@ -14,8 +14,6 @@ from typer.testing import CliRunner, Result
 
 from martensite.base.errors import DataError, SolveError
 from martensite.cli import app
-from martensite.fit.experiment_kinds.base import list_kinds
-from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import Scenario
 
 SCENARIO = write_wire(
@@ -281,14 +279,6 @@ def test_params_of_a_scenario_are_the_paths_that_set_takes(folder: Path) -> None
     assert " none " in text and " inf" not in text
 
 
-def test_params_of_a_part_come_from_every_registry() -> None:
-    kinds = {part["kind"] for part in parsed("params", "constant")}
-    assert kinds == {"cooling", "waveform"}
-    assert {"law", "mechanism", "drive"} <= parsed("list").keys()
-    assert "Did you mean `dead-weight`" in refused("params", "dead-weigth")
-    assert "film coefficient" in fine("params", "polynomial")
-
-
 @pytest.mark.parametrize("kind, name", [("law", "liang-rogers"), ("mechanism", "bias-spring")])
 def test_listing_and_description(kind: str, name: str) -> None:
     command = "list", kind
@@ -322,134 +312,3 @@ def test_help_fits_a_terminal(columns: str, monkeypatch: pytest.MonkeyPatch) -> 
     text = fine("--help")
     assert max(map(len, text.splitlines())) <= 80
     assert "..." not in text.partition("Simulate:")[2]
-
-
-def test_describe_has_all_that_is_declared_of_parts_and_of_a_scenario(folder: Path) -> None:
-    """What a program needs to build a form: checked for one entry against its declaration."""
-    found = parsed("describe", "wire.toml", "--set", "element.law.E_A=61 GPa")
-    parts = {one["name"]: one for one in found["parts"]["law"]}
-    assert {"brinson", "liang-rogers", "tanaka"} <= parts.keys()
-    (declared,) = [one for one in parts["liang-rogers"]["parameters"] if one["name"] == "E_A"]
-    known = LiangRogers.declarations["E_A"]
-    assert (declared["unit"], declared["low"], declared["high"]) == ("Pa", known.low, known.high)
-    assert (declared["symbol"], declared["typical"]) == ("E_A", known.typical)
-    law = found["scenario"]["sections"][0]["items"]
-    (control,) = [e for g in law for e in g.get("items", []) if e["path"] == "element.law.E_A"]
-    assert control["value"] == 61e9
-    assert {**declared, "allowed": ""} == {key: control[key] for key in declared} | {"allowed": ""}
-    assert parsed("describe") == {"parts": found["parts"]}
-    lines = fine("describe", "wire.toml").splitlines()
-    assert any(line.split()[:3] == ["element.diameter", "0.381", "mm"] for line in lines)
-    assert "mechanism.kind" in {line.split()[0] for line in lines if line}
-
-
-def test_materials_mark_what_is_not_measured() -> None:
-    assert "flexinol-90" in fine("materials")
-    assert {"name", "title", "summary"} == parsed("materials")[0].keys()
-    material = parsed("materials", "niti-brinson-1993")
-    assert material["values"]["E_A"]["kind"] == "recalled"
-    printed = fine("materials", "niti-brinson-1993")
-    assert "! assumed or recalled" in printed
-    assert "! assumed" in printed
-    assert "! datasheet" not in fine("materials", "flexinol-90")
-    assert "Did you mean `flexinol-90`" in refused("materials", "flexinol90")
-
-
-def test_cite_prints_the_works_behind_a_scenario(folder: Path) -> None:
-    printed = fine("cite", "wire.toml")
-    assert "@article{liang1990," in printed
-    assert "@manual{dynalloy-f1140," in printed
-    assert "copaci2019" not in printed
-    assert printed.count("{") == printed.count("}")
-    keys = [entry["key"] for entry in parsed("cite", "wire.toml")]
-    assert keys[0] == "liang1990"
-    assert len(keys) == len(set(keys))
-
-
-def test_data_sets_are_listed_and_shown() -> None:
-    listed = [entry["name"] for entry in parsed("data", "list")]
-    assert "flexinol-isobaric" in listed
-    assert "flexinol-isobaric" in fine("data")
-    assert "data:flexinol-isobaric/isobaric_50MPa.txt" in fine("data", "show", "flexinol-isobaric")
-    assert "Did you mean" in refused("data", "fetch", "flexinol-isobarik")
-
-
-def test_study_shows_digest_claims_and_reasons() -> None:
-    (told,) = parsed("study", "migaone")
-    needed = {"id", "source", "published", "computed", "unit", "tolerance", "verdict", "why"}
-    assert told["claims"] and told["reports"] and told["digest"]["use_instead"]
-    assert all(needed <= claim.keys() for claim in told["claims"])
-    assert sum(told["tally"].values()) == len(told["claims"]) + len(told["reports"])
-    brief, whole = fine("study", "migaone"), fine("study", "migaone", "--all")
-    assert brief.index("Recommended") < brief.index("self-contradictory")
-    assert "actuation-time-thin" in whole and "actuation-time-thin" not in brief
-    assert all(claim["id"] in whole for claim in told["claims"])
-    assert "No study named `migatwo`" in refused("study", "migatwo")
-    assert "@" in fine("cite", "migaone")
-
-
-def test_a_study_is_computed_on_demand() -> None:
-    (shipped,), (now,) = parsed("study", "migaone"), parsed("study", "migaone", "--recompute")
-    assert shipped["made_by"] and not now["made_by"]
-    assert shipped["digest"] == now["digest"]
-
-
-def test_demo_runs_again_over_its_own_files(folder: Path) -> None:
-    assert parsed("demo")["study"]["digest"]
-    printed = fine("demo")
-    assert printed.index("Recommended") < printed.index("martensite study migaone")
-    assert names(folder) == {"wire.toml", "migaone.nc", "migaone.png"}
-
-
-# ---------------------------------------------------------------- the command itself
-
-
-def test_help_imports_nothing_heavy() -> None:
-    code = (
-        "import sys; from martensite.cli import app\n"
-        "try: app(['--help'])\n"
-        "except SystemExit as end: assert end.code == 0\n"
-        "heavy = {'numpy', 'pint', 'xarray', 'matplotlib', 'h5netcdf', 'rich.console'}\n"
-        "print(heavy & sys.modules.keys(), file=sys.stderr)"
-    )
-    done = process(code)
-    assert done.stderr.strip() == "set()"
-    assert "run " in done.stdout
-
-
-def test_plain_values_of_options_need_no_pydantic(folder: Path) -> None:
-    """Numbers do; both give what typer gives."""
-    code = (
-        "import sys; from martensite.cli import app\n"
-        "try: app(['check', 'wire.toml', '--json', '--set', 'element.diameter=0.3 mm'])\n"
-        "except SystemExit as end: pass\n"
-        "print('pydantic' in sys.modules, file=sys.stderr)"
-    )
-    done = process(code)
-    assert done.stderr.strip() == "False"
-    assert json.loads(done.stdout)["title"]
-
-
-def test_usage_errors_exit_with_2_and_unknown_commands_too() -> None:
-    assert call("run").exit_code == 2
-    assert call("rnu").exit_code == 2
-    assert call("run", "x.toml", "--tolerance", "small").exit_code == 2
-
-
-@pytest.mark.parametrize("order", [("--debug", "list", "x"), ("list", "x", "--debug")])
-def test_debug_shows_the_error_itself(order: tuple[str, ...]) -> None:
-    done = call(*order)
-    assert done.exit_code == 1
-    assert type(done.exception).__name__ == "UnknownNameError"
-
-
-def test_version() -> None:
-    assert fine("--version").startswith("martensite ")
-
-
-def test_kinds_of_experiment_are_listed_in_the_order_of_recognition() -> None:
-    found = parsed("list", "experiment")
-    assert [one["name"] for one in found] == [one.registered_name for one in list_kinds()]
-    assert {one["name"]: one["command"] for one in found}["dsc"] == "fit dsc"
-    assert parsed("list")["experiment"] == sorted(one["name"] for one in found)
-    assert "Did you mean `isobaric`" in refused("list", "experiment", "isobarik")

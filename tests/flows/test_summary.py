@@ -100,7 +100,6 @@ PRINTING = {
     "laws": ("list", "law"),
     "blocks": ("list", "block"),
     "law": ("list", "law", "brinson"),
-    "params": ("params", "dead-weight"),
     "materials": ("materials",),
     "material": ("materials", "niti-brinson-1993"),
     "data": ("data",),

@@ -135,27 +135,6 @@ def list_named(registry: Registry[Any]) -> list[NamedPart]:
     return [{"name": name, "summary": summarise_class(registry[name])} for name in registry.names()]
 
 
-def describe_parts() -> dict[str, list[PartDescription]]:
-    """Return the declarations of all registered parts by kind."""
-    return {
-        kind: [describe_class(kind, registry[name]) for name in registry.names()]
-        for kind, registry in list_registries(blocks=True).items()
-    }
-
-
-def describe_named(name: str) -> list[PartDescription]:
-    """Return all registered parts of a name.
-
-    Raises:
-        UnknownNameError: the name is unknown.
-    """
-    registries = list_registries(blocks=True)
-    parts = [describe_class(k, r[name]) for k, r in registries.items() if name in r.names()]
-    if not parts:
-        raise UnknownNameError("part", name, {one for r in registries.values() for one in r.names()}, LISTS)
-    return parts
-
-
 def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
     """Return the declaration of a registered class as plain values."""
     return {

@@ -38,7 +38,7 @@ LOG_RATIO = 4.0
 """Ratio of bounds from which a positive parameter has a logarithmic scale."""
 BOUND_SHARE = 1e-3
 """Fraction of a range within which a value counts as at its bound."""
-LISTS = "`martensite params` lists those of a scenario or a part"
+LISTS = "`martensite params SCENARIO` lists all"
 """Location of the list of all parameter names, for messages."""
 _AMOUNT = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -16,9 +16,9 @@ from martensite.cli.app import app
 from martensite.cli.options import (
     Imports,
     Json,
+    ScenarioFile,
     ScenarioSource,
     Settings,
-    import_modules,
     load_without_log,
     spread_options,
 )
@@ -156,29 +156,13 @@ def _collect_report(scenario: Scenario) -> dict[str, Any]:
 
 
 @app.command("params", rich_help_panel="Look up")
-def params(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME|SCENARIO", help="Name of a part, e.g. brinson, or scenario file (.toml).")
-    ],
-    settings: Settings = None,
-    json: Json = False,
-    modules: Imports = None,
-) -> None:
-    """List the parameters of a part, or all values of a scenario."""
-    from martensite.scenario.catalogue import describe_named
-    from martensite.show.summaries.parts import describe_part
+def params(scenario: ScenarioFile, settings: Settings = None, json: Json = False, modules: Imports = None) -> None:
+    """List all values of a scenario with their paths."""
     from martensite.show.terminal import print_summary
 
-    if name.endswith(".toml"):
-        rows = _list_values(load_without_log(name, settings, modules))
-        cells = [(r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows]
-        table = DataTable(("path", "value", "from", "meaning"), cells)
-        print_summary(Summary("", [table], rows), json)
-        return
-    import_modules(modules)
-    named = describe_named(name)
-    blocks = [block for part in named for block in describe_part(part)]
-    print_summary(Summary("", blocks, named), json)
+    rows = _list_values(load_without_log(scenario, settings, modules))
+    cells = [(r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows]
+    print_summary(Summary("", [DataTable(("path", "value", "from", "meaning"), cells)], rows), json)
 
 
 def _list_values(scenario: Scenario) -> list[dict[str, Any]]:

@@ -1,15 +1,13 @@
-"""`list`, `materials`, `cite` and `describe`."""
+"""`list`, `materials` and `cite`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Argument
 
-from martensite.base.summary import Block, DataTable, Heading, Summary
+from martensite.base.summary import DataTable, Summary
 from martensite.cli.app import app
 from martensite.cli.options import (
     Imports,
@@ -23,7 +21,6 @@ from martensite.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from martensite.app.forms.form_types import GroupNode, SingleNode
     from martensite.base.registry import Registry
     from martensite.identify.blocks.base import AbstractBlock
 
@@ -184,57 +181,3 @@ def cite(
         print_json([{"key": k, "bibtex": t} for k, t in zip(keys, texts, strict=True)])
     else:
         typer.echo("\n\n".join(texts))
-
-
-@app.command("describe", rich_help_panel="Look up")
-def describe(
-    scenario: Annotated[
-        Path | None, Argument(metavar="[SCENARIO]", help="Scenario file to describe section by section.")
-    ] = None,
-    settings: Settings = None,
-    json: Json = False,
-    modules: Imports = None,
-) -> None:
-    """Describe the parameters of all parts, or of a scenario.
-
-    With --json the output is one document with unit, bounds, default, typical value and meaning of every entry.
-    Other programs can build forms from it, as the web bench does.
-    """
-    import_modules(modules)
-    from martensite.scenario.catalogue import describe_parts
-    from martensite.show.terminal import print_summary
-
-    parts = describe_parts()
-    if scenario is None:
-        rows = [(k, str(len(v)), str(sum(len(p["parameters"]) for p in v))) for k, v in parts.items()]
-        blocks: list[Block] = [DataTable(("kind of part", "parts", "entries"), rows, right=(1, 2))]
-        print_summary(Summary("", blocks, {"parts": parts}), json)
-        return
-    from martensite.app.forms.sections import describe_scenario
-
-    form = describe_scenario(load_scenario(scenario, settings))
-    blocks = [block for one in form["sections"] for block in _describe_section(one)]
-    print_summary(Summary(form["title"], blocks, {"parts": parts, "scenario": form}), json)
-
-
-def _describe_section(section: GroupNode) -> Iterator[Block]:
-    yield Heading(section["title"])
-    yield DataTable(("entry", "value", "allowed", "from"), list(_list_rows(section)))
-
-
-def _list_rows(group: GroupNode) -> Iterator[tuple[str, ...]]:
-    if group["kind"]:
-        yield group["kind"]["path"], group["kind"]["value"], f"kind of {group['kind']['registry']}", ""
-    for one in group["items"]:
-        if one["sort"] == "group":
-            yield from _list_rows(one)
-        else:
-            yield one["path"], _write_value(one), one["allowed"], one["origin"]["words"]
-
-
-def _write_value(one: SingleNode) -> str:
-    if one["sort"] != "number":
-        return one["value"]
-    if one["value"] is None or one["unlimited"]:
-        return "no limit"
-    return f"{one['value'] * one['factor'] + one['offset']:.6g} {one['label']}".strip()
