@@ -12,6 +12,7 @@ import pytest
 import typer.main
 import typer.testing
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 from martensite.kernels.compiler import find_compiler
 from martensite.logs import binary_files, container_files
@@ -42,6 +43,10 @@ READERS = (binary_files, container_files, netcdf)
 READ_APART = binary_files.read_apart
 for module in READERS:
     PATCH.setattr(module, "read_apart", lambda path, reader, size: binary_files._read_columns(reader, path))
+
+# Hypothesis draws from the constants of all imported files. It parses them for seconds, and the drawn inputs would
+# depend on the imports of earlier tests.
+PATCH.setattr(providers, "_get_local_constants", lambda: providers._local_constants)
 
 settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
 settings.load_profile("reproducible")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -84,13 +85,13 @@ def _list_files(node: Any, path: str) -> Iterator[str]:
 def list_standalone() -> dict[str, str]:
     """Return name and text of each independent scenario, the new one of the bench first."""
     data = "flexinol-isobaric/"  # measured by others, not packaged
-    others = {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
+    others = {n: text for n, text in _list_texts(FOLDER) if data not in text and not _is_following(text)}
     return {"dead_weight": NEW.read_text("utf-8"), **others}
 
 
 def list_following() -> dict[str, str]:
     """Return name and text of each scenario that follows a log."""
-    return {name: text for name, text in _list_texts() if _is_following(text)}
+    return {name: text for name, text in _list_texts(FOLDER) if _is_following(text)}
 
 
 def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
@@ -109,12 +110,11 @@ def build_packaged(text: str, changes: Request | None = None, log: Record | None
     return read_scenario(text, FOLDER / "scenario.toml", changes, log=log)
 
 
-def _list_texts() -> Iterator[tuple[str, str]]:
-    """Yield name and text of all scenarios except fits."""
-    for path in sorted(FOLDER.glob("*.toml")):
-        text = path.read_text("utf-8")
-        if "scenario" not in tomllib.loads(text):
-            yield path.stem, text
+@cache
+def _list_texts(folder: Path) -> list[tuple[str, str]]:
+    """Return name and text of all scenarios except fits."""
+    texts = [(path.stem, path.read_text("utf-8")) for path in sorted(folder.glob("*.toml"))]
+    return [(name, text) for name, text in texts if "scenario" not in tomllib.loads(text)]
 
 
 def _is_following(text: str) -> bool:
