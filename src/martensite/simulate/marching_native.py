@@ -24,7 +24,7 @@ from martensite.simulate.forks import Decision, read_decision
 from martensite.simulate.march_kernel import kernel_of, load_kernel
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread, spread_column, spread_limits
-from martensite.simulate.native_drives import DriveTable, DriveWindow, list_drives
+from martensite.simulate.native_drives import DriveWindow, list_drives, make_table
 from martensite.simulate.recorded_track import Observe, record_width
 
 Numbers = NDArray[np.float64]
@@ -174,7 +174,7 @@ class MarchArrays:
             limits = plan.limits if runs.limits is None else runs.limits
             self.limits = spread_limits(limits, runs.count)
             self.windows = _open_windows(runs)
-            self.drives = (DriveTable * max(1, sum(map(len, self.windows))))()
+            self.drives = make_table(max(1, sum(map(len, self.windows))))
             self.filled = False
         self.times = np.fromiter(chain(plan.times, (np.inf,)), float, len(plan.times) + 1)
         ranges = plan.ranges or 0.0 if runs.ranges is None else runs.ranges
@@ -258,13 +258,13 @@ class Marching(MarchArrays):
             self.library, self.block = earlier.library, earlier.block
         else:
             self.library = load_kernel(kernel_of(self.plan, runs.outputs, runs.lanes, runs.own))
-            self.block = ctypes.create_string_buffer(self.library.size_of_block())
+            self.block = np.empty(self.library.size_of_block(), np.uint8)
         self.march = self.describe(_get_address)
 
     def go(self, watch: Callable[[float], None] | None = None) -> MarchRows:
         """Integrate to the end."""
         begin = 1
-        march, block = ctypes.byref(self.march), ctypes.byref(self.block)
+        march, block = ctypes.byref(self.march), ctypes.c_void_p(_get_address(self.block))
         while True:
             answer = self.library.march_on(march, block, ctypes.c_long(begin))
             begin = 0
@@ -286,11 +286,11 @@ class Marching(MarchArrays):
             if window.known_until() < np.inf:
                 window.extend(now)
         self.fill_drives(_get_address)
-        self.library.forget_cursors(ctypes.byref(self.block))
+        self.library.forget_cursors(ctypes.c_void_p(_get_address(self.block)))
 
     def _time(self) -> float:
         """Return the time of a single run [s], or the number of completed runs."""
-        return self.library.time_of(ctypes.byref(self.block))
+        return self.library.time_of(ctypes.c_void_p(_get_address(self.block)))
 
     def _done(self) -> float:
         """Return the completed fraction of the runs."""

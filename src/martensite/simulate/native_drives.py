@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache
 from itertools import chain, islice, takewhile
 from typing import Any
 
@@ -31,6 +32,17 @@ class DriveTable(ctypes.Structure):
         ("fastest", ctypes.c_double),
         ("whole", ctypes.c_long),
     ]
+
+
+@lru_cache(64)
+def _find_table_type(count: int) -> Any:
+    """Return the type of a table of drives; ctypes forgets array types that nobody keeps."""
+    return DriveTable * count
+
+
+def make_table(count: int) -> Any:
+    """Return an empty table of drives."""
+    return _find_table_type(count)()
 
 
 class DriveWindow:
