@@ -10,8 +10,9 @@ uncoupled from the first, so that a bar along its first axis carries axial stres
 
 from __future__ import annotations
 
+from string import Template
+
 from martensite.export.c_core import CCore
-from martensite.export.ports.host_source import join_source
 from martensite.export.ports.kernel import PortKernel
 
 CONSTANTS = 4
@@ -23,8 +24,16 @@ SHOWN = 5
 def write_umat(kernel: PortKernel, name: str) -> dict[str, str]:
     """Return the source of a user material, and the lines of its input file, by file ending."""
     core = kernel.write_core(name=name)
-    source = join_source(core, _UMAT, f"{name}: a user material of Abaqus and CalculiX, written by martensite.")
-    return {"_umat.c": source, "_umat.inp": _write_deck(core)}
+    whole = core.source.replace(f'#include "{core.name}.h"', core.header)
+    rows = [
+        f"     {place + 1:3d}  {one.default:<14.8g} {one.name} [{one.unit}]\n"
+        for place, one in enumerate(core.parameters)
+    ]
+    interface = Template(_UMAT).substitute(
+        NAME=core.name, LAW=core.description, PARAMETERS="".join(rows), INDEX=len(rows)
+    )
+    title = f"{name}: a user material of Abaqus and CalculiX, written by martensite."
+    return {"_umat.c": f"/* {title} */\n\n{whole}\n{interface}", "_umat.inp": _write_deck(core)}
 
 
 def count_state_variables(kernel: PortKernel) -> int:
