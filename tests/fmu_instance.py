@@ -20,15 +20,15 @@ OK, WARNING, DISCARD, ERROR = range(4)
 
 
 class Instance:
-    """An FMU of FMI 2.0 or 3.0; `kinds` are how FMPy calls it in either, for co-simulation unless told otherwise."""
+    """An FMU of FMI 2.0 or 3.0, for co-simulation."""
 
-    def __init__(self, path: Path, token: str | None = None, kinds: tuple[Any, Any] = (FMU2Slave, FMU3Slave)) -> None:
+    def __init__(self, path: Path, token: str | None = None) -> None:
         self.folder, self.said = tempfile.mkdtemp(), list[str]()
         folder = str(path) if path.is_dir() else extract(str(path), self.folder)
         described: Any = read_model_description(str(path))
         self.names = {one.name: one.valueReference for one in described.modelVariables}
         self.second = described.fmiVersion == "2.0"
-        self.fmu = kinds[0 if self.second else 1](
+        self.fmu = (FMU2Slave if self.second else FMU3Slave)(
             guid=token or described.guid,
             unzipDirectory=folder,
             modelIdentifier=described.coSimulation.modelIdentifier,

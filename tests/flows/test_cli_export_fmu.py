@@ -114,18 +114,3 @@ def test_nothing_is_replaced_unasked() -> None:
     assert Path("a.fmu").read_text() == "kept"
     assert call(*arguments, "--force").exit_code == 0
     assert zipfile.is_zipfile("a.fmu")
-
-
-def test_model_exchange_is_offered_where_laws_have_rates() -> None:
-    """By itself; the option refuses what cannot be, in a sentence."""
-    refused = call("lifted weight.toml", "--sources-only", "--model-exchange")
-    assert refused.exit_code == 2 and "law `liang-rogers` has no rates" in refused.output
-    assert not Path("lifted weight.fmu").exists()
-    layers = ("--set", "element.material=finger-mas", "--set", "element.law=mas")
-    made = call("lifted weight.toml", "--sources-only", *layers, "--json")
-    assert made.exit_code == 0, made.output
-    assert json.loads(made.output)["states"] == {
-        "variant_plus": 400000,
-        "variant_minus": 400001,
-        "temperature_state": 400002,
-    }

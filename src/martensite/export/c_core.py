@@ -73,8 +73,6 @@ class CCore:
     """Outputs whose derivatives a function `respond` gives; empty without it."""
     probes: tuple[float, ...] = ()
     """Input changes for central differences, where steps can be split: see `ports.kernel`."""
-    continuous: tuple[int, ...] = ()
-    """Indices in the state of numbers whose rates a function `differentiate` gives."""
 
     @cached_property
     def header(self) -> str:
@@ -161,7 +159,6 @@ def core_of(
     pruned: bool = False,
     answers: tuple[str, ...] = (),
     probes: tuple[float, ...] = (),
-    continuous: tuple[int, ...] = (),
 ) -> CCore:
     """Return the core of a program with functions `init`, `step` and `observe`.
 
@@ -177,7 +174,6 @@ def core_of(
         pruned: whether to leave out parameters without effect.
         answers: outputs whose derivatives `respond` gives.
         probes: input changes for central differences.
-        continuous: indices of the state whose rates `differentiate` gives.
     """
     timed, leaves = _sample_path(whole), list(whole.leaves())
     places = {leaf.path: i for i, leaf in enumerate(leaves)}
@@ -200,7 +196,6 @@ def core_of(
         sample_time=whole.sample_time() if sample else 0.0,
         answers=answers,
         probes=probes,
-        continuous=continuous,
     )
 
 

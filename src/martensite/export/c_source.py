@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from martensite.export.c_kernels import CKernel, kernels_text, precision_of
 from martensite.export.c_names import CoreVariable
-from martensite.export.c_rates import DIFFERENTIATE, print_rates
 from martensite.export.c_text import count_elements
 from martensite.export.c_tried import PARTS, print_tried
 from martensite.simulate.march import COARSE
@@ -25,11 +24,11 @@ def source_text(core: CCore) -> str:
     """Return NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
     kernels = [CKernel.of(traced["init"], 0, count)]
-    stepped = ("step", "observe", *["respond"] * bool(core.answers), *[DIFFERENTIATE] * bool(core.continuous))
+    stepped = ("step", "observe", *["respond"] * bool(core.answers))
     kernels += [CKernel.of(traced[name], core.states, count) for name in stepped]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
-    more = print_tried(core) + print_rates(core)
+    more = print_tried(core)
     return fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN + more)
 
 
@@ -53,7 +52,6 @@ def fill_text(core: CCore, text: str) -> str:
         TWO=precision.literal(2.0),
         PARTS=PARTS,
         PROBES=", ".join(map(precision.literal, core.probes)),
-        CONTINUOUS=", ".join(map(str, core.continuous)),
     )
 
 

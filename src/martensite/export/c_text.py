@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from martensite.base.status import Status
 from martensite.export.c_kernels import precision_of
 from martensite.export.c_names import CoreVariable
-from martensite.export.c_rates import RATES_PROTOTYPE
 
 if TYPE_CHECKING:
     from martensite.export.c_core import CCore
@@ -88,7 +87,7 @@ def _print_counts(core: CCore) -> str:
         "STATES": core.states,
         "INPUTS": len(core.inputs),
         "OUTPUTS": len(core.outputs),
-    } | ({"CONTINUOUS": len(core.continuous)} if core.continuous else {})
+    }
     rows = ",\n".join(f"    {core.name}_{key} = {count}" for key, count in counts.items())
     return f"enum {{\n{rows}\n}};\n\n"
 
@@ -128,7 +127,7 @@ def _print_declarations(core: CCore) -> str:
         f"    {name}_real x[{count_elements(core.states)}]; /* state */\n"
         f"    {name}_real residual, crossing; /* of the last step: mismatch that is left, share "
         f"of a strip crossed */\n}} {name}_model;\n\n"
-        + (_PROTOTYPES + _TRIED * bool(core.answers) + RATES_PROTOTYPE * bool(core.continuous)).replace("NAME", name)
+        + (_PROTOTYPES + _TRIED * bool(core.answers)).replace("NAME", name)
     )
 
 

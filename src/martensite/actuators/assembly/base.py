@@ -233,12 +233,6 @@ class AbstractAssembly(AbstractSystem):
         )
         return after, middle, coarse
 
-    def differentiate(self, xp: Namespace, state: State, *drives: Scalar) -> tuple[State, Column]:
-        """Return the state of the given continuous variables under drive signals, and their rates."""
-        ((element, own, heating),) = self._loads(xp, state, drives)
-        own, rates = element.differentiate(xp, own, heating, self.mechanism.load_line(state.mechanism))
-        return State((own,), state.mechanism), rates
-
     @override
     def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
         rows = zip(self._actuators(), state.elements, strict=True)

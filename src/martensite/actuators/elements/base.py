@@ -194,10 +194,6 @@ class AbstractElement(Parametrised):
         """Return the states after a step of dt [s], in its middle, and after it to a lower order."""
         raise make_missing_error(type(self), ["advance_rosenbrock"])
 
-    def differentiate(self, xp: Namespace, state: Any, heating: Heating, pull: Pull) -> tuple[Any, Sequence[Scalar]]:
-        """Return the state of the given continuous variables, and their rates [1/s], temperature last [K/s]."""
-        raise make_missing_error(type(self), ["differentiate"])
-
     def warm_start(self, state: Any, solved: Any) -> Any:
         """Return the state with first guesses from `found`, the end of a previous step from it."""
         return state

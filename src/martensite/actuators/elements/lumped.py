@@ -39,7 +39,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
-from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock, find_rates
+from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
 from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
@@ -189,14 +189,6 @@ class AbstractLumped(AbstractElement):
         coupling, lumped = self._couple(xp, state, heating, pull, dt)
         after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
         return lumped(after), lumped(middle), lumped(coarse)
-
-    @override
-    def differentiate(self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull) -> tuple[Lumped, Column]:
-        law, imposed = cast(AbstractExchange, self.law), heating.temperature
-        coupling, lumped = self._couple(xp, state, heating, pull, 1.0)
-        temperature = state.memory.temperature if imposed is None else imposed
-        memory, rates = find_rates(xp, law, state.memory, temperature, coupling)
-        return lumped(memory), rates if imposed is None else rates[:-1]
 
     def _couple(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar

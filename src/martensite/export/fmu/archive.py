@@ -1,7 +1,7 @@
 """`to_fmu`: a scenario or a system as an FMU of FMI 2.0 or 3.0.
 
-An FMU supports co-simulation, and model exchange if its only element has a rate-dependent law. The same scenario gives
-the same archive: times in it are fixed, and its GUID (instantiation token) is a hash of description and sources.
+An FMU supports co-simulation. The same scenario gives the same archive: times in it are fixed, and its GUID
+(instantiation token) is a hash of description and sources.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from martensite.export.fmu.plan import FmuPlan, plan_of, plan_port
 from martensite.export.fmu.terminals import draw_icon, write_terminals
 from martensite.export.fmu.variables import FmuVariable, list_variables
 from martensite.export.fmu.wrapper import write_sources
-from martensite.export.rates import require_rates
 from martensite.scenario.scenario import Scenario
 
 VERSIONS = ("2.0", "3.0")
@@ -48,11 +47,6 @@ class Fmu:
     platforms: tuple[str, ...]
     """Targets with a library; elsewhere the sources must be compiled."""
 
-    @property
-    def states(self) -> list[FmuVariable]:
-        """Return the continuous states, if it supports model exchange."""
-        return [one for one in self.variables if one.nominal is not None]
-
     def named(self, causality: str) -> list[FmuVariable]:
         """Return the variables of a causality: input, output, parameter or local."""
         return [one for one in self.variables if one.causality == causality]
@@ -68,7 +62,6 @@ def to_fmu(
     platforms: Sequence[str] | None = None,
     ports: bool = False,
     port: str | None = None,
-    model_exchange: bool = False,
 ) -> Fmu:
     """Write a scenario or a system as an FMU. An existing file is replaced.
 
@@ -82,12 +75,11 @@ def to_fmu(
         ports: whether to export the element alone. Inputs are its elongation, drive and ambient temperature; outputs
             its force and temperature.
         port: port of that element, if there are several.
-        model_exchange: whether model exchange is required; it is supported wherever possible.
         platforms: targets such as `x86_64-linux`; by default all of this machine's compiler and cross compilers of gcc.
             Empty for sources alone.
 
     Raises:
-        InputError: an argument is out of range, the version or compiler is missing, or model exchange is impossible.
+        InputError: an argument is out of range, or the version or compiler is missing.
         SolveError: the run that chooses the step failed.
         MartensiteError: the compiler failed.
     """
@@ -98,8 +90,6 @@ def to_fmu(
     if port is not None and not ports:
         raise InputError("Argument `port` chooses the element of an FMU with ports; add `ports`.")
     plan = plan_port(model, identifier, step, port) if ports else plan_of(model, identifier, step)
-    if model_exchange:
-        require_rates(plan.system)
     shown = list_variables(plan)
     token = _make_token([write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()])
     texts = write_sources(plan, fmi, token)

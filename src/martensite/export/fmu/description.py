@@ -39,10 +39,6 @@ def as_text(root: Element) -> str:
 def _write_version_2(plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> Element:
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=plan.title, guid=token)
     root.attrib |= {"description": plan.system.description(), "generationTool": _name_tool()}
-    if plan.continuous:
-        _offer_exchange(root, plan, "canGetAndSetFMUstate", "canSerializeFMUstate")
-        root.attrib["numberOfEventIndicators"] = "0"
-        SubElement(SubElement(root[0], "SourceFiles"), "File", name="all.c")
     slave = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
     slave.attrib |= {
         "canHandleVariableCommunicationStepSize": "true",
@@ -53,18 +49,15 @@ def _write_version_2(plan: FmuPlan, variables: Sequence[FmuVariable], token: str
     SubElement(SubElement(slave, "SourceFiles"), "File", name="all.c")
     _write_head(root, plan, variables)
     rows = SubElement(root, "ModelVariables")
-    places = {one.reference: index for index, one in enumerate(variables, 1)}
     for one in variables:
         scalar = SubElement(rows, "ScalarVariable", _name_variable(one))
-        rate = {} if one.rate_of is None else {"derivative": str(places[one.rate_of])}
-        SubElement(scalar, "Real", _type_variable(one) | rate)
+        SubElement(scalar, "Real", _type_variable(one))
     parts = SubElement(root, "ModelStructure")
-    for name, listed in _list_unknowns(variables).items():
-        unknowns = SubElement(
-            parts, {"Output": "Outputs", "InitialUnknown": "InitialUnknowns"}.get(name, "Derivatives")
-        )
-        for one in listed:
-            SubElement(unknowns, "Unknown", index=str(places[one.reference]))
+    for name in ("Outputs", "InitialUnknowns"):
+        unknowns = SubElement(parts, name)
+        for index, one in enumerate(variables, 1):
+            if one.causality == "output":
+                SubElement(unknowns, "Unknown", index=str(index))
     return root
 
 
@@ -75,8 +68,6 @@ def _write_version_3(plan: FmuPlan, variables: Sequence[FmuVariable], token: str
         "description": plan.system.description(),
         "generationTool": _name_tool(),
     }
-    if plan.continuous:
-        _offer_exchange(root, plan, "canGetAndSetFMUState", "canSerializeFMUState")
     simulated = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
     simulated.attrib |= {
         "canHandleVariableCommunicationStepSize": "true",
@@ -88,27 +79,13 @@ def _write_version_3(plan: FmuPlan, variables: Sequence[FmuVariable], token: str
     time = {"name": _time_name(variables), "valueReference": str(TIME)}
     SubElement(rows, "Float64", time, causality="independent", variability="continuous", unit="s")
     for one in variables:
-        rate = {} if one.rate_of is None else {"derivative": str(one.rate_of)}
-        SubElement(rows, "Float64", _name_variable(one) | _type_variable(one) | rate)
+        SubElement(rows, "Float64", _name_variable(one) | _type_variable(one))
     parts = SubElement(root, "ModelStructure")
-    for name, listed in _list_unknowns(variables).items():
-        for one in listed:
-            SubElement(parts, name, valueReference=str(one.reference))
+    for name in ("Output", "InitialUnknown"):
+        for one in variables:
+            if one.causality == "output":
+                SubElement(parts, name, valueReference=str(one.reference))
     return root
-
-
-def _offer_exchange(root: Element, plan: FmuPlan, *abilities: str) -> None:
-    """Add the element of model exchange."""
-    SubElement(root, "ModelExchange", {"modelIdentifier": plan.identifier, **dict.fromkeys(abilities, "true")})
-
-
-def _list_unknowns(variables: Sequence[FmuVariable]) -> dict[str, list[FmuVariable]]:
-    """Return the calculated variables by their elements in the model structure of FMI 3.0."""
-    outputs = [one for one in variables if one.causality == "output"]
-    rates = [one for one in variables if one.rate_of is not None]
-    states = [one for one in variables if one.nominal is not None]
-    groups = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": [*outputs, *states, *rates]}
-    return {name: listed for name, listed in groups.items() if listed or name != "ContinuousStateDerivative"}
 
 
 def _write_head(root: Element, plan: FmuPlan, variables: Sequence[FmuVariable]) -> None:
@@ -132,8 +109,6 @@ def _write_experiment(plan: FmuPlan) -> dict[str, str]:
 
 def _name_variable(one: FmuVariable) -> dict[str, str]:
     initial = {"output": "calculated", "parameter": "exact", "local": "exact"}.get(one.causality)
-    if one.causality == "local" and one.variability == "continuous":
-        initial = "calculated"
     return {
         "name": one.name,
         "valueReference": str(one.reference),
@@ -150,7 +125,7 @@ def _type_variable(one: FmuVariable) -> dict[str, str]:
         attributes["unit"] = one.unit
     if one.display is not None:
         attributes["displayUnit"] = one.display
-    numbers = ("min", one.low), ("max", one.high), ("nominal", one.nominal), ("start", one.start)
+    numbers = ("min", one.low), ("max", one.high), ("start", one.start)
     for name, value in numbers:
         if value is not None and math.isfinite(value):
             attributes[name] = repr(float(value))

@@ -45,14 +45,9 @@ FMI_OTHER(void *, Instantiate)(const char *name, int type, const char *guid, con
     instance *i = create(name, guid, functions == NULL ? NULL : functions->environment,
                          functions == NULL ? NULL : (void (*)(void))functions->logger);
     if (i == NULL || type == 1) return i;
-#ifdef FMU_CONTINUOUS
-    i->exchange = 1;
-    return i;
-#else
     say(i, ERROR, "This FMU is for co-simulation, not for model exchange.");
     destroy(i);
     return NULL;
-#endif
 }
 
 FMI(SetDebugLogging)(void *c, int on, size_t count, const char *const categories[])
@@ -152,33 +147,3 @@ PASS(GetDirectionalDerivative,
      (void *c, const unsigned unknowns[], size_t unknown_count, const unsigned knowns[], size_t known_count,
       const double seed[], double sensitivity[]),
      say(c, ERROR, "This FMU does not know derivatives."))
-
-/* ---------------------------------------------------------------- model exchange */
-
-#ifdef FMU_CONTINUOUS
-#include "exchange.c"
-
-typedef struct {
-    int new_discrete_states, terminate, nominals_changed, values_changed, next_defined;
-    double next;
-} event_info2;
-
-/* Inputs that jump are all that can happen: nothing is left to be iterated. */
-FMI(NewDiscreteStates)(void *c, event_info2 *info)
-{
-    if (c == NULL || info == NULL || in_phase(c, "To update discrete states", 1u << EVENT))
-        return ERROR;
-    memset(info, 0, sizeof *info);
-    return OK;
-}
-
-FMI(CompletedIntegratorStep)(void *c, int no_state_before, int *event_mode, int *terminated)
-{
-    if (c == NULL) return ERROR;
-    if (event_mode != NULL) *event_mode = 0;
-    if (terminated != NULL) *terminated = 0;
-    return complete_step(c);
-}
-
-PASS(GetDerivatives, (void *c, double dx[], size_t count), get_rates(c, dx, count))
-#endif

@@ -1,5 +1,4 @@
-/* The functions of FMI 3.0, on what states.c has: those of co-simulation, of model
-   exchange where the model gives rates, and, as the standard
+/* The functions of FMI 3.0, on what states.c has: those of co-simulation and, as the standard
    wants it, all others, which refuse. The types are those of the standard's C interface. */
 
 #include <stdbool.h>
@@ -56,13 +55,7 @@ FMI_OTHER(void *, InstantiateModelExchange)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, logger3 logger)
 {
-#ifdef FMU_CONTINUOUS
-    instance *i = create(name, token, environment, (void (*)(void))logger);
-    if (i != NULL) i->exchange = 1;
-    return i;
-#else
     return refused_instance(environment, logger, "This FMU is for co-simulation only.");
-#endif
 }
 
 FMI_OTHER(void *, InstantiateScheduledExecution)(
@@ -184,44 +177,6 @@ REFUSED(SetShiftDecimal, (void *c, const uint32_t vr[], size_t count, const doub
 REFUSED(SetShiftFraction,
         (void *c, const uint32_t vr[], size_t count, const uint64_t counters[], const uint64_t resolutions[]))
 REFUSED(ActivateModelPartition, (void *c, uint32_t clock, double time))
-
-/* ---------------------------------------------------------------- model exchange */
-
-#ifdef FMU_CONTINUOUS
-#include "exchange.c"
-
-/* Inputs that jump are all that can happen: nothing is left to be iterated. */
-FMI(UpdateDiscreteStates)(void *c, bool *update, bool *terminated, bool *nominals_changed, bool *values_changed,
-                          bool *defined, double *next)
-{
-    bool *const flags[] = {update, terminated, nominals_changed, values_changed, defined};
-    if (c == NULL || in_phase(c, "To update discrete states", 1u << EVENT)) return ERROR;
-    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++)
-        if (flags[k] != NULL) *flags[k] = false;
-    if (next != NULL) *next = 0.0;
-    return OK;
-}
-
-FMI(CompletedIntegratorStep)(void *c, bool no_state_before, bool *event_mode, bool *terminated)
-{
-    if (c == NULL) return ERROR;
-    if (event_mode != NULL) *event_mode = false;
-    if (terminated != NULL) *terminated = false;
-    return complete_step(c);
-}
-
-PASS(GetContinuousStateDerivatives, (void *c, double dx[], size_t count), get_rates(c, dx, count))
-
-static int write_count(size_t *count, size_t value)
-{
-    if (count == NULL) return ERROR;
-    *count = value;
-    return OK;
-}
-
-PASS(GetNumberOfEventIndicators, (void *c, size_t *count), write_count(count, 0))
-PASS(GetNumberOfContinuousStates, (void *c, size_t *count), write_count(count, FMU_CONTINUOUS))
-#else
 REFUSED(EnterEventMode, (void *c))
 REFUSED(EnterContinuousTimeMode, (void *c))
 REFUSED(UpdateDiscreteStates,
@@ -235,4 +190,3 @@ REFUSED(GetNominalsOfContinuousStates, (void *c, double x[], size_t count))
 REFUSED(GetEventIndicators, (void *c, double z[], size_t count))
 REFUSED(GetNumberOfEventIndicators, (void *c, size_t *count))
 REFUSED(GetNumberOfContinuousStates, (void *c, size_t *count))
-#endif

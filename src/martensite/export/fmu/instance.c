@@ -30,13 +30,10 @@
 
 enum { FMU_LONGEST = 512 }; /* of a message */
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
-enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, EVENT, CONTINUOUS_TIME };
-enum { RUNNING = 1u << STEPPING | 1u << EVENT | 1u << CONTINUOUS_TIME };
-enum { STATE_KIND = 4, RATE_KIND = 5 };
+enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
 
 static const char *const phases[] = {"after instantiation", "in initialization",
-                                     "while stepping",      "after termination",
-                                     "at an event",         "between events"};
+                                     "while stepping", "after termination"};
 
 /* All that a saved state holds; no pointers. */
 typedef struct {
@@ -53,12 +50,6 @@ typedef struct {
     double outputs[FMU_OUTPUTS + 1], before[CORE_STATES + 1];
     double refused_step; /* length of a step that failed from here under these inputs; or -1 */
     int stale, quiet;
-    int exchange; /* 1 where the importer integrates; see exchange.c */
-#ifdef FMU_CONTINUOUS
-    int unsettled;
-    CORE_MODEL settled;
-    double rates[FMU_CONTINUOUS];
-#endif
     char *name;
     void *environment;
     void (*logger)(void);
@@ -89,15 +80,6 @@ static int in_phase(const instance *i, const char *what, unsigned phases_allowed
 
 /* ---------------------------------------------------------------- life */
 
-/* Nothing is known any more that follows from state and inputs. */
-static void spoil(instance *i)
-{
-    i->stale = 1;
-#ifdef FMU_CONTINUOUS
-    i->unsettled = 1;
-#endif
-}
-
 static int reset(instance *i)
 {
     memset(&i->m, 0, sizeof i->m);
@@ -106,7 +88,7 @@ static int reset(instance *i)
     CORE(defaults)(&i->m.model);
     memcpy(i->m.inputs, first_inputs, sizeof first_inputs);
     i->m.inner = FMU_STEP;
-    spoil(i);
+    i->stale = 1;
     i->refused_step = -1.0;
     return OK;
 }
@@ -186,7 +168,7 @@ static int enter(instance *i, double start)
     if (!isfinite(start)) return say(i, ERROR, "The start time must be finite, but is %g.", start);
     i->m.start = i->m.time = start;
     i->m.phase = INITIALIZING;
-    spoil(i);
+    i->stale = 1;
     return OK;
 }
 
@@ -194,14 +176,14 @@ static int leave(instance *i)
 {
     if (in_phase(i, "To end the initialization", 1u << INITIALIZING)) return ERROR;
     if (begin(i)) return ERROR;
-    i->m.phase = i->exchange ? EVENT : STEPPING;
+    i->m.phase = STEPPING;
     i->refused_step = -1.0;
     return OK;
 }
 
 static int terminate(instance *i)
 {
-    if (in_phase(i, "To terminate", RUNNING)) return ERROR;
+    if (in_phase(i, "To terminate", 1u << STEPPING)) return ERROR;
     i->m.phase = TERMINATED;
     return OK;
 }

@@ -12,7 +12,6 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_core import CCore, build_c_core
 from martensite.export.ports.element import ElementPort, build_element_port
-from martensite.export.rates import ContinuousState, build_rates_core, gives_rates, list_continuous
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
 
@@ -48,8 +47,6 @@ class FmuPlan:
     first: tuple[float, ...]
     """Start values of the inputs."""
     scenario: Scenario | None
-    continuous: tuple[ContinuousState, ...] = ()
-    """Continuous states for model exchange."""
 
     @property
     def period(self) -> float:
@@ -73,8 +70,7 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
     scenario = None if isinstance(model, AbstractSystem) else model
     system = _fix_steps(model if isinstance(model, AbstractSystem) else model.whole)
     chosen = _choose_step(system, scenario, step)
-    rated, name = gives_rates(system), f"{identifier}_core"
-    core = build_rates_core(system, name=name) if rated else build_c_core(system, name=name)
+    core = build_c_core(system, name=f"{identifier}_core")
     return FmuPlan(
         identifier=identifier,
         title=identifier if scenario is None else scenario.title,
@@ -84,7 +80,6 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
         numbers=_list_numbers(core, system, scenario),
         first=_first_inputs(core, system),
         scenario=scenario,
-        continuous=list_continuous(system) if rated else (),
     )
 
 

@@ -6,10 +6,8 @@ static int usable(const instance *i, const memory *m)
 {
     if (memcmp(m->token, FMU_TOKEN, FMU_TOKEN_SIZE) != 0 || m->size != sizeof *m)
         return say(i, ERROR, "The state is not one of this FMU.");
-    const int known = m->phase <= CONTINUOUS_TIME;
-    const int running = known && (1u << m->phase & RUNNING) != 0;
-    int sound = known && (!running || (m->phase == STEPPING) != i->exchange) && isfinite(m->start) && isfinite(m->time)
-                && isfinite(m->count) && isfinite(m->inner) && m->inner > 0.0;
+    int sound = m->phase <= TERMINATED && isfinite(m->start) && isfinite(m->time) && isfinite(m->count)
+                && isfinite(m->inner) && m->inner > 0.0;
     for (int d = 0; d < FMU_INPUTS; d++)
         sound = sound && isfinite(m->inputs[d]) && isfinite(m->slopes[d]);
     for (int k = 0; k < FMU_NUMBERS; k++)
@@ -34,7 +32,7 @@ static int restore(instance *i, const memory *state)
     if (state == NULL) return say(i, ERROR, "There is no state to go back to.");
     if (usable(i, state)) return ERROR;
     memcpy(&i->m, state, sizeof i->m);
-    spoil(i);
+    i->stale = 1;
     i->refused_step = -1.0;
     return OK;
 }

@@ -43,7 +43,7 @@ static int refused(instance *i, double time, double length, const char *why)
 {
     const int again = i->refused_step >= 0.0 && i->refused_step <= length;
     i->refused_step = length;
-    spoil(i);
+    i->stale = 1;
     if (again)
         return say(i, ERROR, "The step from %g s over %g s failed again: %s.", time, length, why);
     return say(i, DISCARD, "The step from %g s over %g s failed: %s. Try a shorter one.", time,
@@ -71,7 +71,6 @@ static int advance(instance *i, double time, double length)
         if (seen < CORE_STATUS(UNSOLVED) && finite_outputs(i)) {
             memset(i->m.slopes, 0, sizeof i->m.slopes);
             i->m.time = time + length;
-            spoil(i);
             i->stale = 0;
             i->refused_step = -1.0;
             if (status != CORE_STATUS(LONG_STEP) || i->m.coarse) return OK;

@@ -2,32 +2,11 @@
 
 #include "instance.c"
 
-#ifdef FMU_CONTINUOUS
-/* What follows from the continuous states under the inputs, and their rates. */
-static int settle(instance *i)
-{
-    if (!i->unsettled) return OK;
-    const int status = CORE(differentiate)(&i->m.model, i->m.inputs, &i->settled, i->rates);
-    if (status != CORE_STATUS(OK))
-        return say(i, DISCARD, "At %g s there are no rates in this state under these inputs: %s.",
-                   i->m.time, outcome(status));
-    i->unsettled = 0;
-    return OK;
-}
-#endif
-
 static int refresh(instance *i)
 {
-    const CORE_MODEL *model = &i->m.model;
     if (!i->stale) return OK;
     if (i->m.phase == INITIALIZING) return begin(i);
-#ifdef FMU_CONTINUOUS
-    if (i->exchange) {
-        if (settle(i)) return ERROR;
-        model = &i->settled;
-    }
-#endif
-    const int status = CORE(observe)(model, i->m.inputs, i->outputs);
+    const int status = CORE(observe)(&i->m.model, i->m.inputs, i->outputs);
     if (status >= CORE_STATUS(UNSOLVED) || !finite_outputs(i))
         return say(i, ERROR, "An output is infinite or undefined under these inputs.");
     i->stale = 0;
@@ -57,18 +36,6 @@ static int get(instance *i, uint32_t reference, double *value)
         if (index > FMU_OWN) break;
         *value = index == 0 ? i->m.time : i->m.inner;
         return OK;
-#ifdef FMU_CONTINUOUS
-    case STATE_KIND:
-    case RATE_KIND:
-        if (index >= FMU_CONTINUOUS) break;
-        if (i->m.phase == INSTANTIATED)
-            return say(i, ERROR, "States are not known before the initialization.");
-        if (i->m.phase == INITIALIZING && refresh(i)) return ERROR;
-        if (reference / FMU_KIND == RATE_KIND && settle(i)) return ERROR;
-        *value = reference / FMU_KIND == RATE_KIND ? i->rates[index]
-                                                   : i->m.model.x[CORE(continuous)[index]];
-        return OK;
-#endif
     default: break;
     }
     return say(i, ERROR, "There is no variable with value reference %lu.",
@@ -81,23 +48,19 @@ static int checked(const instance *i, uint32_t reference, double value)
     const uint32_t kind = reference / FMU_KIND, index = reference % FMU_KIND;
     const int known = (kind == 0 && index < FMU_INPUTS) || (kind == 1 && index < FMU_OUTPUTS)
                       || (kind == 2 && index < FMU_NUMBERS && rules[index].kind != HIDDEN)
-                      || (kind == 3 && index <= FMU_OWN)
-#ifdef FMU_CONTINUOUS
-                      || ((kind == STATE_KIND || kind == RATE_KIND) && index < FMU_CONTINUOUS)
-#endif
-        ;
+                      || (kind == 3 && index <= FMU_OWN);
     const rule *r = kind == 2 && known ? &rules[index] : NULL;
     if (!known)
         return say(i, ERROR, "There is no variable with value reference %lu.",
                    (unsigned long)reference);
-    if (kind == 1 || kind > 3 || (kind == 3 && index == 0))
+    if (kind == 1 || (kind == 3 && index == 0))
         return say(i, ERROR, "The variable with value reference %lu cannot be set.",
                    (unsigned long)reference);
     if (!isfinite(value))
         return say(i, ERROR, "The variable with value reference %lu must be finite, but is %g.",
                    (unsigned long)reference, value);
     if (kind == 0)
-        return in_phase(i, "To set an input", 1u << INSTANTIATED | 1u << INITIALIZING | RUNNING);
+        return in_phase(i, "To set an input", 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING);
     if (r != NULL && r->kind == CONSTANT)
         return say(i, ERROR, "Parameter `%s` is a constant of this FMU.", r->name);
     if (in_phase(i, "To set a parameter", 1u << INSTANTIATED | 1u << INITIALIZING)) return ERROR;
@@ -133,7 +96,7 @@ static int set_all(instance *i, const uint32_t *references, size_t count, const 
         if (status != OK) return status;
     }
     for (size_t k = 0; k < count; k++) assign(i, references[k], values[k]);
-    spoil(i);
+    i->stale = 1;
     return OK;
 }
 

@@ -1,7 +1,7 @@
 """Variables of an FMU: inputs, outputs and parameters, with permanent value references.
 
 A value reference is its kind times 100000 plus the index within the kind: inputs from 0, outputs from 100000,
-parameters from 200000, time 300000, the inner step 300001, continuous states from 400000, and their rates from 500000.
+parameters from 200000, time 300000, the inner step 300001.
 The index of a parameter counts all parameters of the system, including hidden ones.
 
 A unit has exponents of SI base units, and a display unit: displayed value = factor * value + offset.
@@ -19,7 +19,6 @@ from martensite.export.fmu.plan import CONSTANT, HIDDEN, FmuPlan, ModelNumber
 
 KIND = 100_000
 TIME, INNER = 3 * KIND, 3 * KIND + 1
-STATES, RATES = 4 * KIND, 5 * KIND
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class FmuVariable:
     name: str
     reference: int
     causality: str
-    """Input, output, parameter, or local for a constant, a continuous state and its rate."""
+    """Input, output, parameter, or local for a constant."""
     variability: str
     words: str
     declared: str
@@ -38,10 +37,6 @@ class FmuVariable:
     """None if calculated."""
     low: float = -math.inf
     high: float = math.inf
-    nominal: float | None = None
-    """Nominal value of a continuous state."""
-    rate_of: int | None = None
-    """Reference of the continuous state whose rate it is."""
 
     @property
     def unit(self) -> str | None:
@@ -55,7 +50,7 @@ class FmuVariable:
 
 
 def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
-    """Return inputs, outputs, parameters, the inner step, continuous states and their rates."""
+    """Return inputs, outputs, parameters and the inner step."""
     pace = "discrete" if plan.period else "continuous"
     variables = [
         FmuVariable(one.name, one.index, "input", pace, one.words, one.unit, start)
@@ -73,20 +68,7 @@ def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
         name = _free_name("inner_step", "parameter", taken)
         words = "longest step of the model within a step of the co-simulation (above 0)"
         variables.append(FmuVariable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
-    return (*variables, *_list_states(plan, taken))
-
-
-def _list_states(plan: FmuPlan, taken: set[str]) -> list[FmuVariable]:
-    states: list[FmuVariable] = []
-    rates: list[FmuVariable] = []
-    for k, one in enumerate(plan.continuous):
-        name = _free_name(one.name, "state", taken)
-        row = ("local", "continuous", one.words, one.unit)
-        states.append(FmuVariable(name, STATES + k, *row, nominal=one.nominal))
-        unit = "1/s" if one.unit == "1" else f"{one.unit}/s"
-        row = ("local", "continuous", f"rate of {name} in time", unit)
-        rates.append(FmuVariable(f"der({name})", RATES + k, *row, rate_of=STATES + k))
-    return [*states, *rates]
+    return tuple(variables)
 
 
 def _describe_parameter(name: str, reference: int, number: ModelNumber) -> FmuVariable:

@@ -26,7 +26,7 @@ def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
     texts = {"all.c": "".join(f'#include "{name}"\n' for name in included), **plan.core.files}
     texts["model.h"] = _write_model(plan, token)
     folder = files("martensite.export.fmu")
-    for name in (*SHARED, interface, *(["exchange.c"] if plan.continuous else [])):
+    for name in (*SHARED, interface):
         texts[name] = (folder / name).read_text(encoding="utf-8")
     return texts
 
@@ -50,8 +50,6 @@ def _write_model(plan: FmuPlan, token: str) -> str:
         "CORE_STATUS(s)": f"{core}_##s",
     }
     numbers |= _locate_moved(plan)
-    nominals = [one.nominal for one in plan.continuous]
-    numbers |= {"FMU_CONTINUOUS": f"{core}_CONTINUOUS"} if nominals else {}
     defined = "".join(f"#define {key} {value}\n" for key, value in numbers.items())
     rules = ",\n    ".join(_write_rule(number) for number in plan.numbers)
     at_end = [place_signal(drive.at_end) for drive in plan.system.drives()]
@@ -60,7 +58,6 @@ def _write_model(plan: FmuPlan, token: str) -> str:
         f"static const double first_inputs[] = {{{_format_numbers(plan.first)}}};\n"
         "/* Where in an inner step an input is read. */\n"
         f"static const double sampled_at[] = {{{_format_numbers(at_end)}}};\n"
-        + (f"static const double nominals[] = {{{_format_numbers(nominals)}}};\n" if nominals else "")
     )
 
 

@@ -134,13 +134,6 @@ class ElementPort(System):
         """Return the outputs of the system, and the ambient temperature."""
         return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
 
-    def differentiate(self, xp: Namespace, state: Any, *drives: Scalar) -> tuple[Any, Sequence[Scalar]]:
-        """Return the state with the end as mounted, and the rates of its continuous numbers."""
-        moved = MountedEnd(state.mechanism.elongation + drives[1])
-        placed = super(ElementPort, self._placed(drives))
-        after, rates = placed.differentiate(xp, state._replace(mechanism=moved), *drives[:-1])
-        return after._replace(mechanism=state.mechanism), rates
-
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
         """Return the power [W] into the element."""
         return super(ElementPort, self._placed(drives)).flows(xp, state, *drives[:-1])

@@ -129,21 +129,6 @@ def advance_rosenbrock(
     return settle(fine, True), settle(middle, True), settle(coarse, False)
 
 
-def find_rates(xp: Namespace, law: AbstractExchange, memory: Any, T: Scalar, coupling: Coupling) -> tuple[Any, Column]:
-    """Return the memory with the stress at a temperature [K], and the rates of x₊, x₋ and T."""
-    here = _Columns(*law.populations(memory))
-    at = [*here.mean(), T]
-    stress = coupling.stress(xp, at)
-    jumps = law.jumps(xp, stress, T)
-
-    def group(quantile: Scalar, plus: Scalar, minus: Scalar) -> _Group:
-        return _sum_flows(jumps(quantile), _Group(plus, minus))
-
-    rates = _Columns(*_map_rows(xp, group, law.quantiles(), *here))
-    heat = coupling.power(xp, at)[0] + coupling.latent(xp, stress, T) * rates.mean()[0]
-    return law.remember(xp, *here, stress, T), [*rates.plus, *rates.minus, heat / coupling.capacity]
-
-
 class _Stages:
     """The six linear solves of a step."""
 

@@ -45,9 +45,6 @@ def fmu(
         ),
     ] = False,
     port: Port = None,
-    model_exchange: Annotated[
-        bool, Option("--model-exchange", help="Fail unless the FMU also supports model exchange.")
-    ] = False,
     sources_only: Annotated[
         bool, Option("--sources-only", help="Write the sources without a compiled library.")
     ] = False,
@@ -58,7 +55,7 @@ def fmu(
 
     Drives are inputs, observable quantities are outputs, and all values of the scenario are parameters. A closed
     loop has its reference as an input. With --ports the FMU contains the element alone, for a host that has the
-    mechanism. Rate-dependent laws (`mas`, `mas-polycrystal`) also support model exchange.
+    mechanism.
     """
     from martensite.export.fmu import to_fmu
     from martensite.show.terminal import print_summary
@@ -72,17 +69,7 @@ def fmu(
     Outputs(out, None).check(force, data=(".fmu",))
     chosen = read_quantity("step", step, "s")
     compiled = [] if sources_only else platforms or None
-    made = to_fmu(
-        loaded,
-        out,
-        fmi=fmi,
-        step=chosen,
-        name=name,
-        platforms=compiled,
-        ports=ports,
-        port=port,
-        model_exchange=model_exchange,
-    )
+    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled, ports=ports, port=port)
     print_summary(_summarise_fmu(made), json)
 
 
@@ -98,7 +85,6 @@ def _collect_signals(made: Fmu) -> dict[str, Any]:
     kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter"}
     named = {key: made.named(causality) for key, causality in kinds.items()}
     named["fixed"] = [one for one in made.named("local") if one.variability == "constant"]
-    named["states"] = made.states
     return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
 
 
@@ -111,7 +97,6 @@ def _summarise_fmu(made: Fmu) -> Summary:
     lines = (
         f"{', '.join(counted)}; {pace} {write_quantity(made.step, 's')}",
         f"inputs: {inputs}",
-        *[f"for model exchange too, with {len(made.states)} continuous states"] * bool(made.states),
         f"wrote {made.path} (FMI {made.fmi}; {platforms})",
     )
     return Summary("", [Sentence(line) for line in lines], _collect_signals(made))
