@@ -24,4 +24,6 @@ def link_checkout() -> None:
 shell: Any = get_ipython()  # type: ignore[no-untyped-call]
 shell.run_line_magic("matplotlib", "inline")
 shell.run_line_magic("config", 'InlineBackend.figure_formats = ["svg"]')
+# figures are laid out; to crop them, each would be drawn twice
+shell.run_line_magic("config", "InlineBackend.print_figure_kwargs = {'bbox_inches': None}")
 plt.rcParams.update(STYLE)

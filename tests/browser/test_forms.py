@@ -13,6 +13,9 @@ def diameter(page: Page):
     return field, page.get_by_label("diameter, slider")
 
 
+MOVES = 6
+
+
 def all_parameters(page: Page) -> None:
     page.get_by_role("button", name="All parameters").click()
 
@@ -30,17 +33,19 @@ def test_a_move_is_one_call(page: Page) -> None:
     asked: list[str] = []
 
     def note(one: Request) -> None:
-        if one.url.startswith("http") and not one.headers.get("x-lane", "").endswith(" remedy"):
-            asked.append(one.url.rpartition("/")[2])
+        name = one.url.rpartition("/")[2]
+        # a busy machine is asked how far a call is
+        if one.url.startswith("http") and not one.headers.get("x-lane", "").endswith(" remedy") and name != "lane":
+            asked.append(name)
 
     page.on("request", note)
     slider.focus()
-    for _ in range(10):
+    for _ in range(MOVES):
         before = page.locator(".measures").inner_text()
         page.keyboard.press("ArrowRight")
         page.wait_for_function("before => document.querySelector('.measures').innerText !== before", arg=before)
         page.wait_for_timeout(300)
-    assert len(asked) <= 11 and set(asked) <= {"run", "model", "engine.js"}
+    assert len(asked) <= MOVES + 1 and set(asked) <= {"run", "model", "engine.js"}
     page.get_by_text("What differs").click()
     expect(page.get_by_role("table", name="Documents")).to_contain_text("element.diameter")
     assert asked.count("differences") == 1

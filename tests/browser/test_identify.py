@@ -12,7 +12,6 @@ from playwright.sync_api import Page, expect
 SCENARIO = (Path(__file__).parents[2] / "examples/isobaric_log.toml").read_text("utf-8")
 HEADINGS = ["Time_s", "T (C)", "sigma [MPa]", "Strain %", "<img src=x onerror=alert(1)>"]
 SLOW = ["h", "A_s", "A_f", "M_s", "M_f", "C_A", "C_M"]
-PATIENT = 30_000
 
 
 @pytest.fixture
@@ -25,10 +24,9 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-def opened(page: Page) -> None:
-    page.goto(page.url.partition("#")[0] + "#/identify")
-    heading = page.get_by_role("heading", level=1, name="Identify")
-    expect(heading).to_be_visible(timeout=PATIENT)
+@pytest.fixture
+def place() -> str:
+    return "identify"
 
 
 def choose(page: Page, path: Path) -> None:
@@ -45,7 +43,6 @@ def free(page: Page, *names: str) -> None:
 
 
 def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
-    opened(page)
     choose(page, log)
     for heading, name, unit in zip(
         HEADINGS, ("time", "temperature", "stress", "strain"), ("s", "degC", "MPa", "%"), strict=False
@@ -59,11 +56,11 @@ def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
     free(page, "A_s", "A_f")
     page.get_by_role("button", name="Fit 2 parameters").click()
     told = page.get_by_role("region", name="Parameters, with intervals of 95 %")
-    expect(told).to_contain_text("A_s", timeout=PATIENT)
+    expect(told).to_contain_text("A_s")
     expect(page.get_by_text("All free parameters are determined")).to_be_visible()
     values = re.findall(r"([\d.]+) °C", told.inner_text())
     assert [float(x) for x in values] == pytest.approx([72.0, 84.0], abs=0.5)
-    with page.expect_download(timeout=PATIENT) as saved:
+    with page.expect_download() as saved:
         page.get_by_role("button", name="Save the material").click()
     assert saved.value.suggested_filename == "cycle.toml"
     material = tomllib.loads(saved.value.path().read_text("utf-8"))
@@ -79,7 +76,7 @@ def test_a_sample_becomes_a_material_in_three_clicks(page: Page, clicks: Callabl
     expect(page.get_by_role("status").filter(has_text="needs none: a slow loop")).to_be_visible()
     page.get_by_role("button", name="Fit a model to these 4 logs").click()
     verdict = page.get_by_role("region", name="Verdict")
-    expect(verdict).to_contain_text("for the naive baseline (neighbouring loads)", timeout=3 * PATIENT)
+    expect(verdict).to_contain_text("for the naive baseline (neighbouring loads)")
     expect(verdict).to_contain_text("A loop at 150 MPa, in the widest gap")
     assert clicks() <= 3
     with page.expect_download() as saved:
@@ -88,7 +85,6 @@ def test_a_sample_becomes_a_material_in_three_clicks(page: Page, clicks: Callabl
 
 
 def test_a_step_is_drawn_said_and_undone(page: Page) -> None:
-    opened(page)
     page.get_by_role("button", name="Use one").click()
     step(page, "records")
     page.get_by_label("Column of the step").select_option("stress")
@@ -104,7 +100,6 @@ def test_a_step_is_drawn_said_and_undone(page: Page) -> None:
 
 
 def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Path) -> None:
-    opened(page)
     choose(page, log)
     page.get_by_text("First 20 rows").click()
     shown = page.get_by_role("region", name="First rows of the file")
@@ -118,12 +113,11 @@ def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Pat
     binary = tmp_path / "binary.csv"
     binary.write_bytes(bytes(range(256)) * 8)
     choose(page, binary)
-    expect(page.get_by_role("alert")).to_contain_text("not a text file", timeout=PATIENT)
+    expect(page.get_by_role("alert")).to_contain_text("not a text file")
 
 
 @pytest.mark.slow
 def test_records_are_cut_with_the_keyboard(page: Page, log: Path) -> None:
-    opened(page)
     choose(page, log)
     step(page, "records")
     handle = page.get_by_label("cycle: to", exact=True)
@@ -144,7 +138,6 @@ def test_a_fit_goes_on_over_a_reload_and_is_stopped_and_kept(page: Page, tmp_pat
     log, scenario = tmp_path / "pulse.csv", tmp_path / "heated.toml"
     write_log(repeated(heated(), 8), log)
     scenario.write_text(HEATED, encoding="utf-8")
-    opened(page)
     choose(page, log)
     step(page, "records")
     step(page, "scenario")
@@ -153,12 +146,12 @@ def test_a_fit_goes_on_over_a_reload_and_is_stopped_and_kept(page: Page, tmp_pat
     page.get_by_label("Method").select_option("coordinate")
     page.get_by_role("button", name=f"Fit {len(SLOW)} parameters").click()
     working = page.get_by_role("status").filter(has_text="coordinate search")
-    expect(working).to_be_visible(timeout=PATIENT)
+    expect(working).to_be_visible()
     page.reload()
-    expect(working).to_be_visible(timeout=PATIENT)
+    expect(working).to_be_visible()
     expect(page.get_by_label(re.compile("of pulse, measured and modelled")).first).to_be_visible()
     page.get_by_role("button", name="Stop and keep the best").click()
     open_sets = page.get_by_role("region", name="Parameters that the data do not determine")
-    expect(open_sets).to_be_visible(timeout=PATIENT)
+    expect(open_sets).to_be_visible()
     expect(page.get_by_text("The search did not converge: interrupted.").first).to_be_visible()
     expect(page.get_by_role("button", name="Continue the search")).to_be_visible()

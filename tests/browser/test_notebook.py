@@ -41,9 +41,10 @@ def widget(monkeypatch: pytest.MonkeyPatch) -> BenchWidget:
 
 
 @pytest.fixture
-def page(chromium: Any, widget: BenchWidget, monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
+def page(tab: Any, widget: BenchWidget, monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
     """A notebook with the widget in a cell, 950 wide and dark."""
-    made = chromium.new_page(viewport={"width": 1000, "height": 900}, reduced_motion="reduce")
+    made: Page = tab.context.new_page()
+    made.set_viewport_size({"width": 1000, "height": 900})
     asked, said, sent = list[str](), list[str](), list[Any]()
     made.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
     made.on("pageerror", lambda error: said.append(str(error)))

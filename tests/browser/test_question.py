@@ -3,10 +3,16 @@
 import re
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 ABOVE = """(names) => names.map((name) => document.querySelector(name).getBoundingClientRect().bottom)"""
 WIDE = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
+
+
+@pytest.fixture
+def flat() -> bool:
+    return False
 
 
 def measure(page: Page, name: str) -> Locator:

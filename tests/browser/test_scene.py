@@ -16,8 +16,6 @@ from playwright.sync_api import Locator, Page, expect
 from martensite.cli.commands.web_bench import pack_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-SLOW = 20_000
-"""What loading may take on a busy machine [ms]."""
 Opened = Callable[[str], Locator]
 
 
@@ -26,6 +24,16 @@ def shortened(text: str) -> str:
     text = re.sub(r'^title = ".*"', 'title = "Short run"', text, flags=re.MULTILINE)
     text = re.sub(r'duration = "\d+ s"', 'duration = "6 s"', text)
     return re.sub(r"samples = \d+", "samples = 121", text)
+
+
+@pytest.fixture
+def flat() -> bool:
+    return False
+
+
+def short_example(name: str) -> str:
+    """The text of a packaged example, shortened."""
+    return shortened((EXAMPLES / f"{name}.toml").read_text("utf-8"))
 
 
 def put_on_bench(page: Page, text: str) -> None:
@@ -41,17 +49,22 @@ def put_on_bench(page: Page, text: str) -> None:
 
 
 @pytest.fixture
+def place() -> str:
+    return "start"
+
+
+@pytest.fixture
 def opened(page: Page) -> Opened:
     """Puts an example on the bench; answers with its view, once that is drawn."""
 
     def put(name: str) -> Locator:
-        text = shortened((EXAMPLES / f"{name}.toml").read_text("utf-8"))
-        view = page.locator(".scene-view")
-        expect(view).to_have_attribute("data-rendered", re.compile(r"[1-9]"), timeout=SLOW)
-        put_on_bench(page, text)
+        text = short_example(name)
+        page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", pack_text(text))
         title = tomllib.loads(text)["title"]
-        expect(page.get_by_role("heading", level=1)).to_have_text(title, timeout=SLOW)
-        expect(view).to_have_attribute("data-time", "0", timeout=SLOW)
+        expect(page.get_by_role("heading", level=1)).to_have_text(title)
+        view = page.locator(".scene-view")
+        expect(view).to_have_attribute("data-rendered", re.compile(r"[1-9]"))
+        expect(view).to_have_attribute("data-time", "0")
         return view
 
     return put
@@ -94,8 +107,7 @@ def settled(page: Page, view: Locator) -> bytes:
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["constant_power", "finger", *(pytest.param(n, marks=pytest.mark.slow) for n in ("hand", "closed_loop_platform"))],
+    "name", ["constant_power", *(pytest.param(n, marks=pytest.mark.slow) for n in ("hand", "closed_loop_platform"))]
 )
 def test_what_is_drawn_moves_with_the_cursor(page: Page, opened: Opened, name: str) -> None:
     view = opened(name)
@@ -104,9 +116,11 @@ def test_what_is_drawn_moves_with_the_cursor(page: Page, opened: Opened, name: s
     assert seen_at(page, view, 0.0) != seen_at(page, view, 0.75)
 
 
-def test_it_plays_and_pauses(page: Page, opened: Opened) -> None:
+def test_it_moves_with_the_cursor_plays_and_pauses(page: Page, opened: Opened) -> None:
     view = opened("finger")
+    straight = seen_at(page, view, 0.0)
     before = seen_at(page, view, 0.5)  # it is being heated
+    assert before != straight
     page.get_by_role("button", name="Play").click()
     expect(view).to_have_attribute("aria-label", re.compile(r"at (3\.[5-9]|[45])"))
     page.get_by_role("button", name="Pause").click()
@@ -157,7 +171,7 @@ def test_the_pinned_run_is_a_ghost(page: Page, opened: Opened) -> None:
     view = opened("constant_power")
     page.get_by_role("button", name="Pin this run").click()
     held = view.get_attribute("data-held")
-    text = shortened((EXAMPLES / "constant_power.toml").read_text("utf-8")).replace("100 mm", "110 mm")
+    text = short_example("constant_power").replace("100 mm", "110 mm")
     count = rendered(view)
     put_on_bench(page, text)
     page.wait_for_function("n => +document.querySelector('.scene-view').dataset.rendered > n", arg=count)
@@ -202,7 +216,7 @@ def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
     seen_at(page, view, 0.5)
     page.evaluate("document.querySelector('.scene-view canvas').dataset.mine = 'yes'")
     held = view.get_attribute("data-held")
-    text = shortened((EXAMPLES / "constant_power.toml").read_text("utf-8"))
+    text = short_example("constant_power")
     for length in ("110 mm", "120 mm", "130 mm"):
         count = rendered(view)
         changed = text.replace("100 mm", length)
@@ -214,16 +228,11 @@ def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
 
 @pytest.mark.slow
 def test_without_webgl_it_is_drawn_from_the_side(page: Page, bench: Bench) -> None:
-    page.add_init_script(
-        "const had = HTMLCanvasElement.prototype.getContext;"
-        "HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
-        " return kind.startsWith('webgl') ? null : had.call(this, kind, ...rest); };"
-    )
-    text = shortened((EXAMPLES / "finger.toml").read_text("utf-8"))
-    page.goto(f"{bench.origin}/#/bench?scenario={pack_text(text)}")
+    page.evaluate("localStorage.setItem('flat', 'yes')")
+    page.goto(f"{bench.origin}/#/bench?scenario={pack_text(short_example('finger'))}")
     page.reload()
     side = page.locator("svg.scene-side")
-    expect(side).to_be_visible(timeout=SLOW)
+    expect(side).to_be_visible()
     expect(page.get_by_text("no WebGL")).to_be_visible()
     frame = page.locator(".scene-flat").bounding_box()
     for shape in side.locator("rect, circle, polyline").all():

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
-from session_walk import FLAT, walking
+from session_walk import walking
 
 LOG = "time (s),power (W),temperature (degC)\n" + "".join(f"{k},{k % 2},{20 + k}\n" for k in range(20))
 LARGEST_REPORT = 300_000
@@ -42,7 +42,6 @@ def test_nothing_is_lost_on_a_long_walk(chromium: Browser, tmp_path: Path, log: 
 
 def test_tabs_do_not_go_over_each_other(page: Page) -> None:
     """A new tab begins with the last one; then each has its own, a copied one too."""
-    page.context.add_init_script(FLAT)
     set_length(page, "150")
     page.wait_for_timeout(500)
     other = page.context.new_page()

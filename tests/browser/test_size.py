@@ -6,9 +6,12 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
-FOUND = 60_000
-"""[ms] on a busy machine."""
 SMALL = "force=0.5+N&stroke=3+mm&rate=0.2+Hz&supply=5+V&alloy=90"
+
+
+@pytest.fixture
+def place() -> str:
+    return "start"
 
 
 def visit(page: Page, place: str) -> None:
@@ -39,7 +42,7 @@ def test_a_wish_becomes_a_wire_in_two_clicks(page: Page, clicks: Callable[[], in
     page.get_by_role("button", name="Find wires").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     wires = page.get_by_role("region", name="Wires", exact=True)
-    expect(wires.get_by_text("wires meet the request, best first.")).to_be_visible(timeout=FOUND)
+    expect(wires.get_by_text("wires meet the request, best first.")).to_be_visible()
     expect(wires.get_by_text("✗ no")).to_have_count(0)
     chosen = page.get_by_role("region", name="Chosen wire")
     expect(chosen.get_by_role("heading")).to_have_text("1: 0.10 mm, 90 °C")
@@ -67,7 +70,7 @@ def test_a_wire_is_saved_and_opened_on_the_bench(page: Page) -> None:
     visit(page, f"size?{SMALL}")
     page.get_by_role("button", name="Find wires").click()
     chosen = page.get_by_role("region", name="Chosen wire")
-    expect(chosen).to_be_visible(timeout=FOUND)
+    expect(chosen).to_be_visible()
     with page.expect_download() as saving:
         chosen.get_by_role("button", name="Save scenario").click()
     assert saving.value.suggested_filename == "flexinol-0.10mm-90.toml"
@@ -91,6 +94,6 @@ def test_the_model_stands_beside_the_makers_table(page: Page) -> None:
     page.get_by_role("button", name="Compare").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     check = page.get_by_role("region", name="Check of the catalogue")
-    expect(check).to_contain_text("a weight of 150 MPa", timeout=FOUND)
+    expect(check).to_contain_text("a weight of 150 MPa")
     expect(check.locator("tbody tr")).to_have_count(12)
     expect(page).to_have_url(re.compile("tab=catalogue"))

@@ -36,16 +36,12 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 @pytest.fixture
-def page(chromium: Any, address: str) -> Iterator[Page]:
-    made, asked, said = chromium.new_page(viewport={"width": 1280, "height": 800}), list[str](), list[str]()
-    made.on("request", lambda request: asked.append(request.url))
-    made.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
-    made.on("pageerror", lambda error: said.append(str(error)))
-    made.goto(f"{address}#/bench")
-    yield made
-    made.close()
-    assert said == []
-    assert {urlsplit(url).netloc for url in asked if url.startswith("http")} == {urlsplit(address).netloc}
+def page(tab: Any, address: str) -> Iterator[Page]:
+    tab.empty(address.rstrip("/"))
+    tab.page.goto(f"{address}#/bench")
+    yield tab.page
+    tab.check()
+    assert {urlsplit(url).netloc for url in tab.asked if url.startswith("http")} == {urlsplit(address).netloc}
 
 
 def title_of(text: str = TEXT, **changes: Any) -> str:

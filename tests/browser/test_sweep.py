@@ -20,6 +20,14 @@ TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("u
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')
 
 
+SHORT_PLACE = f"bench?scenario={pack_text(SHORT)}"
+
+
+@pytest.fixture
+def place() -> str:
+    return SHORT_PLACE
+
+
 def unpack_link(letters: str) -> str:
     """The scenario in the letters of an address."""
     data = zlib.decompress(base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4)))
@@ -62,7 +70,8 @@ def other(chromium: Browser, bench: Bench) -> Iterator[Page]:
 
 def ask(page: Page, bench: Bench, levels: tuple[str, str]) -> None:
     """Fill the form for two axes of a short scenario, which it takes from the bench."""
-    page.goto(f"{bench.origin}/#/bench?scenario={pack_text(SHORT)}")
+    if "scenario=" not in page.url:
+        page.goto(f"{bench.address}#/{SHORT_PLACE}")
     expect(page.get_by_text("41 samples")).to_be_attached()
     page.goto(f"{bench.origin}/#/sweep")
     for words, name in (("diam", "element.diameter"), ("high", "drive.waveform.high")):
@@ -72,6 +81,7 @@ def ask(page: Page, bench: Bench, levels: tuple[str, str]) -> None:
         page.get_by_role("group", name=axis).get_by_label("Levels").fill(count)
     page.get_by_text("How it is run").click()
     page.get_by_label("Runtime").select_option("floats")
+    page.get_by_label("Processes").fill("1")
     page.get_by_label("Longest step").fill("50 ms")
 
 

@@ -6,7 +6,6 @@ Source of truth: the columns of `martensite run`.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from app_server import Bench, running
@@ -29,14 +28,13 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
 
 
 @pytest.fixture
-def page(chromium: Any, bare: Bench) -> Iterator[Page]:
-    made, said = chromium.new_page(viewport={"width": 1280, "height": 800}), list[str]()
-    made.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
-    made.on("pageerror", lambda error: said.append(str(error)))
-    made.goto(f"{bare.address}#/start")
-    yield made
-    made.close()
-    assert said == []
+def bench(bare: Bench) -> Bench:
+    return bare
+
+
+@pytest.fixture
+def place() -> str:
+    return "start"
 
 
 def open_door(page: Page, name: str) -> None:
