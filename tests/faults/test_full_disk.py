@@ -23,7 +23,6 @@ from martensite.base.errors import DataError
 from martensite.base.files import replace_together, write_file
 from martensite.base.summary import Sentence, Summary
 from martensite.export.fmu import to_fmu
-from martensite.export.mujoco_render import _write_gif, _write_png
 from martensite.logs.sampled_files import write_sampled
 from martensite.scenario.csv_files import write_csv
 from martensite.scenario.model_files import write_model
@@ -64,10 +63,6 @@ def page(path: Path) -> None:
     write_page(Summary("a", [Sentence("long " * 400)], {}, ""), path)
 
 
-def frames() -> np.ndarray:
-    return np.random.default_rng(1).integers(0, 255, (3, 40, 40, 3), dtype=np.uint8)
-
-
 Writer = Callable[[ms.Result, Path], object]
 WRITERS: dict[str, Writer] = {
     "a.nc": lambda result, path: result.save(path),
@@ -81,8 +76,6 @@ WRITERS: dict[str, Writer] = {
     "a.json": lambda _, path: write_model(ms.identify.read_model(ROOT / "examples/model_run.json"), path),
     "a.fmu": lambda _, path: to_fmu(ms.load(EXAMPLE), path, platforms=[]),
     "a.h": lambda _, path: ms.export.build_c_core(ms.load(EXAMPLE).system, name="a").write(path.parent),
-    "pose.png": lambda _, path: _write_png(frames()[0], path),
-    "a.gif": lambda _, path: _write_gif(frames(), path, 25.0),
 }
 
 

@@ -17,17 +17,13 @@ pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install mujoc
 
 import mujoco as installed
 from builders import example, law_a
-from matplotlib.image import imread
 from mujoco_cases import GRAVITY, actuator, hanging, lever, weighed
 
 from martensite.actuators.assembly import OUTPUTS
 from martensite.actuators.elements.base import ELEMENTS
-from martensite.base.errors import InputError, MartensiteError, ParameterError, SolveError, UnitError
-from martensite.export import mujoco_render
+from martensite.base.errors import InputError, ParameterError, SolveError, UnitError
 from martensite.export.mujoco_actuators import MujocoActuators
 from martensite.export.mujoco_models import holding_tensions, read_spec
-from martensite.export.mujoco_render import draw_poses, render_mujoco
-from martensite.export.mujoco_result import MujocoResult
 from martensite.kernels.compiler import find_compiler
 from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
@@ -253,79 +249,9 @@ def test_martensite_does_not_need_mujoco() -> None:
     code = (
         "import sys; sys.modules['mujoco'] = None\n"
         "import martensite as ms\n"
-        "assert ms.export.MujocoActuators and ms.export.TendonActuator and ms.export.render_mujoco\n"
+        "assert ms.export.MujocoActuators and ms.export.TendonActuator\n"
         "try:\n    ms.export.holding_tensions('a.xml', ['wire'])\n"
         "except ms.InputError as error:\n    print(error)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "mujoco]" in done.stdout
-
-
-# ---------------------------------------------------------------- pictures
-
-
-@pytest.fixture(scope="module")
-def drawn() -> tuple[Any, MujocoResult]:
-    """A model and a short run; skips where nothing can draw."""
-    model = MujocoActuators(hanging(2e-3, MASS), [actuator(slack=0.3)])
-    result = model.run(0.2, {"wire": 0.0}, samples=6)  # it falls
-    try:
-        draw_poses(model.model, result.poses[:1], (32, 24))
-    except MartensiteError as error:
-        pytest.skip(str(error))
-    return model.model, result
-
-
-def test_a_picture(drawn: tuple[Any, MujocoResult], tmp_path: Path) -> None:
-    path = render_mujoco(*drawn, tmp_path / "arm.png", size=(96, 64))
-    picture = imread(path)
-    assert picture.shape[:2] == (64, 96)
-    assert picture[..., :3].std() > 0.01  # something is to be seen
-
-
-def test_a_film(drawn: tuple[Any, MujocoResult], tmp_path: Path) -> None:
-    from PIL import Image, ImageSequence
-
-    path = render_mujoco(*drawn, tmp_path / "arm.gif", size=(96, 64), fps=20.0)
-    with Image.open(path) as film:
-        assert film.size == (96, 64)
-        assert len(list(ImageSequence.Iterator(film))) == 5
-
-
-def test_an_mp4(drawn: tuple[Any, MujocoResult], tmp_path: Path) -> None:
-    if mujoco_render._find_ffmpeg() is None:
-        pytest.skip("no ffmpeg on this machine (pip install imageio-ffmpeg)")
-    path = render_mujoco(*drawn, tmp_path / "arm.mp4", size=(97, 65), fps=20.0)
-    assert path.read_bytes()[4:8] == b"ftyp"
-
-
-def test_a_film_without_ffmpeg_is_a_gif(
-    drawn: tuple[Any, MujocoResult], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(mujoco_render, "_find_ffmpeg", lambda: None)
-    with pytest.warns(UserWarning, match="No ffmpeg was found"):
-        path = render_mujoco(*drawn, tmp_path / "arm.mp4", size=(32, 24), fps=10.0)
-    assert path == tmp_path / "arm.gif"
-    assert path.is_file()
-
-
-def test_no_graphics_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = lifted().model
-    monkeypatch.setenv("MUJOCO_GL", "no-such-way")
-    with pytest.raises(MartensiteError, match=r"No OpenGL .* was found \(no-such-way: .*apt install"):
-        draw_poses(model, [[0.0]], (32, 24))
-
-
-@pytest.mark.parametrize(
-    ("name", "more", "words"),
-    [
-        ("arm.bmp", {}, "no suffix that can be drawn"),
-        ("arm.png", {"size": (0, 5)}, "must be above 0"),
-        ("arm.png", {"camera": "top"}, "No camera of the model is named `top`"),
-    ],
-)
-def test_pictures_that_are_refused(tmp_path: Path, name: str, more: Any, words: str) -> None:
-    model = lifted()
-    result = model.run(0.01, {"wire": 0.0})
-    with pytest.raises(InputError, match=words):
-        render_mujoco(model.model, result, tmp_path / name, **more)

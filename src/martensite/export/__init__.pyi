@@ -20,7 +20,6 @@ from martensite.export.mjcf_snippet import to_mjcf_snippet as to_mjcf_snippet
 from martensite.export.mujoco_actuators import MujocoActuators as MujocoActuators
 from martensite.export.mujoco_actuators import TendonActuator as TendonActuator
 from martensite.export.mujoco_models import holding_tensions as holding_tensions
-from martensite.export.mujoco_render import render_mujoco as render_mujoco
 from martensite.export.mujoco_result import MujocoResult as MujocoResult
 from martensite.export.ports.batch import PortBatch as PortBatch
 from martensite.export.ports.batch import UniaxialModel as UniaxialModel
