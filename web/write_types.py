@@ -1,10 +1,11 @@
-"""Write the TypeScript that follows from Python: types of forms, and constants of time integration and alarms.
+"""Write the TypeScript that follows from Python: types of forms, constants, and sentences about a run.
 
-    python write_types.py            write src/form/types.ts and src/engine/constants.ts
+    python write_types.py            write src/form/types.ts, src/engine/constants.ts and src/engine/sentences.ts
     python write_types.py --check    exit with 1 if one of them is not up to date
 
 Each `TypedDict` of the sources becomes an interface, each alias of several types a type. Each listed constant becomes
-an exported constant of the same name, so that runs in the page have error bounds and alarms of runs in Python.
+an exported constant of the same name, and each listed sentence a function (`write_sentences.py`), so that runs in the
+page have the error bounds, alarms and words of runs in Python.
 """
 
 from __future__ import annotations
@@ -14,16 +15,52 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from write_sentences import write_sentence
+
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 SOURCES = (ROOT / "src/martensite/scenario/catalogue.py", ROOT / "src/martensite/app/forms/form_types.py")
 ACCURACY = ("LOCAL", "ERROR_SAFETY", "FLOOR", "FINER", "MOST_PASSES", "FEW", "LEAST_ACCURACY")
+SIMULATE = ROOT / "src/martensite/simulate"
+LOOP = ROOT / "src/martensite/control/loop/run.py"
+VIEWS = ROOT / "src/martensite/app/views"
+FIGURES = ROOT / "src/martensite/show/figures"
+ALARMS = ("ROUNDING", "DRIFT", "CYCLE", "RETURNED", "DOUBT_FRACTION", "LOADED_ALIKE")
 CONSTANTS = {
-    ROOT / "src/martensite/simulate/accuracy.py": ACCURACY,
-    ROOT / "src/martensite/simulate/marching.py": ("SHORTEST", "FINEST", "ROUGHNESS"),
-    ROOT / "src/martensite/simulate/alarms.py": ("ROUNDING", "DRIFT", "CYCLE", "RETURNED", "LOADED_ALIKE"),
+    SIMULATE / "accuracy.py": ACCURACY,
+    SIMULATE / "marching.py": ("SHORTEST", "FINEST", "ROUGHNESS"),
+    SIMULATE / "march.py": ("SOLVED", "COARSE"),
+    SIMULATE / "grid.py": ("JUST_AFTER",),
+    SIMULATE / "ledger.py": ("LEAST_HEAT", "LEAST_WORK"),
+    SIMULATE / "track.py": ("LOOKED_AT",),
+    SIMULATE / "recorded_track.py": ("RESOLVED_ANGLE", "LOBATTO_END"),
+    SIMULATE / "alarms.py": ALARMS,
+    SIMULATE / "compiled_law.py": ("NOTICEABLE",),
+    FIGURES / "hysteresis.py": ("RIPPLE", "STILL"),
+    FIGURES / "phase_diagram.py": ("LEAST_STRESS",),
+    VIEWS / "diagrams.py": ("HEADROOM", "STRESSES", "TEMPERATURES", "COLDER"),
+    VIEWS / "traces.py": ("MOST_SPANS",),
     ROOT / "src/martensite/studies/sommerfeld/runs.py": ("WINDOW", "CAPTURED"),
 }
+SENTENCES = {
+    SIMULATE / "alarms.py": {
+        "writeExcursion": "first at t",
+        "writeLimitAlarm": " reaches ",
+        "writeStrainAlarm": "strain varies",
+        "writeSlackAlarm": "is slack",
+        "writeSourceAlarm": "cannot deliver",
+        "writeSupplyAlarm": "the sources ask",
+        "writeDriftAlarm": "the first cycle drifts",
+        "writeDoubt": "The stress comes to",
+    },
+    SIMULATE / "compiled_law.py": {"writeCompression": "the stress falls to"},
+    SIMULATE / "forks.py": {"writeDecision": "Warning: at "},
+    SIMULATE / "api.py": {"writeMissed": "was not reached", "writeResidual": "is not accounted for"},
+    SIMULATE / "envelope.py": {"writeStop": "The run stopped", "writeBound": " reached "},
+    LOOP: {"writeGuard": "The guard", "writeEnd": "The run ends at"},
+    VIEWS / "traces.py": {"writeSupervisor": "the supervisor raised"},
+}
+"""Name of a function in TypeScript -> words of its sentence."""
 HEAD = "// Written by write_types.py from declarations in Python; do not edit.\n"
 PLAIN = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "Any": "unknown"}
 
@@ -47,6 +84,19 @@ def write_constants() -> str:
     return "\n".join([*lines, ""])
 
 
+def write_sentences() -> str:
+    """Return the file of sentences.
+
+    Raises:
+        KeyError: a sentence is no longer in its file.
+    """
+    lines = [HEAD, 'import { formatGeneral, formatPower } from "../views/formulas.ts";', ""]
+    for path, names in SENTENCES.items():
+        tree = ast.parse(path.read_text("utf-8"))
+        lines += [write_sentence(tree, name, words) for name, words in names.items()]
+    return "\n".join([*lines, ""])
+
+
 def list_assignments(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:
     """Yield the names that a module assigns, with their values."""
     for node in tree.body:
@@ -61,13 +111,17 @@ def write_value(value: ast.expr) -> str:
     """Return a number, or a table of numbers, in TypeScript."""
     match ast.literal_eval(value):
         case dict() as table:
-            entries = ", ".join(f"{key}: {number:g}" for key, number in table.items())
+            entries = ", ".join(f"{key}: {number!r}" for key, number in table.items())
             return f"{{ {entries} }} as const"
         case number:
-            return f"{number:g}"
+            return repr(number)
 
 
-TARGETS = {HERE / "src/form/types.ts": write_types, HERE / "src/engine/constants.ts": write_constants}
+TARGETS = {
+    HERE / "src/form/types.ts": write_types,
+    HERE / "src/engine/constants.ts": write_constants,
+    HERE / "src/engine/sentences.ts": write_sentences,
+}
 
 
 def list_blocks(tree: ast.Module) -> Iterator[str]:

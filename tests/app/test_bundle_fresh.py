@@ -30,18 +30,23 @@ def write_types(*arguments: str, folder: Path = WEB) -> subprocess.CompletedProc
 
 
 def list_sources() -> list[Path]:
-    """Return the Python files that the types and constants follow from."""
+    """Return the Python files that types, constants and sentences follow from."""
+    sys.path.insert(0, str(WEB))
     module = runpy.run_path(str(WEB / "write_types.py"))
-    return [*module["SOURCES"], *module["CONSTANTS"]]
+    return list(dict.fromkeys([*module["SOURCES"], *module["CONSTANTS"], *module["SENTENCES"]]))
 
 
-@pytest.mark.parametrize(("old", "new"), [("summary: str", "summary: str | None"), ("FINER = ", "FINER = 1")])
-def test_types_and_constants_of_the_page_are_those_of_python(tmp_path: Path, old: str, new: str) -> None:
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("summary: str", "summary: str | None"), ("FINER = ", "FINER = 1"), ("use later cycles", "use other cycles")],
+)
+def test_types_constants_and_sentences_of_the_page_are_those_of_python(tmp_path: Path, old: str, new: str) -> None:
     done = write_types("--check")
     assert done.returncode == 0, done.stderr
     for folder in ("form", "engine"):
         shutil.copytree(WEB / "src" / folder, tmp_path / "web" / "src" / folder)
-    shutil.copy(WEB / "write_types.py", tmp_path / "web")
+    for script in WEB.glob("write_*.py"):
+        shutil.copy(script, tmp_path / "web")
     for source in list_sources():
         place = tmp_path / source.relative_to(WEB.parent)
         place.parent.mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,6 @@
 // Runs to a tolerance: martensite/simulate/accuracy.py, for a run from home and at rest.
 
-import { formatGeneral } from "../views/formulas.ts";
+import { writeDecision } from "./sentences.ts";
 import { UNSOLVED, type Marched, type Plan, type RunModule } from "./march.ts";
 import type { Scenario } from "./types.ts";
 import {
@@ -50,26 +50,10 @@ function findDoubt({ layout, judged }: Scenario, { decision, ranges }: Marched, 
   return Math.abs(margin) <= error && effect > accuracy ? [error, effect] : [0, 0];
 }
 
-/** As `describe_decision` of martensite/simulate/forks.py. */
 function describeDecision({ layout, names, judged }: Scenario, decision: number[], error: number): string {
   const [margin = 0, time = 0, change = 0, place = 0, branch = 0] = decision;
   const name = names[judged[layout.forks[place]![0]]![0]]!;
-  const port = name.slice(0, Math.max(0, name.lastIndexOf(".")));
-  const [direct, opposite, start] = branch > 0 ? ["forward", "reverse", "A_s"] : ["reverse", "forward", "M_s"];
-  const where = `t = ${formatGeneral(time, 6)} s${port ? `, element \`${port}\`` : ""}`;
-  return (
-    `Warning: at ${where}, the path ${margin >= 0 ? "misses" : "passes"} the start of the ${opposite} transformation (${start}) by ` +
-    `${power(Math.abs(margin))} K, and the error of the run is up to ${power(error)} K. There the law forgets the interrupted ${direct} ` +
-    `transformation, so the martensite fraction may be wrong by up to ${formatGeneral(change, 2)}; the stated error includes this. ` +
-    'Give a smaller tolerance, change the drive or the load a little, or use `history = "return-point"` of the law.'
-  );
-}
-
-/** As Python's format `.1e` writes it. */
-export function power(value: number): string {
-  const [size = "", exponent = "0"] = value.toExponential(1).split("e");
-  const number = Number(exponent);
-  return `${size}e${number < 0 ? "-" : "+"}${String(Math.abs(number)).padStart(2, "0")}`;
+  return writeDecision(time, name.slice(0, Math.max(0, name.lastIndexOf("."))), margin, branch, error, change);
 }
 
 /** Samples that are compared: not many more than `FEW`, both ends among them. */

@@ -1,19 +1,16 @@
 // A run of a scenario of the page: inputs from its controls, the march, and what is said of it.
 
 import { Refusal } from "../lib/refusal.ts";
-import { hasFailed, marchTo, planMarch, power, type Base } from "./accuracy.ts";
+import { hasFailed, marchTo, planMarch, type Base } from "./accuracy.ts";
+import { COARSE, JUST_AFTER, LEAST_HEAT, LEAST_WORK, SOLVED } from "./constants.ts";
 import { readSignal, tableOf } from "./drives.ts";
 import { listSaid, predictInputs, type Changes } from "./inputs.ts";
+import { writeBound, writeEnd, writeMissed, writeResidual, writeStop } from "./sentences.ts";
 import { listTrackRows, weighTrapezoids } from "./track.ts";
 import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Given, type Grid, type Marched, type RunModule } from "./march.ts";
 import { formatGeneral } from "../views/formulas.ts";
 import type { RunCore, Scenario, Track } from "./types.ts";
 
-const SOLVED = 1e-8;
-const COARSE = 0.2;
-const JUST_AFTER = 1e-9;
-const LEAST_HEAT = 1e-9;
-const LEAST_WORK = 1e-12;
 const ENDS_ELSEWHERE = 1e-6;
 /** Share of a range that is seen in a curve. */
 const VISIBLE = 1e-3;
@@ -117,10 +114,7 @@ function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, 
   if (found.status === LONG_STEP) warnings.push(`Warning: ${scenario.statuses[LONG_STEP]}`);
   if (doubt) warnings.push(doubt);
   else if (accuracy !== null && accuracy > inputs.tolerance && !hasFailed(found.status)) {
-    warnings.push(
-      `Warning: the tolerance of ${power(inputs.tolerance)} was not reached in ${found.steps.toLocaleString("en")} steps; ` +
-        `what is judged may be off by ${power(accuracy)} of its range.`,
-    );
+    warnings.push(writeMissed(inputs.tolerance, found.steps, accuracy));
   }
   return {
     ...spread(scenario, found.rows, times, reached),
@@ -150,17 +144,13 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
   const residual = found.worst[0] ?? 0;
   const status = judgeGiven(found);
   if (found.left < Infinity) {
-    const when = formatGeneral(found.left, 6);
-    throw new Refusal(`The run stopped at t = ${when} s: ${scenario.statuses[OUT_OF_ENVELOPE]}`, "solve", 400);
+    throw new Refusal(writeStop(found.left, scenario.statuses[OUT_OF_ENVELOPE]!), "solve", 400);
   }
   refuseFailure(scenario, status, NaN);
   const warnings = status === LONG_STEP ? [`Warning: ${scenario.statuses[LONG_STEP]}`] : [];
   const end = times[times.length - 1]!;
   if (Math.abs(end - inputs.duration) > ENDS_ELSEWHERE * inputs.duration) {
-    warnings.push(
-      `Warning: The run ends at ${formatGeneral(end, 6)} s instead of ${formatGeneral(inputs.duration, 6)} s: it goes in periods of ${formatGeneral(interval, 6)} s. ` +
-        "Try a duration that is a multiple of it.",
-    );
+    warnings.push(writeEnd(end, inputs.duration, interval));
   }
   return {
     ...spread(scenario, rows === samples ? found.rows : pickOutputs(found.rows, scenario.names.length, samples), times, times.length),
@@ -278,7 +268,7 @@ export function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit
   const shown = (x: number): string => `${formatGeneral(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
   const reason = bound.name === "hottest" && exit.value <= 0 ? "absolute zero" : bound.reason;
   const limit = exit.value > 0 ? exit.high : exit.low;
-  return `The run stopped at t = ${formatGeneral(exit.time, 6)} s: the ${bound.words} reached ${shown(exit.value)}, beyond ${shown(limit)} (${reason}).`;
+  return writeStop(exit.time, writeBound(bound.words, "", exit.value, limit, `the limit of ${shown(limit)}`, shown(exit.value), reason));
 }
 
 /** Sentences on heat and work that are not accounted for; see `martensite/simulate/ledger.py`. */
@@ -290,9 +280,7 @@ function listUnbalanced(scenario: Scenario, inputs: Inputs, found: Marched): str
   const tell = (words: string, missing: number, most: number, least: number): void => {
     const residual = missing / most;
     if (most > least && !(residual <= inputs.tolerance)) {
-      said.push(
-        `Warning: ${power(residual)} of the ${words} is not accounted for, more than the tolerance of ${power(inputs.tolerance)}.`,
-      );
+      said.push(writeResidual(residual, words, inputs.tolerance));
     }
   };
   if (scenario.balances.heat) {

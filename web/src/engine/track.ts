@@ -2,6 +2,7 @@
 // every piece of a step, on both sides of jumps, at the levels of drives that switch within a piece, and at
 // nodes and extremes of tones. Peaks between rows, which Python looks for on polynomials, are left out here.
 
+import { LOBATTO_END, LOOKED_AT, RESOLVED_ANGLE } from "./constants.ts";
 import type { DriveTable } from "./march.ts";
 
 const HEAD = 4;
@@ -11,11 +12,8 @@ const [FIRST, SECOND] = [1, 2];
 /** Weights of both ends of a piece in an integral, by its part. */
 const WEIGHTS = [[1 / 2, 1 / 2], [1 / 3, 2 / 3], [2 / 3, 1 / 3]] as const;
 const JUMP = 1e-9;
-const RESOLVED_ANGLE = 4;
-const LOOKED_AT = 17;
 const LOBATTO = [0.08488805186071652, 0.2655756032646429, 0.5, 0.7344243967353571, 0.9151119481392835];
 const LOBATTO_WEIGHTS = [0.138413023680783, 0.2158726906049313, 0.2438095238095238, 0.2158726906049313, 0.138413023680783];
-const LOBATTO_END = 0.0238095238095238;
 
 export const recordWidth = (drives: number, size: number): number => HEAD + PER_DRIVE * drives + size;
 

@@ -1,6 +1,9 @@
 // Alarms of a run, judged as martensite.simulate.alarms does, with the spans and panels of the page.
 
 import { CYCLE, DRIFT, LOADED_ALIKE, RETURNED, ROUNDING } from "../engine/constants.ts";
+import {
+  writeDriftAlarm, writeExcursion, writeLimitAlarm, writeSlackAlarm, writeSourceAlarm, writeStrainAlarm, writeSupervisor, writeSupplyAlarm,
+} from "../engine/sentences.ts";
 import type { Alarm, Output } from "../lib/types.ts";
 import { farthestChanges, findExcursion, findSpans, limitSpans, type Excursion, type Numbers, type Span } from "./excursions.ts";
 import { Computed, fillRow, formatGeneral, type Columns, type Values } from "./formulas.ts";
@@ -68,7 +71,7 @@ function judgePort(run: Run, port: string, at: PortRows, known: Computed): Judge
   return found.filter((one) => one !== null);
 }
 
-const words = (when: Excursion): string => `first at t = ${formatGeneral(when.first, 4)} s, for ${formatGeneral(when.duration, 3)} s in all`;
+const words = (when: Excursion): string => writeExcursion(when.first, when.duration);
 const differences = (values: Numbers, limit: number): Float64Array => fillRow(values.length, (k) => values[k]! - limit);
 
 function make(times: Numbers, when: Excursion, kind: string, quantity: string, unit: string, worst: number, limit: number, sentence: string): Found {
@@ -83,8 +86,7 @@ function watchAbove(times: Numbers, values: Numbers, column: string, kind: "temp
   const when = findExcursion(times, margins);
   if (!when) return null;
   const worst = values[when.worst]!;
-  const told = (value: number): string => `${formatGeneral((value - zero) / scale, 4)} ${shown}`;
-  const sentence = `Warning: ${kind} reaches ${told(worst)}, above the \`${kind}_limit\` of ${told(limit)}, ${words(when)}.`;
+  const sentence = writeLimitAlarm(kind, worst, zero, scale, shown, limit, words(when));
   const [quantity, unit] = kind === "stress" ? ["stress", "Pa"] : ["hottest", "K"];
   return { alarm: make(times, when, kind, quantity!, unit!, worst, limit, sentence), column, margins, level: limit };
 }
@@ -95,8 +97,7 @@ function watchStrain(times: Numbers, strain: Numbers, column: string, limit: num
   const when = findExcursion(times, margins);
   if (!when) return null;
   const worst = changes[when.worst]!;
-  const told = (value: number): string => `${formatGeneral(100 * value, 3)} %`;
-  const sentence = `Warning: strain varies by ${told(worst)}, more than the \`strain_limit\` of ${told(limit)}, ${words(when)}.`;
+  const sentence = writeStrainAlarm(worst, limit, words(when));
   return { alarm: make(times, when, "strain", "strain", "1", worst, limit, sentence), column, margins, level: null };
 }
 
@@ -108,8 +109,7 @@ function watchSlack(times: Numbers, force: Numbers, column: string): Judged | nu
   let duration = 0;
   for (let k = 1; k < slack.length; k++) if (slack[k - 1] && slack[k]) duration += times[k]! - times[k - 1]!;
   const when = { first: times[worst]!, duration, worst };
-  const sentence = `Warning: the element is slack (no force), ${words(when)}.`;
-  const alarm = { ...make(times, when, "slack", "force", "N", force[worst]!, 0, sentence), excess: 0 };
+  const alarm = { ...make(times, when, "slack", "force", "N", force[worst]!, 0, writeSlackAlarm(words(when))), excess: 0 };
   return { alarm, column, margins: slack.map((one) => (one ? 1 : -1)), level: null };
 }
 
@@ -121,10 +121,7 @@ function watchSource(times: Numbers, drive: Numbers, column: string, at: PortRow
   if (!when) return null;
   const worst = drive[when.worst]!;
   const limit = Math.min(Math.max(worst, known.at(least, when.worst)), known.at(most, when.worst));
-  const unit = at.unit === "1" ? "" : ` ${at.unit}`;
-  const sentence =
-    `Warning: the drive \`${at.source}\` cannot deliver what is demanded, at t = ${formatGeneral(times[when.worst]!, 4)} s only ` +
-    `${formatGeneral(limit, 4)}${unit} of ${formatGeneral(worst, 4)}${unit}, ${words(when)}.`;
+  const sentence = writeSourceAlarm(at.source, times[when.worst]!, limit, at.unit, worst, words(when));
   return { alarm: make(times, when, "supply", "drive", at.unit, worst, limit, sentence), column, margins, level: null };
 }
 
@@ -133,9 +130,7 @@ function watchSupply(run: Run, limit: number): Judged | null {
   const when = findExcursion(run.times, differences(demand, limit * (1 + ROUNDING)));
   if (!when) return null;
   const worst = demand[when.worst]!;
-  const sentence =
-    `Warning: the sources ask the supply for ${formatGeneral(worst, 4)} A at t = ${formatGeneral(run.times[when.worst]!, 4)} s, more than its ` +
-    `\`current_limit\` of ${formatGeneral(limit, 4)} A; its voltage falls to ${formatGeneral(run.columns["supply_voltage"]![when.worst]!, 4)} V, ${words(when)}.`;
+  const sentence = writeSupplyAlarm(worst, run.times[when.worst]!, limit, run.columns["supply_voltage"]![when.worst]!, words(when));
   const alarm = make(run.times, when, "rig", "supply_demand", "A", worst, limit, sentence);
   return { alarm, column: "supply_demand", margins: differences(demand, limit), level: null };
 }
@@ -149,9 +144,7 @@ function watchFirstCycle(run: Run, name: (output: string) => string, alone: bool
   const [start, share] = [oriented[0]! / fraction[0]!, oriented[at]! / fraction[at]!];
   if (Math.abs(share - start) <= DRIFT) return null;
   const percent = (value: number): string => `${formatGeneral(100 * value, 3)} %`;
-  const sentence =
-    `Warning: the first cycle drifts: ${percent(start)} of the martensite is oriented at the start (strain ${percent(strain[0]!)}), ` +
-    `${percent(share)} at t = ${formatGeneral(times[at]!, 4)} s (strain ${percent(strain[at]!)}); use later cycles.`;
+  const sentence = writeDriftAlarm(start, percent(strain[0]!), share, times[at]!, percent(strain[at]!));
   const when = { first: times[at]!, duration: times[times.length - 1]! - times[at]!, worst: at };
   const alarm = make(times, when, "drift", "oriented_fraction", "1", share, start, sentence);
   return { alarm, column: name("oriented_fraction"), margins: differences(oriented, start), level: null };
@@ -194,11 +187,10 @@ function listSupervised(run: Run, warnings: string[]): Alarm[] {
   if (!spans.length) return [];
   const first = spans[0]![0];
   const duration = spans.reduce((sum, [from, to]) => sum + (to - from), 0);
-  const said = `Warning: the supervisor raised its alarm, first at t = ${formatGeneral(first, 4)} s, for ${formatGeneral(duration, 3)} s in all.`;
   return [
     {
       kind: "supervisor", quantity: guard.column, unit: "1", worst: 1, limit: 0, excess: 1, first, duration, worst_time: first, port: "",
-      sentence: warnings.find((one) => one.startsWith("Warning: The guard")) ?? said,
+      sentence: warnings.find((one) => one.startsWith("Warning: The guard")) ?? writeSupervisor(first, duration),
       column: guard.column, panel: guard.column, how: run.outputs[guard.column]!, spans: limitSpans(spans), level: null,
     },
   ];

@@ -1,5 +1,6 @@
 // Columns as they are drawn: rows that are kept, stretches of heating and cooling.
 
+import { RIPPLE, STILL } from "../engine/constants.ts";
 import type { RunCore } from "../engine/types.ts";
 import type { Panel, Stretch } from "../lib/types.ts";
 import { TOGETHER } from "./alarms.ts";
@@ -10,10 +11,6 @@ import { roundHalfEven, type Columns } from "./formulas.ts";
 const MOST_ROWS = 2001;
 /** Most stretches that are told apart. */
 const MOST_TURNS = 32;
-/** Share of the range of temperature below which a change is no turn. */
-const RIPPLE = 0.04;
-/** Range of temperature of an isothermal path [K]. */
-const STILL = 1e-6;
 /** Share of the largest value of a column that is 0. */
 const ROUNDING = 1e-9;
 

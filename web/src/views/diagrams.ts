@@ -1,18 +1,11 @@
 // The phase diagram of a run: lines of the laws that follow from their numbers, up to its highest stress.
 
+import { COLDER, HEADROOM, LEAST_STRESS, STRESSES, TEMPERATURES } from "../engine/constants.ts";
 import type { Band, Line, Phase } from "../lib/types.ts";
 import { highest as most, lowest } from "./columns.ts";
 import { Computed, type Columns, type Values } from "./formulas.ts";
 import type { LinesAt, Views } from "./types.ts";
 
-/** The diagram reaches at least up to this stress [Pa], and so far beyond the highest of the run. */
-const LEAST_STRESS = 200e6;
-const HEADROOM = 1.12;
-/** Limits are rounded outwards to multiples of these [Pa], [K]. */
-const STRESSES = 100e6;
-const TEMPERATURES = 10;
-/** How far below the finish of the transformation a diagram reaches [K]. */
-const COLDER = 15;
 const OTHER_NUMBERS =
   "This page cannot compute the phase diagram for these parameters of the law.";
 

@@ -1,12 +1,10 @@
 // When a margin, linear between samples, is above zero; see martensite.simulate.alarms.
 
+import { MOST_SPANS } from "../engine/constants.ts";
 import { fillRow } from "./formulas.ts";
 
 export type Numbers = ArrayLike<number>;
 export type Span = [begin: number, end: number];
-
-/** Spans that are told; what follows is one. */
-const MOST_SPANS = 400;
 
 export interface Excursion {
   first: number;

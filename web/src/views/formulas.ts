@@ -149,6 +149,13 @@ export function formatGeneral(value: number, digits: number): string {
   return `${trim(mantissa)}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
 }
 
+/** As Python's format `.1e` writes it. */
+export function formatPower(value: number): string {
+  const [size = "", exponent = "0"] = value.toExponential(1).split("e");
+  const number = Number(exponent);
+  return `${size}e${number < 0 ? "-" : "+"}${String(Math.abs(number)).padStart(2, "0")}`;
+}
+
 /** With so many digits, ties to even. */
 function roundDecimal(value: number, digits: number): string {
   const exact = value.toExponential(Math.min(digits + 30, 100));

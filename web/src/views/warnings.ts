@@ -1,16 +1,13 @@
 // Sentences on what a run did that should be known; see martensite.simulate.api and .alarms.
 
+import { DOUBT_FRACTION, NOTICEABLE } from "../engine/constants.ts";
+import { writeCompression, writeDoubt, writeGuard } from "../engine/sentences.ts";
 import type { RunCore } from "../engine/types.ts";
 import type { Alarm } from "../lib/types.ts";
 import { highest, lowest } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
-import { Computed, formatGeneral, type Values } from "./formulas.ts";
+import { Computed, type Values } from "./formulas.ts";
 import type { Doubt, LawWords, Views } from "./types.ts";
-
-/** Share of a stress from which a law is doubtful, from which on it is said. */
-const NEAR = 0.8;
-/** Compression [Pa] from which on it is said that a law knows tension only. */
-const NOTICEABLE = 5e6;
 
 /** What the march says, alarms, doubts about laws, and what the guard did. */
 export function listWarnings(core: RunCore, views: Views, values: Values, alarms: Alarm[]): string[] {
@@ -32,10 +29,7 @@ function describeDoubts(core: RunCore, views: Views, values: Values, law: LawWor
       `Caution: \`${law.name}\` remembers ${law.loops} loops within each other; whether it forgot any of this run is not judged in the page.`,
     );
   if (law.tension && lowest(stress) <= -NOTICEABLE)
-    found.push(
-      `Caution: the stress falls to ${formatGeneral(lowest(stress) / 1e6, 4)} MPa, but \`${law.name}\` knows tension only, and compression drives ` +
-        `its martensite back${law.symmetric ? '; try `compression = "symmetric"` of the law' : ""}.`,
-    );
+    found.push(writeCompression(lowest(stress), law.name, law.symmetric));
   return [...found, ...describeDoubt(views.doubts[law.port] ?? [], values, Math.max(highest(stress), -lowest(stress)))];
 }
 
@@ -43,8 +37,8 @@ function describeDoubt(doubts: Doubt[], values: Values, most: number): string[] 
   for (const one of doubts) {
     const known = new Computed(one, values);
     if (!known.holds) continue;
-    if (one.stress === null || one.sentence === null || !(most > NEAR * known.one(one.stress))) return [];
-    return [`Caution: ${known.write(one.sentence)} The stress comes to ${formatGeneral(most / 1e6, 4)} MPa.`];
+    if (one.stress === null || one.sentence === null || !(most > DOUBT_FRACTION * known.one(one.stress))) return [];
+    return [writeDoubt(known.write(one.sentence), most)];
   }
   return doubts.length ? ["Caution: the page does not know the stress limit of this law for these parameters."] : [];
 }
@@ -74,9 +68,6 @@ function describeGuard(core: RunCore, { guard }: Views): string[] {
   return [...new Set(raised)].filter(Boolean).sort((a, b) => a - b).map((number) => {
     const duration = raised.reduce((sum, value, k) => (value === number ? sum + lengthAt(k) : sum), 0);
     const names = (guard.checks[String(Math.trunc(number) % guard.limited)] ?? ["supervisor"]).map((name) => `\`${name}\``).join(", ");
-    return (
-      `Warning: The guard ${number > guard.limited ? "limited" : "cut"} a signal by ${names} (alarm ${number.toFixed(0)}), ` +
-      `first at t = ${formatGeneral(times[raised.indexOf(number)]!, 4)} s, for ${formatGeneral(duration, 3)} s in all.`
-    );
+    return writeGuard(number, guard.limited, names, times[raised.indexOf(number)]!, duration);
   });
 }
