@@ -11,12 +11,10 @@ import ast
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
-from functools import cache
-from pathlib import Path
+from collections.abc import Mapping
 
-ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "src" / "martensite"
+from source_facts import PACKAGE, ROOT, Facts, collect_facts, read_package
+
 MOST_LINES = 400
 LONG_FILES = {"simulate/adaptive.py"}
 """Files that are too long today: the step control is one algorithm on one state."""
@@ -29,56 +27,20 @@ SLACK = 40
 """Docstrings by which a number may be above the count before it must be lowered."""
 
 
-@cache
-def read_sources() -> dict[str, str]:
-    """Return the text of each Python file of the package by its path."""
-    return {str(path.relative_to(PACKAGE)): path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
-
-
-def find_long_files(sources: dict[str, str]) -> set[str]:
+def find_long_files(sources: Mapping[str, Facts]) -> set[str]:
     """Return the files that have more lines than are allowed."""
-    return {path for path, text in sources.items() if text.count("\n") > MOST_LINES}
+    return {path for path, one in sources.items() if one.lines > MOST_LINES}
 
 
-def count_branches(function: ast.FunctionDef) -> int:
-    """Return the cyclomatic complexity of a function, without the functions within it."""
-    count, nodes = 1, list(ast.iter_child_nodes(function))
-    while nodes:
-        node = nodes.pop()
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            continue
-        count += isinstance(node, ast.If | ast.IfExp | ast.For | ast.While | ast.ExceptHandler | ast.match_case)
-        if isinstance(node, ast.BoolOp):
-            count += len(node.values) - 1
-        if isinstance(node, ast.comprehension):
-            count += 1 + len(node.ifs)
-        nodes += ast.iter_child_nodes(node)
-    return count
-
-
-def find_complex(sources: dict[str, str]) -> set[str]:
+def find_complex(sources: Mapping[str, Facts]) -> set[str]:
     """Return path and name of the functions that are more complex than is allowed."""
-    functions = ((path, node) for path, text in sources.items() for node in ast.walk(ast.parse(text)))
-    return {
-        f"{path}:{node.name}"
-        for path, node in functions
-        if isinstance(node, ast.FunctionDef) and count_branches(node) > MOST_BRANCHES
-    }
+    rows = ((path, name, count) for path, one in sources.items() for name, count in one.functions)
+    return {f"{path}:{name}" for path, name, count in rows if count > MOST_BRANCHES}
 
 
-def list_docstrings(sources: dict[str, str]) -> Iterator[str]:
-    """Yield the docstrings of modules, classes, functions and attributes."""
-    for text in sources.values():
-        for node in ast.walk(ast.parse(text)):
-            for inner in getattr(node, "body", ()) if not isinstance(node, ast.Lambda | ast.IfExp) else ():
-                if isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Constant):
-                    yield str(inner.value.value).strip()
-
-
-def list_undocumented(sources: dict[str, str]) -> set[str]:
+def list_undocumented(sources: Mapping[str, Facts]) -> set[str]:
     """Return the public methods without a docstring whose name no base class of the package documents."""
-    trees = [ast.parse(text) for text in sources.values()]
-    classes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    classes = [node for one in sources.values() for node in one.classes]
     bases: dict[str, set[str]] = {}
     documented: dict[str, set[str]] = {}
     for one in classes:
@@ -104,27 +66,27 @@ def list_undocumented(sources: dict[str, str]) -> set[str]:
     }
 
 
-def count_openings(sources: dict[str, str]) -> Counter[str]:
+def count_openings(sources: Mapping[str, Facts]) -> Counter[str]:
     """Count the docstrings that begin with each of the words."""
     patterns = {words: re.compile(rf"({words})\b") for words in OPENINGS}
-    texts = list(list_docstrings(sources))
+    texts = [text for one in sources.values() for text in one.docstrings]
     return Counter({words: sum(bool(one.match(text)) for text in texts) for words, one in patterns.items()})
 
 
 def test_files_are_short() -> None:
-    assert find_long_files(read_sources()) == LONG_FILES, "split a new long file; remove a file that is short now"
+    assert find_long_files(read_package()) == LONG_FILES, "split a new long file; remove a file that is short now"
 
 
 def test_functions_are_simple() -> None:
-    assert find_complex(read_sources()) == COMPLEX, "divide a new function; remove a function that is simple now"
+    assert find_complex(read_package()) == COMPLEX, "divide a new function; remove a function that is simple now"
 
 
 def test_methods_have_a_docstring_or_an_interface_that_has_it() -> None:
-    assert list_undocumented(read_sources()) == set()
+    assert list_undocumented(read_package()) == set()
 
 
 def test_docstrings_begin_with_a_summary() -> None:
-    counts = count_openings(read_sources())
+    counts = count_openings(read_package())
     above = {words: counts[words] for words, most in OPENINGS.items() if counts[words] > most}
     assert above == {}, 'begin with an imperative, such as "Return ..."'
     below = {words: counts[words] for words, most in OPENINGS.items() if counts[words] + SLACK < most}
@@ -135,15 +97,18 @@ def test_ruff_limits_the_complexity() -> None:
     lint = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["ruff"]["lint"]
     assert "C901" in lint["select"] and lint["mccabe"]["max-complexity"] == 15
     assert not [codes for codes in lint["per-file-ignores"].values() if "C901" in codes]
-    assert [path for path, text in read_sources().items() if re.search(r"noqa:.*C901", text)] == []
+    assert [path for path in PACKAGE.rglob("*.py") if re.search(r"noqa:.*C901", path.read_text("utf-8"))] == []
 
 
 def test_breaches_are_found() -> None:
-    sources = {"a.py": '"""What is read."""\n' + "\n" * MOST_LINES, "b.py": 'def f():\n    """Return 1."""\n'}
-    assert find_long_files(sources) == {"a.py"}
+    def collect(**texts: str) -> dict[str, Facts]:
+        return {path: collect_facts(text) for path, text in texts.items()}
+
+    sources = collect(a='"""What is read."""\n' + "\n" * MOST_LINES, b='def f():\n    """Return 1."""\n')
+    assert find_long_files(sources) == {"a"}
     assert count_openings(sources)["What"] == 1
     tangled = "def g(a):\n    return [b for b in a if b and " + " and ".join("a" * 13) + "]\n"
-    assert find_complex({"c.py": tangled, "d.py": tangled.replace(" and a", "", 1)}) == {"c.py:g"}
+    assert find_complex(collect(c=tangled, d=tangled.replace(" and a", "", 1))) == {"c:g"}
     parent = 'class A:\n    def move(self):\n        """Move."""\n    def turn(self): ...\n'
     child = "class B(A):\n    def move(self): ...\n    def stop(self): ...\n    def _hide(self): ...\n"
-    assert list_undocumented({"a.py": parent, "b.py": child}) == {"A.turn", "B.stop"}
+    assert list_undocumented(collect(a=parent, b=child)) == {"A.turn", "B.stop"}

@@ -18,11 +18,7 @@ from pkgutil import iter_modules
 
 import grimp
 import pytest
-
-import martensite
-
-PACKAGE = Path(next(iter(martensite.__path__))).resolve()
-ROOT = Path(__file__).resolve().parents[2]
+from source_facts import PACKAGE, ROOT, Facts, read_facts
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -40,39 +36,38 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
-@pytest.fixture
-def copy(tmp_path: Path) -> Path:
-    """A copy of the package to be spoiled."""
-    shutil.copytree(PACKAGE, tmp_path / "martensite", ignore=shutil.ignore_patterns("__pycache__", "*.toml"))
-    return tmp_path
-
-
 def test_contracts_hold() -> None:
     done = lint_imports(PACKAGE.parent)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 broken" in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("file", "line", "contract"),
-    [
-        ("physics/thermal/base.py", "import martensite.actuators.elements.wire", "A module imports only"),
-        ("actuators/assembly/systems.py", "import martensite.simulate.api", "layers below its own"),
-        ("physics/laws/strip_laws.py", "import martensite.physics.laws.extra", "No law imports another"),
-        ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
-        ("simulate/march.py", "import xarray", "imports no xarray"),
-        ("export/mjcf.py", "import martensite.cli.commands.sweep", "layers below its own"),
-        ("simulate/result.py", "import mujoco", "Only martensite.export imports mujoco"),
-    ],
-)
-def test_a_violation_is_noticed(copy: Path, file: str, line: str, contract: str) -> None:
-    (copy / "martensite" / "physics" / "laws" / "extra.py").write_text('"""Another law."""\n')
-    spoiled = copy / "martensite" / file
-    spoiled.write_text(f"{spoiled.read_text()}\n\ndef _late() -> None:\n    {line}\n")
-    done = lint_imports(copy)
+VIOLATIONS = {
+    ("physics/thermal/base.py", "martensite.actuators.elements.wire"): "A module imports only",
+    ("actuators/assembly/systems.py", "martensite.simulate.api"): "layers below its own",
+    ("physics/laws/strip_laws.py", "martensite.physics.laws.extra"): "No law imports another",
+    ("actuators/elements/wire.py", "pint"): "martensite.base.units imports pint",
+    ("simulate/march.py", "xarray"): "imports no xarray",
+    ("export/mjcf.py", "martensite.cli.commands.sweep"): "layers below its own",
+    ("simulate/result.py", "mujoco"): "Only martensite.export imports mujoco",
+}
+
+
+def test_violations_are_noticed(tmp_path: Path) -> None:
+    """In one copy of the package: each is reported, with its two modules."""
+    package = tmp_path / "martensite"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "*.toml"))
+    (package / "physics" / "laws" / "extra.py").write_text('"""Another law."""\n')
+    for file, module in VIOLATIONS:
+        spoiled = package / file
+        spoiled.write_text(f"{spoiled.read_text()}\n\ndef _late() -> None:\n    import {module}\n")
+    done = lint_imports(tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
-    broken = [text for text in done.stdout.splitlines() if "BROKEN" in text]
-    assert any(contract in text for text in broken)
+    summary, _, details = done.stdout.partition("Broken contracts")
+    broken = [text for text in summary.splitlines() if "BROKEN" in text]
+    for (file, module), contract in VIOLATIONS.items():
+        assert any(contract in text for text in broken), contract
+        assert f"martensite.{file[:-3].replace('/', '.')} -> {module} (l." in details, (file, module)
 
 
 # ---------------------------------------------------------------- modules named in strings and stubs
@@ -93,14 +88,13 @@ def find_room(module: str) -> str:
     return module.partition(".")[2].partition(".")[0]
 
 
-def list_named_modules(tree: ast.Module) -> Iterator[tuple[int, str]]:
+def list_named_modules(facts: Facts) -> Iterator[tuple[int, str]]:
     """Yield line and name of each module of the package that a string names: whole, or at the start of an f-string."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.startswith("martensite."):
-            name = node.value.partition(":")[0].rstrip(".")
-            place = PACKAGE.joinpath(*name.split(".")[1:])
-            if find_room(name) and (place.with_suffix(".py").exists() or (place / "__init__.py").exists()):
-                yield node.lineno, name
+    for line, text in facts.strings:
+        name = text.partition(":")[0].rstrip(".")
+        place = PACKAGE.joinpath(*name.split(".")[1:])
+        if find_room(name) and (place.with_suffix(".py").exists() or (place / "__init__.py").exists()):
+            yield line, name
 
 
 def find_upward_strings(package: Path) -> list[str]:
@@ -108,7 +102,7 @@ def find_upward_strings(package: Path) -> list[str]:
     found: list[str] = []
     for path in sorted(package.glob("*/**/*.py")):  # the root package may name every module
         own = path.relative_to(package).parts[0]
-        for line, module in list_named_modules(ast.parse(path.read_text("utf-8"))):
+        for line, module in list_named_modules(read_facts(path)):
             room = find_room(module)
             if room != own and RANKS[room] <= RANKS[own]:
                 found.append(f"{path.relative_to(package)}:{line} names `{module}`")
@@ -178,8 +172,8 @@ def find_stale_imports(folder: Path) -> list[str]:
     """Return the imports from the package, at the top or within functions, of modules or names that do not exist."""
     found: list[str] = []
     for path in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("martensite."):
+        for node in read_facts(path).imports:
+            if (node.module or "").startswith("martensite."):
                 found += [f"{path.name}:{node.lineno} {fault}" for fault in list_missing(str(node.module), node.names)]
     return found
 
@@ -189,8 +183,8 @@ def find_stale_helpers(folder: Path) -> list[str]:
     defined = {path.stem: list_defined(ast.parse(path.read_text("utf-8"))) for path in folder.glob("*.py")}
     found: list[str] = []
     for path in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.module in defined:
+        for node in read_facts(path).imports:
+            if node.module in defined:
                 absent = [one.name for one in node.names if one.name not in defined[node.module]]
                 found += [f"{path.name}:{node.lineno} wants `{name}` of `{node.module}`" for name in absent]
     return found

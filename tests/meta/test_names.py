@@ -7,15 +7,13 @@ short enough to be read. `test_breaches_are_found` shows that each rule can fail
 
 from __future__ import annotations
 
-import ast
 import re
 from collections import Counter
-from collections.abc import Iterator
-from functools import cache
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-SOURCES = (ROOT / "src",)
+from source_facts import ROOT, Facts, collect_facts, read_package
+
 ONE_WORD = 0.25
 """Largest share of module-level functions with a name of one word: commands, and verbs that need
 no object."""
@@ -31,27 +29,15 @@ FIELD = {
 Names = Iterator[tuple[str, str]]
 
 
-@cache
-def parse_sources() -> dict[str, ast.Module]:
-    """Every module of the five packages, by its path."""
-    paths = [(path, top) for top in SOURCES for path in sorted(top.rglob("*.py"))]
-    return {str(p.relative_to(top)): ast.parse(p.read_text("utf-8")) for p, top in paths}
+def list_functions(modules: Mapping[str, Facts]) -> Names:
+    """Yield module and name of every function at the top of a module."""
+    yield from ((path, name) for path, one in modules.items() for name in one.top)
 
 
-def list_functions(modules: dict[str, ast.Module]) -> Names:
-    """Module and name of every function at the top of a module."""
-    for path, tree in modules.items():
-        for node in tree.body:
-            if isinstance(node, ast.FunctionDef):
-                yield path, node.name
-
-
-def list_classes(modules: dict[str, ast.Module]) -> Names:
-    """Module and name of every public class."""
-    for path, tree in modules.items():
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                yield path, node.name
+def list_classes(modules: Mapping[str, Facts]) -> Names:
+    """Yield module and name of every public class."""
+    for path, one in modules.items():
+        yield from ((path, node.name) for node in one.classes if not node.name.startswith("_"))
 
 
 def is_participle(name: str) -> bool:
@@ -79,24 +65,24 @@ def list_terms(page: str) -> list[str]:
 
 
 def test_most_functions_are_a_verb_and_a_noun() -> None:
-    names = [name for _, name in list_functions(parse_sources())]
+    names = [name for _, name in list_functions(read_package())]
     assert share_of_one_word(names) <= ONE_WORD
 
 
 def test_no_function_is_a_bare_participle() -> None:
-    assert [pair for pair in list_functions(parse_sources()) if is_participle(pair[1])] == []
+    assert [pair for pair in list_functions(read_package()) if is_participle(pair[1])] == []
 
 
 def test_no_file_is_a_bare_participle() -> None:
-    assert [path for path in parse_sources() if is_participle(Path(path).stem)] == []
+    assert [path for path in read_package() if is_participle(Path(path).stem)] == []
 
 
 def test_a_public_class_name_occurs_once() -> None:
-    assert find_doubles(list_classes(parse_sources())) == {}
+    assert find_doubles(list_classes(read_package())) == {}
 
 
 def test_the_formatter_decides_everywhere() -> None:
-    files = [path for top in (*SOURCES, ROOT / "tests") for path in sorted(top.rglob("*.py"))]
+    files = [path for top in (ROOT / "src", ROOT / "tests") for path in sorted(top.rglob("*.py"))]
     told = re.compile(r"#\s*fmt:\s*(skip|off)")
     assert [str(path) for path in files if told.search(path.read_text("utf-8"))] == []
 
@@ -107,8 +93,8 @@ def test_the_glossary_is_short_and_says_each_term_once() -> None:
 
 
 def test_breaches_are_found() -> None:
-    tree = {"a.py": ast.parse("class Course: ...\ndef drawn(): ...\ndef judged(): ...")}
-    again = tree | {"b.py": ast.parse("class Course: ...\ndef draw_loop(): ...")}
+    tree = {"a.py": collect_facts("class Course: ...\ndef drawn(): ...\ndef judged(): ...")}
+    again = tree | {"b.py": collect_facts("class Course: ...\ndef draw_loop(): ...")}
     names = [name for _, name in list_functions(again)]
     assert share_of_one_word(names) == 2 / 3
     assert [is_participle(name) for name in names] == [True, True, False]

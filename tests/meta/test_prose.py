@@ -10,14 +10,12 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 from command import list_commands
+from source_facts import PACKAGE, ROOT, join_literal, read_package, walk_tree
 
-ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "src" / "martensite"
 RULES = {
     "a clause as the subject: begin with the noun": (
         r"^(What|Whatever|Whoever|Whose|Who|Which|How|Where|That (a|an|the|it|in|its))\b(?!.*\?$)"
@@ -111,44 +109,29 @@ def read_markdown(path: Path) -> Iterator[str]:
         yield from split_sentences(re.sub(r"^\s*(?:[-*]|\d+\.|:)\s+|^> ?", "", block))
 
 
-def join_literal(node: ast.AST) -> str:
-    """Return the text of a string, f-string or sum of both; empty for anything else."""
-    if isinstance(node, ast.Constant):
-        return node.value if isinstance(node.value, str) else ""
-    if isinstance(node, ast.JoinedStr):
-        return "".join(join_literal(one) or "…" for one in node.values)
-    return join_literal(node.left) + join_literal(node.right) if isinstance(node, ast.BinOp) else ""
-
-
-@cache
-def read_sources() -> tuple[list[str], list[str]]:
-    """Return the docstrings of the package, and its messages: errors, and all texts in the modules of screens."""
-    docs, messages = list[str](), list[str]()
-    screens = {path for pattern in SCREENS for path in PACKAGE.glob(pattern)}
-    for path in sorted(PACKAGE.rglob("*.py")):
+def read_sources() -> list[str]:
+    """Return the messages of the package: errors, and all texts in the modules of screens."""
+    messages = [text for one in read_package().values() for text in one.messages]
+    for path in {path for pattern in SCREENS for path in PACKAGE.glob(pattern)}:
         skipped = set[int]()
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
-                docs.append(ast.get_docstring(node) or "")
-            elif isinstance(node, ast.Expr):
+        for node in walk_tree(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Expr):
                 skipped.add(id(node.value))
-            elif isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and node.exc.args:
-                messages.append(join_literal(node.exc.args[0]))
-            elif path in screens and isinstance(node, ast.Constant | ast.JoinedStr) and id(node) not in skipped:
+            elif isinstance(node, ast.Constant | ast.JoinedStr) and id(node) not in skipped:
                 messages.append(join_literal(node))
-    return docs, messages
+    return messages
 
 
 def read_docstrings() -> Iterator[str]:
     """Yield the sentences of all docstrings."""
-    for text in read_sources()[0]:
+    for text in (text for one in read_package().values() for text in one.documented):
         for part in re.split(r"\n\s*\n|\n(?=\s+\w+:)", text):
             yield from split_sentences(re.sub(r"^\s*(Args|Returns|Raises|Yields):\s*$", "", part, flags=re.M))
 
 
 def read_messages() -> Iterator[str]:
     """Yield the sentences of errors and screens."""
-    for text in read_sources()[1]:
+    for text in read_sources():
         yield from split_sentences(text)
 
 
