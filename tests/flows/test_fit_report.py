@@ -29,7 +29,7 @@ from martensite.search.profile import Profile, ProfileEnd, ProfilePoint
 from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops, plot_fit_residuals
 from martensite.show.figures.fit_knowledge import plot_correlation, plot_likelihood, plot_search, plot_singular_values
 from martensite.show.figures.style import SIMULATED
-from martensite.show.pages import list_page_files, write_report
+from martensite.show.pages import list_page_files, render_markdown, write_report
 from martensite.show.summaries.fit import summarise_fit
 
 VOID = {"meta", "img", "br", "hr", "link"}
@@ -117,7 +117,8 @@ PAGES: dict[Path, Page] = {}
 def page(one: Sample) -> Page:
     """The report of a sample; written once."""
     if one.folder not in PAGES:
-        PAGES[one.folder] = fresh(one)
+        bounded = one.fit.identifiability.determined
+        PAGES[one.folder] = fresh(one, profiles=profiles(one.fit) if bounded else ())
     return PAGES[one.folder]
 
 
@@ -291,7 +292,7 @@ def test_covered_is_what_the_elements_went_through(plain: Sample) -> None:
 
 
 def test_the_page_stands_alone(plain: Sample) -> None:
-    read = fresh(plain, profiles=profiles(plain.fit))
+    read = page(plain)
     assert len(read.sources) == 7
     assert all(source.startswith("data:image/svg+xml;base64,") for source in read.sources)
     assert not re.search(r"""(src|href)=["'](?!data:|#)|@import|url\(""", read.text)
@@ -301,7 +302,7 @@ def test_the_page_stands_alone(plain: Sample) -> None:
 
 @pytest.mark.slow
 def test_the_same_fit_gives_the_same_page(plain: Sample) -> None:
-    assert page(plain).text == fresh(plain, "b.html").text
+    assert page(plain).text == fresh(plain, "b.html", profiles=profiles(plain.fit)).text
 
 
 def test_names_cannot_break_the_page(plain: Sample) -> None:
@@ -312,7 +313,7 @@ def test_names_cannot_break_the_page(plain: Sample) -> None:
     read = fresh(one, "odd.html", title="A <i>title</i>")
     assert "<b>" not in read.text and "<i>" not in read.text
     assert any(cells["record"] == odd.name for _, cells in read.table("data"))
-    text = write_report(one.fit, one.folder / "odd.md")[0].read_text(encoding="utf-8")
+    text = render_markdown(summarise_fit(one.fit), "by", "figures")
     assert r"'y'" in text and "& \\| 'y'" in text
 
 
