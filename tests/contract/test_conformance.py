@@ -27,6 +27,7 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, material_names
+from martensite.physics.thermal.base import COOLING
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.catalogue import list_registries
 from martensite.studies.base import AbstractStudy
@@ -121,17 +122,17 @@ def test_every_check_notices_a_wrong_part(kind: str) -> None:
 # ---------------------------------------------------------------- parts of one's own
 
 
-WRONG_LAW = """
-from martensite.physics.laws.base import LAWS, Fractions
-from martensite.physics.laws.strip_laws import LiangRogers
+WRONG_FILM = """
+from martensite.physics.thermal.base import COOLING
+from martensite.physics.thermal.films import ConstantCooling
 
 
-@LAWS.register("wrong-way")
-class WrongWay(LiangRogers):
-    '''Its martensite fraction grows as it is heated.'''
+@COOLING.register("wrong-way")
+class WrongWay(ConstantCooling):
+    '''It heats a warm wire.'''
 
-    def fractions(self, memory):
-        return Fractions(1.0 - memory.fraction, 0.0)
+    def film(self, xp, temperature, ambient, shape):
+        return -self.h
 """
 
 
@@ -148,37 +149,34 @@ class OwnLoops(Isobaric):
 """
 
 
-OWN_LAW = """
-from martensite.physics.laws.base import LAWS
-from martensite.physics.laws.strip_laws import LiangRogers
+OWN_FILM = """
+from martensite.physics.thermal.base import COOLING
+from martensite.physics.thermal.films import ConstantCooling
 
 
-@LAWS.register("own-law")
-class OwnLaw(LiangRogers):
-    '''Liang-Rogers, by another name.'''
+@COOLING.register("own-film")
+class OwnFilm(ConstantCooling):
+    '''A constant film, by another name.'''
 """
 
 
 @pytest.fixture
 def folder(tmp_path: Any, monkeypatch: Any) -> Any:
-    """With two laws of somebody's own, and a cache of its own."""
-    from martensite.physics.laws.base import LAWS
-
+    """With two films of somebody's own, and a cache of its own."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    files = {"wrong-way": ("wrong_way_law", WRONG_LAW), "own-law": ("an_own_law", OWN_LAW)}
+    files = {"wrong-way": ("wrong_way_film", WRONG_FILM), "own-film": ("an_own_film", OWN_FILM)}
     for module, text in files.values():
         (tmp_path / f"{module}.py").write_text(text)
     yield tmp_path
     for name, (module, _) in files.items():
-        LAWS._entries.pop(name, None)
+        COOLING._entries.pop(name, None)
         sys.modules.pop(module, None)
 
 
-def test_a_law_whose_fraction_moves_the_wrong_way_is_refused(folder: Any) -> None:
-    found = Command("conform", str(folder / "wrong_way_law.py"))()
+def test_a_film_that_heats_is_refused(folder: Any) -> None:
+    found = Command("conform", str(folder / "wrong_way_film.py"))()
     assert found.exit_code == 1
-    assert "law `wrong-way` does not conform" in found.stdout
-    assert "the martensite fraction goes the wrong way at" in " ".join(found.stdout.split())
+    assert "cooling `wrong-way` does not conform" in found.stdout
 
 
 def test_a_kind_of_experiment_is_one_file(tmp_path: Any) -> None:
@@ -200,7 +198,7 @@ def test_an_unknown_name_is_answered_with_the_nearest_names() -> None:
 
 
 SCENARIO = write_wire(
-    law='{ kind = "own-law", modulus = "mixture" }',
+    cooling='{ kind = "own-film", h = "70 W/m^2/K" }',
     mechanism=hang("500 g"),
     drive='kind = "current"\nwaveform = { kind = "step", high = "0.1 A" }',
     run='duration = "1 s"',
@@ -208,15 +206,15 @@ SCENARIO = write_wire(
 
 
 def test_a_run_says_whether_a_foreign_part_was_tried(folder: Any) -> None:
-    scenario, law = folder / "own.toml", str(folder / "an_own_law.py")
+    scenario, film = folder / "own.toml", str(folder / "an_own_film.py")
     scenario.write_text(SCENARIO)
     out = ["--json", "--force", "--no-figure", "--out", str(folder / "own.nc")]
-    call = Command("run", str(scenario), "--import", law, *out)
-    assert json.loads(call().stdout)["conformance"] == {"own-law": "not tried"}
-    assert Command("conform", law)().exit_code == 0
-    assert json.loads(call().stdout)["conformance"] == {"own-law": "conforms"}
-    (folder / "an_own_law.py").write_text(OWN_LAW + "# another\n")
-    assert json.loads(call().stdout)["conformance"] == {"own-law": "not tried"}
+    call = Command("run", str(scenario), "--import", film, *out)
+    assert json.loads(call().stdout)["conformance"] == {"own-film": "not tried"}
+    assert Command("conform", film)().exit_code == 0
+    assert json.loads(call().stdout)["conformance"] == {"own-film": "conforms"}
+    (folder / "an_own_film.py").write_text(OWN_FILM + "# another\n")
+    assert json.loads(call().stdout)["conformance"] == {"own-film": "not tried"}
     plain = json.loads(Command("run", "examples/pwm_bias_spring.toml", *out)().stdout)
     assert plain["conformance"] == {}
 

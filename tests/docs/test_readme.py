@@ -8,12 +8,9 @@ that nothing is left out unnoticed.
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -27,7 +24,6 @@ SHELL = [line for block in BLOCKS if block.language == "bash" for line in block.
 SCENARIOS = [block.text for block in BLOCKS if block.language == "toml"]
 SERVERS = [line for line in SHELL if line.startswith(SERVING)]
 COMMANDS = [line for line in SHELL if line.startswith("martensite ") and line not in SERVERS]
-SCRIPTS = [line for line in SHELL if line.startswith("python ")]
 INSTALLS = ("pip install ", "uv pip install ")
 
 
@@ -42,22 +38,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def process(arguments: list[str], folder: Path) -> str:
-    """Run this Python in the folder and return what it prints."""
-    path = os.pathsep.join(filter(None, [str(ROOT / "src"), os.environ.get("PYTHONPATH")]))
-    done = subprocess.run(
-        [sys.executable, *arguments],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    assert done.returncode == 0, f"{arguments}: {done.stderr}"
-    return done.stdout
-
-
 def test_there_is_something_to_check() -> None:
     assert COMMANDS and SCENARIOS
 
@@ -67,7 +47,7 @@ def test_every_block_has_a_language_that_is_checked() -> None:
 
 
 def test_every_shell_line_is_run_or_checked() -> None:
-    known = ("martensite ", "python ", "make ", *INSTALLS)
+    known = ("martensite ", "make ", *INSTALLS)
     assert [line for line in SHELL if not line.startswith(known)] == []
 
 
@@ -78,13 +58,6 @@ def test_command_runs(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) 
     done = Command(*shlex.split(line)[1:])()
     assert done.exit_code == 0, f"{line}: {done.output}"
     assert done.stdout.strip()
-
-
-@pytest.mark.parametrize("line", [*COMMANDS[:1], *SCRIPTS])
-def test_command_runs_in_a_process(line: str, folder: Path) -> None:
-    program, *arguments = shlex.split(line)
-    arguments = ["-m", program, *arguments] if program == "martensite" else arguments
-    assert process(arguments, folder).strip()
 
 
 def test_the_bench_opens(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.testing.conformance import require_condition
 
 Point = tuple[float, float]
-PATHS = 40
+PATHS = 24
 CELSIUS = 273.15
 AROUND = 40.0
 """Temperature margin around the law's own temperatures [K]."""
