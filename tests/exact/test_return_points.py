@@ -16,7 +16,6 @@ from martensite.kernels import floats
 from martensite.kernels.compiled_program import CompiledProgram
 from martensite.kernels.compiler import call_compiled
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.physics.kinetics import history
 from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.brinson import Brinson
@@ -80,24 +79,6 @@ def test_loops_close_within_loops(name):
     assert walk.memory.points.forgotten == 0.0
 
 
-def test_loops_stay_open_if_nothing_is_wiped_out(monkeypatch):
-    """The test above sees it; so it does with the other rules."""
-
-    def keep(xp, points, *move):
-        after = commit(xp, points, *move)
-        return after._replace(
-            branch=after.branch._replace(lines=move[0].branch.lines),
-            forwards=max(points.forwards, after.forwards),
-            reverses=max(points.reverses, after.reverses),
-        )
-
-    law, commit = CASES["elahinia"].law("return-point"), history.commit_course
-    assert Walk(law, traced=False).wander(30) < 1e-9
-    monkeypatch.setattr(history, "commit_course", keep)
-    assert Walk(law, traced=False).wander(30) > 1e-3
-    assert Walk(CASES["elahinia"].law("resume")).wander(30) > 1e-3
-
-
 @LAWS
 def test_one_leg_wipes_out_any_number_of_loops(name):
     """Where many loops end in one leg, what comes after does not know of them; to the last digit at completion."""
@@ -120,13 +101,6 @@ def test_lagoudas_closes_loops_without_a_rule():
     found = [law.fractions(m).martensite for m in memories]
     assert found[5:] == pytest.approx(found[5::-1], abs=1e-12)
     assert np.ptp(found) > 0.4
-
-
-def test_steps_do_not_matter():
-    """The same walk in many small steps."""
-    law, path = CASES["elahinia"].law("return-point"), isobar(20, 75, 45, 73, 47, 72, 48, 74, 44, 76)
-    whole, cut = (along(law, path, 1.0, pieces) for pieces in (1, 23))
-    assert [m.fraction for m in whole] == pytest.approx([m.fraction for m in cut], abs=1e-12)
 
 
 @LAWS
@@ -296,8 +270,8 @@ def gaussian_relays(centre, half, count=80):
 
 @pytest.mark.parametrize(
     ("case", "least"),
-    [(cosine_relays(), 98.5), (gaussian_relays(1.0, 1.0), 97.0), (gaussian_relays(1.4, 1.0), 95.0)],
-    ids=["product, cosine", "product, gaussian", "gaussian, correlation 0.32"],
+    [(cosine_relays(), 98.5), (gaussian_relays(1.4, 1.0), 95.0)],
+    ids=["product, cosine", "gaussian, correlation 0.32"],
 )
 def test_branches_of_relays_follow_from_their_outer_loop(case, least):
     """First-order branches, cooled from five temperatures of the heating branch; then loops within loops."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from martensite.actuators.mechanics import beam_modes as module
 from martensite.actuators.mechanics.beam_modes import CantileverBeam, beam_modes, exact_omega, exact_roots
 
 COUNTS = (8, 16, 32, 64)
@@ -43,17 +42,3 @@ def test_leading_error() -> None:
     for mode, beta in enumerate(exact_roots(3), start=1):
         expected = (beta / COUNTS[-1]) ** 4 / 1440.0
         assert errors(0.0, mode)[-1] == pytest.approx(expected, rel=0.05)
-
-
-def test_a_lower_order_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Mass lumped at the nodes costs two orders."""
-
-    def lumped(count: int, ratio: float) -> np.ndarray:
-        h = 1.0 / count
-        masses = np.tile([h, h**3 / 12.0], count)
-        masses[-2:] *= 0.5
-        masses[-2] += ratio
-        return np.diag(masses)
-
-    monkeypatch.setattr(module, "_build_masses", lumped)
-    assert orders(errors(0.0, 1))[-1] < 2.5

@@ -12,7 +12,6 @@ import pytest
 from benchmarks.problem_b import Wire, stiff, system, waveform
 from mas_paths import follow, table_1
 
-from martensite.kernels import floats
 from martensite.kernels.compiler import find_compiler
 from martensite.simulate.api import simulate
 
@@ -108,19 +107,3 @@ def coupled_order(**options):
 )
 def test_order_on_problem_b(options, least, most):
     assert least < coupled_order(**options) < most
-
-
-def test_a_step_with_the_rates_at_its_end_would_be_noticed():
-    """The implicit rule for growing rates too: first order."""
-    law, corners = table_1(rates="edge", layer_volume=1e-23), rising("edge")
-
-    def lagging(step):
-        left, count = 1.0, round(10.0 / step)
-        for k in range(1, count + 1):
-            stress, temperature = corners[1][1] * k / count, 370.0 - 15.0 * k / count
-            left *= np.exp(-law.jump_rates(floats, stress, temperature).to_plus * step)
-        return 1.0 - left
-
-    exact = fractions_after(law, corners, FINE[2.0])[-1]
-    errors = [abs(lagging(h) - exact) for h in STEPS]
-    assert slope(STEPS, errors) == pytest.approx(1.0, abs=0.1)

@@ -73,8 +73,9 @@ class Course:
         return np.array(self.functions["judge"](*state, 0.0)[:3])
 
 
-@pytest.mark.parametrize("voltage", [False, True], ids=["power", "voltage"])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("case", "voltage"), [("mas", False), ("mas, barrier, work", True), ("mas-polycrystal", False)]
+)
 def test_the_order_is_four(case: str, voltage: bool) -> None:
     posed = system(SLOW, case.split(",")[0], **CASES[case])
     if voltage:
@@ -82,10 +83,10 @@ def test_the_order_is_four(case: str, voltage: bool) -> None:
             element=posed.element, environment=posed.environment, source=VoltageSource(), mechanism=posed.mechanism
         )
     course = Course(posed, voltage)
-    exact = course.end(320)
+    exact = course.end(160)
     assert 0.05 < exact[1] < 0.95  # amid the transformation
-    errors = [np.abs(course.end(steps) - exact).max() for steps in (20, 80)]
-    assert np.log2(errors[0] / errors[1]) > 2.0 * 3.5
+    errors = [np.abs(course.end(steps) - exact).max() for steps in (20, 40)]
+    assert np.log2(errors[0] / errors[1]) > 3.5
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -103,17 +103,6 @@ def test_repeated_times_are_dropped_and_counted(values, repeated) -> None:
     assert found.dropped == len(places)
 
 
-@given(ROWS, st.integers(0, 30))
-def test_a_readable_line_is_not_garbage(values, place) -> None:
-    """What the property rests on: one more row is kept, and changes the record."""
-    rows = [f"{2 * t} {x!r}" for t, x in enumerate(values)]
-    place = min(place, len(rows))
-    found = read(mixed(rows, [(place, f"{2 * place - 1} 7.5")]), "whitespace", drop=True)
-    assert found.dropped == 0
-    assert len(found) == len(rows) + 1
-    assert listed(found) != listed(read(rows, "whitespace", drop=True))
-
-
 @pytest.mark.parametrize("garbage", ["Calibrating", "Cal1000.00  6.54", "7.0", "1 nan", "1 2 3"])
 def test_without_drop_garbage_is_an_error(garbage) -> None:
     with pytest.raises(DataError):

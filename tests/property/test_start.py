@@ -25,7 +25,7 @@ from martensite.simulate.closed_loop import simulate_loop
 from martensite.simulate.controlled_run import simulate_controlled
 
 ZERO = 273.15
-AMBIENTS = range(60, 201, 5)
+AMBIENTS = range(60, 201, 10)
 LEGS = 8
 TAIL = 0.011
 """Martensite that an endless law (Tanaka) leaves at its finish line."""
@@ -74,7 +74,7 @@ def test_the_start_of_every_law_is_its_equilibrium(law: Any) -> None:
     assert xi < 1e-12
 
 
-@pytest.mark.parametrize("celsius", [22, 46, 150])
+@pytest.mark.parametrize("celsius", [46, 150])
 @pytest.mark.parametrize("part", PARTS, ids=label)
 def test_nothing_moves_from_the_start(part: Any, celsius: int) -> None:
     """Every element and mechanism; 46 °C lies in the reverse strip of its law."""
