@@ -7,7 +7,7 @@
 with the rates p from austenite to M+ and q back, in three forms: `barrier` (height of the saddle,
 case by case), `edge` (the same with a rigid bridge), `well` (layers at the edge of their well,
 least = 0.05 w_A). The equations are stiff: they go to Radau of SciPy or Kvaerno5 of diffrax, in
-pieces between the kinks of the input. `ros2` is a fixed-step solver that fails on them.
+pieces between the kinks of the input.
 
 `p` is anything with the fields of `benchmarks.problem_b.Wire`; `np` is numpy or jax.numpy.
 """
@@ -141,25 +141,6 @@ def radau(f, y0, times, kinks, rtol=1e-9):
         found[:, here], y = done.y[:, :-1], done.y[:, -1]
         found[:, abs(times - b) <= 1e-9] = y[:, None]
     return found
-
-
-def ros2(f, y0, h, steps):
-    """States after every step of h [s], by the Rosenbrock scheme of second order, γ = 1 - 1/√2.
-
-    The input counts at mid-step, as for the package.
-    """
-    gamma, y = 1 - 1 / numpy.sqrt(2), numpy.asarray(y0, float)
-    size, found = numpy.array([1e-7, 1e-7, 1e-4]), [y]
-    for k in range(steps):
-        t = (k + 0.5) * h
-        start = f(t, y)
-        J = numpy.array([(f(t, y + e) - start) / e.sum() for e in numpy.diag(size)]).T
-        W = numpy.linalg.inv(numpy.eye(3) - gamma * h * J)
-        k1 = W @ start
-        k2 = W @ (f(t, y + h * k1) - 2 * k1)
-        y = y + h * (1.5 * k1 + 0.5 * k2)
-        found.append(y)
-    return numpy.array(found).T
 
 
 @cache

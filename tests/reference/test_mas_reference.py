@@ -17,7 +17,7 @@ from martensite.kernels import floats
 
 CRYSTAL = Wire()._replace(**TABLE_1)
 FORMS = ("barrier", "edge", "well")
-PATHS = 2
+PATHS = 1
 
 
 def quick(*forms):
@@ -114,14 +114,7 @@ def test_random_paths_converge_to_the_equations(form):
 
 @pytest.mark.parametrize(
     ("mpa", "form"),
-    [
-        (2.0, "barrier"),
-        (2.0, "edge"),
-        (2.0, "well"),
-        (150.0, "barrier"),
-        (150.0, "edge"),
-        pytest.param(150.0, "well", marks=pytest.mark.slow),
-    ],
+    [(2.0, "edge"), (2.0, "well"), (150.0, "barrier"), pytest.param(150.0, "well", marks=pytest.mark.slow)],
 )
 def test_heating_and_cooling_at_constant_stress(form, mpa):
     """At 1 K/s: complete transformations."""
@@ -156,11 +149,3 @@ def test_stretching_at_constant_rate(form, T, start):
     rms, largest = apart(at_samples(found, "stress"), exact)
     assert rms < 1e-4
     assert largest < 1e-3
-
-
-def test_a_bridge_of_another_slope_is_noticed():
-    """The two forms with a saddle differ by it alone."""
-    corners = there_and_back(0.05, 1e-3, 355.0)
-    exact = stress_by_radau(corners, (0.0, 0.0), "edge")
-    found = follow(table_1(rates="barrier"), (0.0, 0.0), corners, 0.1, "strain")
-    assert apart(at_samples(found, "stress"), exact)[0] > 1e-2

@@ -29,8 +29,9 @@ def right_side(wire, form):
 
 
 @cache
-def by_radau(wire="nominal", form="edge", rtol=1e-9):
-    """Rows x₊, x₋, T and x [m] at the samples."""
+def by_radau(wire="nominal", form="edge"):
+    """Rows x₊, x₋, T and x [m] at the samples; tightest for the case whose numbers are printed."""
+    rtol = 1e-11 if (wire, form) == ("nominal", "edge") else 1e-8
     y = reference.radau(right_side(wire, form), START, TIMES, problem_b.POWER[0], rtol)
     return np.array([*y, reference.displacement(WIRES[wire], lumped(WIRES[wire]), y)])
 
@@ -57,11 +58,11 @@ def apart(a, b):
 @pytest.mark.parametrize("t", REFERENCE)
 def test_radau_gives_the_printed_numbers(t):
     x, T, plus = REFERENCE[t]
-    found = by_radau(rtol=1e-11)[:, round(10 * t)]
+    found = by_radau()[:, round(10 * t)]
     assert 1e3 * found[3] == pytest.approx(x, abs=2e-6)
     assert found[2] == pytest.approx(T, abs=2e-6)
     assert found[0] == pytest.approx(plus, abs=3e-8)
-    assert 1e3 * np.ptp(by_radau(rtol=1e-11)[3]) == pytest.approx(RANGE, abs=2e-6)
+    assert 1e3 * np.ptp(by_radau()[3]) == pytest.approx(RANGE, abs=2e-6)
 
 
 def error_at(step):
@@ -131,35 +132,8 @@ def test_the_forms_are_not_alike():
     assert apart(by_radau(form="well"), by_radau())[1] > 2e-3
 
 
-# ---------------------------------------------------------------- the problem is hard
-
-
-def by_ros2(wire, step, form="edge"):
-    y = reference.ros2(right_side(wire, form), START, step, round(20.0 / step))
-    x = reference.displacement(WIRES[wire], lumped(WIRES[wire]), y)
-    return np.array([*y, x])[:, :: round(0.1 / step)]
-
-
-@pytest.mark.slow
-def test_a_rosenbrock_scheme_is_right_with_short_steps():
-    assert apart(by_ros2("nominal", 10e-3), by_radau())[0] < 1e-5
-    assert apart(by_ros2("stiff", 5e-3), by_radau("stiff"))[0] < 1e-5
-
-
-def test_the_same_scheme_fails_in_silence_where_the_package_does_not():
-    failed = by_ros2("stiff", 20e-3)
-    assert np.isfinite(failed).all()
-    assert apart(failed, by_radau("stiff"))[0] > 0.1
-    assert apart(ours(20e-3, "stiff"), by_radau("stiff"))[0] < 1e-4
-
-
 def test_the_package_fails_in_no_case_within_reach():
     """Steps far too long for the transformation, thinner barriers still: never wrong by much."""
     for step in (50e-3, 100e-3):
         for wire in WIRES:
             assert apart(ours(step, wire), by_radau(wire))[0] < 2e-3
-
-
-def test_a_wrong_barrier_would_be_noticed():
-    wrong = simulate(system(Wire(Delta_sigma=52.5e6), rates="edge"), waveform(), 20.0, step=20e-3, samples=201)
-    assert np.abs(wrong["position"] - by_radau()[3]).max() / np.ptp(by_radau()[3]) > 1e-3
