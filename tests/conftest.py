@@ -31,6 +31,10 @@ os.environ.setdefault("MARTENSITE_QUICK_C", "off")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# where bytecode is forbidden, every process that a test starts compiles all that it imports, for seconds
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # traced graphs are full of cycles: looked for as often as usual, they take an eighth of the time
 gc.set_threshold(20_000, 20, 25)
 
@@ -48,7 +52,7 @@ for module in READERS:
 # depend on the imports of earlier tests.
 PATCH.setattr(providers, "_get_local_constants", lambda: providers._local_constants)
 
-settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
+settings.register_profile("reproducible", deadline=None, derandomize=True, database=None, max_examples=50)
 settings.load_profile("reproducible")
 
 

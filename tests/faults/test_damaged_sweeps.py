@@ -5,7 +5,6 @@ Source of truth: the same store before it was damaged, array by array.
 
 from __future__ import annotations
 
-import random
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -50,7 +49,6 @@ DAMAGES: dict[str, Damage] = {
     "flipped bit": flip_bit,
     "truncated": lambda file: file.write_bytes(file.read_bytes()[:-2]),
     "empty": lambda file: file.write_bytes(b""),
-    "random": lambda file: file.write_bytes(random.Random(1).randbytes(40)),
     "gone": Path.unlink,
     "a folder in its place": lambda file: (file.unlink(), file.mkdir()),
 }
@@ -78,17 +76,16 @@ def refuse(path: Path) -> str:
     return str(first.value)
 
 
-@pytest.mark.parametrize("pattern", ["stroke/c/0", "temperature/c/3/0"])
-def test_a_damaged_chunk_is_refused_and_made_again(store: Path, sound: Path, pattern: str) -> None:
+def test_a_damaged_chunk_is_refused_and_made_again(store: Path, sound: Path) -> None:
     expected = dict(arrays(sound))
-    for case in spoil(store, sound, pattern):
+    for case in spoil(store, sound, "temperature/c/3/0"):
         assert "is damaged: 1 of 4 chunks are not what was written" in refuse(store), case
         again = sweep(store)
         assert (again.made, again.remarks) == (3, ["1 chunk was damaged and had to be made again."]), case
         assert dict(arrays(store)) == expected, case
 
 
-@pytest.mark.parametrize("name", ["stroke", "made", "time of temperature"])
+@pytest.mark.parametrize("name", ["made", "time of temperature"])
 def test_damaged_metadata_are_refused_and_restored(store: Path, sound: Path, name: str) -> None:
     expected = dict(arrays(sound))
     for case in spoil(store, sound, f"{name}/zarr.json"):

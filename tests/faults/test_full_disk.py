@@ -70,7 +70,6 @@ WRITERS: dict[str, Writer] = {
     "b.csv": lambda _, path: write_sampled(record(), path),
     "a.png": lambda result, path: result.plot(path),
     "a.svg": lambda result, path: result.plot(path),
-    "a.pdf": lambda result, path: result.plot(path),
     "a.html": lambda _, path: page(path),
     "a.md": lambda _, path: page(path),
     "a.json": lambda _, path: write_model(ms.identify.read_model(ROOT / "examples/model_run.json"), path),
