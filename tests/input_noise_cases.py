@@ -67,6 +67,7 @@ def draw_problem(seed: int, noise: float) -> Problem:
     return build_problem(measured, FREE)
 
 
+@cache
 def fit_loops(seed: int, noise: float, inputs: bool = True) -> Fit:
     """A fit from the true numbers on, with the noise of the temperature in it or not."""
     return solve_problem(draw_problem(seed, noise), inputs=inputs)

@@ -7,7 +7,7 @@ temperature, stress or demand is prescribed.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import pytest
 from builders import ZERO, chamber, hanging_wire, law_a, plain_law, problem_a, through
@@ -21,7 +21,7 @@ from martensite.scenario.netcdf import describe_result
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
-from martensite.simulate.alarms import Alarm, RunWarnings, alarms_of, find_excursion, find_undelivered
+from martensite.simulate.alarms import Alarm, alarms_of, find_excursion, find_undelivered
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 
@@ -211,9 +211,3 @@ def test_a_pulse_between_two_samples_raises_the_same_alarm() -> None:
     assert only(coarse, "supply").first == only(fine, "supply").first == pytest.approx(0.41, rel=1e-12)
     assert only(coarse, "supply").duration == pytest.approx(0.03, rel=1e-9)
     assert alarms_of(system, coarse.times, coarse.columns) == []
-
-
-def test_an_alarm_without_its_sentence_is_noticed() -> None:
-    run = simulate(hanging_wire(), Constant(level=-1.0), 1.0, step=0.1, samples=11)
-    with pytest.raises(AssertionError):
-        only(replace(run, judged=RunWarnings(run.alarms)), "supply")

@@ -14,13 +14,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sweep_cases import Doubling, Poison, arrays, ran, undisturbed, wanted, wire
+from sweep_cases import Doubling, Poison, arrays, undisturbed, wanted, wire
 
 from martensite.base.errors import DataError, InputError, StoppedError
 from martensite.base.status import Status
 from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep
 from martensite.design.sweep.backends.base import MOST_LOST, keep_runs
-from martensite.design.sweep.backends.processes import Serial
 from martensite.design.sweep.store import Store
 
 SERIAL = SweepExecution("serial")
@@ -170,14 +169,3 @@ def test_whoever_comes_second_opens_what_the_first_has_made(tmp_path: Path, monk
 
 
 # ---------------------------------------------------------------- the tests themselves
-
-
-def test_a_lost_run_is_noticed(tmp_path: Path) -> None:
-    job = Doubling(tmp_path, size=8, failing=(5,))
-    with pytest.raises(Poison):
-        ran(Serial(), job)
-    honest = Doubling(tmp_path, size=8)
-    ran(Serial(), honest)
-    np.save(tmp_path / "1.npy", np.array([8.0, 10.0, np.nan, 14.0]))
-    with pytest.raises(AssertionError):
-        np.testing.assert_array_equal(honest.stored(), honest.expected())

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from sweep_cases import AXES, OVER, WIRE, Doubling, arrays, ran, undisturbed, wanted
+from sweep_cases import OVER, WIRE, Doubling, arrays, ran, undisturbed, wanted
 
 from martensite.base.status import Status
 from martensite.design.sweep.api import SweepExecution, begin_sweep
@@ -184,8 +184,9 @@ def test_a_process_whose_parent_is_killed_ends(tmp_path: Path) -> None:
 
 
 def test_two_commands_share_a_store_from_its_beginning(tmp_path: Path) -> None:
-    expected = undisturbed(tmp_path / "whole.zarr", chunk=1)
-    words = *AXES, "--chunk-size", "1", "--step", "0.1 s", "--backend", "serial"
+    small = "diameter=0.12..0.2 mm:2", "high=2..4 V:3"
+    expected = undisturbed(tmp_path / "whole.zarr", *small, chunk=1)
+    words = "--over", small[0], "--over", small[1], "--chunk-size", "1", "--step", "0.1 s", "--backend", "serial"
     both = [command(tmp_path, *words, "--chunk", f"{i}/2") for i in (1, 2)]
     for running in both:
         assert running.communicate()[1] == ""

@@ -2,16 +2,16 @@
 
 A line is fitted to noise in 400 repetitions. With white noise the share of 95 % intervals that
 hold the truth must lie within what a binomial distribution allows (99.99 %); with noise that has
-a memory those for independent samples must fall short, and the widened ones must not. Intervals
-that are too short or too long fail the same test.
+a memory those for independent samples must fall short, and the widened ones must not.
 """
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import signal, stats
 
 from martensite.base.confidence import Interval, interval_contains
 from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
@@ -28,11 +28,10 @@ def noise(seed: int, count: int, phi: float) -> np.ndarray:
     """AR(1) noise of unit variance; white for φ = 0."""
     steps = np.random.default_rng(seed).normal(size=count)
     steps[1:] *= math.sqrt(1.0 - phi * phi)
-    for t in range(1, count):
-        steps[t] += phi * steps[t - 1]
-    return steps
+    return signal.lfilter([1.0], [1.0, -phi], steps)
 
 
+@cache
 def fitted(seed: int, count: int, phi: float) -> Uncertainty:
     """A line through two records of different length, and its errors."""
     first = 2 * count // 3
@@ -77,16 +76,6 @@ def test_widened_intervals_cost_little_in_white_noise() -> None:
     factors = [fitted(seed, 600, 0.0).widening for seed in range(50)]
     assert max(factors) < 1.5
     assert np.mean(factors) < 1.1
-
-
-@pytest.mark.parametrize("factor", [0.6, 1.7])
-def test_wrong_intervals_are_noticed(factor: float) -> None:
-    def wrong(fit: Uncertainty, name: str) -> Interval:
-        low, high = fit.interval(name)
-        middle, half = 0.5 * (low + high), 0.5 * factor * (high - low)
-        return middle - half, middle + half
-
-    assert not ALLOWED[0] <= held(wrong, 0, 60, 0.0) <= ALLOWED[1]
 
 
 @pytest.mark.parametrize("count", [60, 500])

@@ -14,7 +14,7 @@ from scipy import stats
 from martensite.fit.column_noise import estimate_column_noise
 from martensite.fit.solve import solve_problem
 
-FEW, MANY = 4, 20
+FEW, MANY = 3, 20
 
 
 def test_noise_of_a_column_is_told_from_its_signal() -> None:

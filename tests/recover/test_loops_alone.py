@@ -117,9 +117,9 @@ def test_tangents_of_every_cycle_bear_jitter() -> None:
         assert float(np.std(apart)) < 2.5, name
 
 
-@pytest.mark.parametrize("repeat", [1, 30])
+@pytest.mark.parametrize("repeat", [1, 12])
 def test_repeated_tensile_loops_give_the_parameters_of_one(repeat: int) -> None:
-    found = model_logs([superelastic(repeat, celsius) for celsius in (30, 50, 70)])
+    found = model_logs([superelastic(repeat, celsius) for celsius in (30, 70)])
     assert found.predicts and found.chosen.proposal.name == "liang-rogers"
     truth = {"E_A": 60e9, "E_M": 30e9, "eps_L": 0.04, "C_A": 7e6, "C_M": 7e6}
     assert {name: found.fit.numbers[name] for name in truth} == pytest.approx(truth, rel=0.01)
@@ -166,8 +166,8 @@ def test_tangents_take_travel_and_force() -> None:
 
 
 def test_given_length_of_a_tensile_test_changes_no_strain() -> None:
-    record, given = superelastic(), {"element.length": "40 mm"}
-    free, known = model_logs(record), model_logs(record, overrides=given)
+    records, given = [superelastic(1, celsius) for celsius in (30, 70)], {"element.length": "40 mm"}
+    free, known = model_logs(records), model_logs(records, overrides=given)
     assert free.fit.numbers == pytest.approx(known.fit.numbers, rel=1e-6)
     assert free.fit["E_A"] == pytest.approx(60e9, rel=0.01)
     assert free.fit["E_M"] == pytest.approx(30e9, rel=0.01)
@@ -176,14 +176,14 @@ def test_given_length_of_a_tensile_test_changes_no_strain() -> None:
 
 def pull_unknown_section() -> Record:
     """Return forces of a superelastic wire of 0.5 mm whose diameter is not in the record."""
-    record = superelastic(4)
+    record = superelastic()
     columns = {name: x for name, x in record.columns.items() if name != "stress"}
     columns["force"] = (np.asarray(record["stress"]) * np.pi / 4.0 * 0.5e-3**2).tolist()
     return Record("test_30C", columns, {"time": "s", "strain": "1", "force": "N"}, interval=1.0)
 
 
 def test_assumed_section_is_named_at_the_moduli() -> None:
-    model = model_logs(pull_unknown_section())
+    model = model_logs(pull_unknown_section(), free=["E_A", "E_M", "eps_L"])
     assert "element.diameter" in model.dependent["E_A"] and not model.untested
     assert model.fit["E_A"] == pytest.approx(15e9, rel=0.01)  # by the assumed 1 mm
 

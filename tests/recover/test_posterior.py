@@ -68,17 +68,10 @@ def test_draws_and_intervals_agree(fit: Fit, sampled: Posterior) -> None:
         assert np.allclose(sampled.interval(name), (low, high), atol=0.1 * width), name
 
 
-def test_half_the_interval_would_not_agree(fit: Fit, sampled: Posterior) -> None:
-    low, high = fit.uncertainty.widened("eps_L")
-    middle, quarter = 0.5 * (low + high), 0.25 * (high - low)
-    half = (middle - quarter, middle + quarter)
-    assert not np.allclose(sampled.interval("eps_L"), half, atol=0.15 * (high - low))
-
-
 def test_a_bound_at_the_optimum_leaves_half_a_normal_distribution(c_compiler: str) -> None:
     free = fit_pull(STRAIN)
     bound, error = free["eps_L"], free.uncertainty.errors[0] * free.uncertainty.widening
-    bounded = sample_posterior(fit_pull(SearchRange("eps_L", 0.03, bound)), draws=400, warmup=100)
+    bounded = sample_posterior(fit_pull(SearchRange("eps_L", 0.03, bound)), draws=200, warmup=100)
     ends = bound - error * stats.halfnorm.ppf([0.975, 0.025])
     assert bounded.samples["eps_L"].max() < bound
     assert np.allclose(bounded.interval("eps_L"), ends, atol=0.15 * error)

@@ -64,12 +64,6 @@ def test_structure_is_recovered_with_samples_missing(name: str) -> None:
     assert _validated(truth, found.chain) >= 99.0
 
 
-def test_a_structure_without_the_nonlinearity_does_not_reach_it() -> None:
-    truth = _truth(*TRUTHS["hammerstein"])
-    found = estimate_chain("poly1 | oe(2,2,1)", _record(truth, 1), QUICK)
-    assert _validated(truth, found.chain) < 90.0
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["hammerstein", "hammerstein-wiener"])
 def test_several_records_are_fitted_together(name: str) -> None:

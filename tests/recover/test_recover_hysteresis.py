@@ -86,11 +86,6 @@ def test_plays_before_a_linear_system(c_compiler: str) -> None:
     assert zeta == pytest.approx(0.6, rel=0.03)
 
 
-def test_a_straight_line_does_not_do(c_compiler: str) -> None:
-    options = Options(starts=3, refined=1, iterations=60)
-    assert found_again(hammerstein(), "gain | oe(2,2,1)", options)[1] < 90.0
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [3, 4])
 def test_preisach_after_a_linear_system(c_compiler: str, seed: int) -> None:

@@ -221,10 +221,6 @@ class TestRecovery:
         held = covered(cell, noise)
         assert all(FEWEST <= count <= MOST for count in held.values()), held
 
-    def test_half_the_interval_would_not(self) -> None:
-        held = covered(CELLS[1], NOISES[1], share=0.5)
-        assert all(count < FEWEST for count in held.values()), held
-
 
 def test_two_movers_of_one_number_are_refused() -> None:
     one = experiment(CELLS[0], np.arange(101.0))
