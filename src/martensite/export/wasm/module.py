@@ -88,9 +88,9 @@ def find_wasm_compiler() -> list[str]:
     return [*zig, "cc"]
 
 
-def compile_sources(sources: Mapping[str, str], compiled: Sequence[str]) -> bytes:
-    """Compile C sources, given by file name, to an optimised module."""
-    command = [*find_wasm_compiler(), *FLAGS, "-I.", *compiled, "-o", "made.wasm", *LINKED]
+def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], linked: Sequence[str] = ()) -> bytes:
+    """Compile C sources, given by file name, to an optimised module; `linked` are further options of the linker."""
+    command = [*find_wasm_compiler(), *FLAGS, "-I.", *compiled, "-o", "made.wasm", *LINKED, *linked]
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
