@@ -58,19 +58,21 @@ class BaselineScore:
         return asdict(self)
 
 
-def score_baselines(found: Fit | Problem) -> list[BaselineScore]:
+def score_baselines(fit_or_problem: Fit | Problem) -> list[BaselineScore]:
     """Return the errors of all baselines in the held-out rows, by record and output.
 
     If each record was left out in turn, all others predict it.
     """
-    if isinstance(found, Problem):
-        return list(_score_all(found.experiments, found.experiments))
-    fitted = found.problem.experiments
-    scores = list(_score_all(fitted, (*fitted, *(kept.experiment for kept in found.kept))))
-    for kept in found.transfer:
-        mine = kept.experiment.groups or {"": kept.experiment.name}
+    if isinstance(fit_or_problem, Problem):
+        return list(_score_all(fit_or_problem.experiments, fit_or_problem.experiments))
+    fitted = fit_or_problem.problem.experiments
+    scores = list(
+        _score_all(fitted, (*fitted, *(held_out_record.experiment for held_out_record in fit_or_problem.kept)))
+    )
+    for held_out_record in fit_or_problem.transfer:
+        mine = held_out_record.experiment.groups or {"": held_out_record.experiment.name}
         others = [x for x in fitted if (x.groups or {"": x.name}) != mine]
-        scores += _score_all(others, [kept.experiment])
+        scores += _score_all(others, [held_out_record.experiment])
     return scores
 
 
@@ -78,88 +80,91 @@ def pool_baselines(scores: Sequence[BaselineScore], output: str) -> dict[str, fl
     """Return the root-mean-square error [unit] over all records, for every common baseline of an output."""
     own = [one for one in scores if one.output == output]
     records = len({one.record for one in own})
-    found: dict[str, float] = {}
+    errors: dict[str, float] = {}
     for name in dict.fromkeys(one.name for one in own):
         same = [one for one in own if one.name == name]
         if len({one.record for one in same}) == records:
-            found[name] = math.sqrt(sum(one.rms**2 * one.samples for one in same) / sum(one.samples for one in same))
-    return found
+            errors[name] = math.sqrt(sum(one.rms**2 * one.samples for one in same) / sum(one.samples for one in same))
+    return errors
 
 
 def _score_all(fitted: Sequence[Experiment], targets: Sequence[Experiment]) -> Iterator[BaselineScore]:
     for one in targets:
         for k, output in enumerate(one.outputs):
             measured = one.measured[:, k]
-            held = np.isfinite(measured) & one.kept_back
-            if held.any():
-                unit, count = one.describe_outputs()[output].unit, int(held.sum())
+            held_out_rows = np.isfinite(measured) & one.kept_back
+            if held_out_rows.any():
+                unit, count = one.describe_outputs()[output].unit, int(held_out_rows.sum())
                 for name, guess in predict_naively(fitted, one, output).items():
-                    rms = float(np.sqrt(np.mean((guess[held] - measured[held]) ** 2)))
+                    rms = float(np.sqrt(np.mean((guess[held_out_rows] - measured[held_out_rows]) ** 2)))
                     yield BaselineScore(one.name, output, name, unit, rms, count)
 
 
 def predict_naively(fitted: Sequence[Experiment], one: Experiment, output: str) -> dict[str, Any]:
     """Return the baselines of an output in every row, (rows,), by name, from the rows of fitted experiments."""
-    known = {x.name: x for x in fitted if np.isfinite(_find_fitted(x, output)).any()}
-    if not known:
+    experiments = {x.name: x for x in fitted if np.isfinite(_find_fitted(x, output)).any()}
+    if not experiments:
         return {}
     own = np.isfinite(_find_fitted(one, output))
-    pooled = np.concatenate([_find_fitted(x, output) for x in ([one] if own.any() else known.values())])
+    pooled = np.concatenate([_find_fitted(x, output) for x in ([one] if own.any() else experiments.values())])
     mean = np.full(len(one.times), float(np.nanmean(pooled)))
-    found = {name: x for name, x in _predict_all(known, one, output, own).items() if x is not None}
-    return {MEAN: mean} | {name: np.where(np.isfinite(x), x, mean) for name, x in found.items()}
+    predictions = {name: x for name, x in _predict_all(experiments, one, output, own).items() if x is not None}
+    return {MEAN: mean} | {name: np.where(np.isfinite(x), x, mean) for name, x in predictions.items()}
 
 
-def _predict_all(known: Mapping[str, Experiment], one: Experiment, output: str, own: Any) -> dict[str, Any]:
+def _predict_all(experiments: Mapping[str, Experiment], one: Experiment, output: str, own: Any) -> dict[str, Any]:
     """Return the baselines other than the mean; `own` marks the fitted rows of the record."""
     k, unit = one.outputs.index(output), one.describe_outputs()[output].unit
-    others = [x for x in known.values() if (x.name == one.name) == own.any()]
+    others = [x for x in experiments.values() if (x.name == one.name) == own.any()]
     if isinstance(one, ConditionExperiment):
         return {SCALING: _scale_conditions(others, one, output, unit)} if others else {}
-    found = _predict_driven(known, one, output)
+    predictions = _predict_driven(experiments, one, output)
     if own.any():
-        return found | {CYCLE: _repeat_cycle(one, k, own)}
-    if others and NEAREST not in found:
-        return found | {SCALING: _scale_record(others, one, output, unit)}
-    return found
+        return predictions | {CYCLE: _repeat_cycle(one, k, own)}
+    if others and NEAREST not in predictions:
+        return predictions | {SCALING: _scale_record(others, one, output, unit)}
+    return predictions
 
 
-def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: str) -> dict[str, Any]:
+def _predict_driven(experiments: Mapping[str, Experiment], one: Experiment, output: str) -> dict[str, Any]:
     """Return the predictions from the drive: a lag, a straight line, or the same temperature of another loop."""
     driving = _find_unit(one)
-    alike = [x for x in known.values() if _find_unit(x) == driving]
+    alike = [x for x in experiments.values() if _find_unit(x) == driving]
     if not driving or not alike:
         return {}
     mine = _show_fitted(one, output)
-    found: dict[str, Any] = {}
+    predictions: dict[str, Any] = {}
     late = find_drive(one) in [x.name for x in one.system.drives() if x.at_end]
     if driving != "K":
         lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, 0 if late else LAGS, refined=2)
-        found = {LINE if late else LAG: lag.predict(mine, DRIVE)[one.rows]}
-    return found | (_predict_loop(one, [x for x in alike if x.name != one.name], output) if late else {})
+        predictions = {LINE if late else LAG: lag.predict(mine, DRIVE)[one.rows]}
+    return predictions | (_predict_loop(one, [x for x in alike if x.name != one.name], output) if late else {})
 
 
 def _predict_loop(one: Experiment, others: Sequence[Experiment], output: str) -> dict[str, Any]:
     """Return the predictions of a loop over a prescribed state, from other loops or from its own major loop."""
     mine = _show_loop(one, output)
-    found: dict[str, Any] = {}
+    predictions: dict[str, Any] = {}
     if np.isfinite(mine.column).any() and has_reversals(mine):
-        found = {MAJOR: repeat_branches(mine, find_branches(mine))}
+        predictions = {MAJOR: repeat_branches(mine, find_branches(mine))}
     if others:
         loads = _find_loads([one, *others], output)
         mine = replace(mine, load=loads[0])
         loops = [replace(_show_loop(x, output), load=load) for x, load in zip(others, loads[1:], strict=True)]
         nearest = min(loops, key=lambda x: abs(x.load - mine.load))
-        found |= {NEAREST: repeat_branches(mine, find_branches(nearest)), NEIGHBOURS: average_neighbours(mine, loops)}
-    return {name: x[one.rows] for name, x in found.items() if x is not None and np.isfinite(x).any()}
+        predictions |= {
+            NEAREST: repeat_branches(mine, find_branches(nearest)),
+            NEIGHBOURS: average_neighbours(mine, loops),
+        }
+    return {name: x[one.rows] for name, x in predictions.items() if x is not None and np.isfinite(x).any()}
 
 
 def _show_loop(one: Experiment, output: str) -> LoopColumns:
     record = _show_fitted(one, output)
     kelvin = np.asarray(record[DRIVE], float)
     rows = np.arange(len(kelvin))
-    known = np.isfinite(kelvin)
-    return LoopColumns(np.interp(rows, rows[known], kelvin[known]), np.asarray(record[output], float))
+    finite_rows = np.isfinite(kelvin)
+    return LoopColumns(np.interp(rows, rows[finite_rows], kelvin[finite_rows]), np.asarray(record[output], float))
 
 
 def _find_unit(one: Experiment) -> str:
@@ -170,9 +175,9 @@ def _find_unit(one: Experiment) -> str:
 
 def _show_fitted(one: Experiment, output: str) -> Record:
     """Return the drive and an output over time; NaN for held-out output samples."""
-    column, seen = one.follows[find_drive(one)], np.full(len(one.record), np.nan)
-    seen[one.rows] = _find_fitted(one, output)
-    columns = {"time": one.record.times, DRIVE: one.record[column], output: seen}
+    column, output_column = one.follows[find_drive(one)], np.full(len(one.record), np.nan)
+    output_column[one.rows] = _find_fitted(one, output)
+    columns = {"time": one.record.times, DRIVE: one.record[column], output: output_column}
     return Record(one.name, columns, {"time": "s", DRIVE: one.record.units[column], output: "1"})
 
 
@@ -194,13 +199,13 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
         return None
     times, values = one.times[own], one.measured[own, k]
     near = 1.5 * float(np.median(np.diff(one.times)))
-    found = np.full(len(one.times), np.nan)
+    prediction = np.full(len(one.times), np.nan)
     for back in range(1, int(length / period) + 1):
         at = one.times - back * period
         after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
         inside = (at >= times[0]) & (at <= times[-1]) & (times[after] - times[after - 1] <= near)
-        found = np.where(np.isnan(found) & inside, np.interp(at, times, values), found)
-    return found if np.isfinite(found[one.kept_back]).mean() > HALF else None
+        prediction = np.where(np.isnan(prediction) & inside, np.interp(at, times, values), prediction)
+    return prediction if np.isfinite(prediction[one.kept_back]).mean() > HALF else None
 
 
 # ---------------------------------------------------------------- nearest record or condition
@@ -209,8 +214,8 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
 def _find_loads(ones: Sequence[Experiment], output: str) -> list[float]:
     """Return the mean loads of records; without prescribed loads, their mean temperatures or drives."""
     drives = [x.follows[find_drive(x)] for x in ones]
-    known = [n for n in ("stress", "force", "temperature") if n not in (output, *drives)]
-    column = next((n for n in known if all(n in x.record.columns for x in ones)), "")
+    load_columns = [n for n in ("stress", "force", "temperature") if n not in (output, *drives)]
+    column = next((n for n in load_columns if all(n in x.record.columns for x in ones)), "")
     return [float(np.nanmean(x.record[column or own])) for x, own in zip(ones, drives, strict=True)]
 
 
@@ -221,11 +226,11 @@ def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, un
     apart = [abs(math.log(size / mine)) if size > 0.0 and mine > 0.0 else math.inf for size in sizes]
     nearest = others[int(np.argmin(apart))]
     values = _find_fitted(nearest, output)
-    known = np.isfinite(values)
+    finite_rows = np.isfinite(values)
     ratio = mine / sizes[int(np.argmin(apart))] if _is_scaled(unit) and math.isfinite(min(apart)) else 1.0
     ratio = 1.0 if one.system.drives() and one.system.drives()[0].unit == "K" else ratio
-    guess = np.interp(one.times - one.times[0], nearest.times[known] - nearest.times[0], values[known])
-    return values[known][0] + ratio * (guess - values[known][0])
+    guess = np.interp(one.times - one.times[0], nearest.times[finite_rows] - nearest.times[0], values[finite_rows])
+    return values[finite_rows][0] + ratio * (guess - values[finite_rows][0])
 
 
 def _measure_drive(one: Experiment) -> float:
@@ -240,14 +245,14 @@ def _scale_conditions(others: Sequence[Experiment], one: ConditionExperiment, ou
     paths = sorted(one.input_units, key=lambda path: path != one.level)
     table = np.array([[inputs.get(path, math.nan) for path in paths] for inputs, _ in rows])
     reach = np.nanmax(table, axis=0) - np.nanmin(table, axis=0) if len(paths) else np.zeros(0)
-    found = list[float]()
+    predictions = list[float]()
     for c in one.conditions:
         mine = np.array([c.inputs[path] for path in paths])
         place = int(np.argmin(np.nansum(((table - mine) / np.where(reach > 0.0, reach, 1.0)) ** 2, axis=1)))
         pairs = [(a, b) for a, b in zip(mine, table[place], strict=True) if a != b and a * b > 0.0]
         ratio = pairs[0][0] / pairs[0][1] if pairs and _is_scaled(unit) else 1.0
-        found.append(float(rows[place][1] * ratio))
-    return np.array(found)
+        predictions.append(float(rows[place][1] * ratio))
+    return np.array(predictions)
 
 
 def _pair_rows(one: Experiment, output: str) -> Iterator[tuple[Any, float]]:

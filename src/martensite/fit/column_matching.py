@@ -64,11 +64,11 @@ class ComparedColumn:
 
 def list_echoes(system: AbstractSystem) -> set[str]:
     """Return the outputs that repeat a drive of a system."""
-    found = set(system.signals())
+    echoes = set(system.signals())
     for port, one in system.actuators().items():
         names = ("drive", *ECHOES.get(one.source.unit, ()))
-        found |= {system.label(port, name) for name in names}
-    return found
+        echoes |= {system.label(port, name) for name in names}
+    return echoes
 
 
 def match_columns(
@@ -104,13 +104,13 @@ def match_columns(
 def _match_asked(
     record: Record, wanted: Sequence[ComparedColumn], system: AbstractSystem
 ) -> tuple[dict[str, str], Record, list[str]]:
-    columns, known, notes = {}, system.outputs(), list[str]()
+    columns, outputs, notes = {}, system.outputs(), list[str]()
     for one in wanted:
         column = _find_column(record, one.column)
         columns[one.output] = column
-        if one.factor != 1.0 and one.output in known:
-            notes.append(_describe_scaling(record, column, one, known[one.output].unit))
-            record = _scale_column(record, column, one, known[one.output].unit)
+        if one.factor != 1.0 and one.output in outputs:
+            notes.append(_describe_scaling(record, column, one, outputs[one.output].unit))
+            record = _scale_column(record, column, one, outputs[one.output].unit)
             columns[one.output] = one.output
     return columns, record, notes
 
@@ -132,8 +132,8 @@ def _describe_scaling(record: Record, column: str, one: ComparedColumn, unit: st
 def _find_column(record: Record, name: str) -> str:
     spelt = re.sub(r"[\s-]+", "_", name.strip().lower())
     if name not in record.columns and spelt not in record.columns:
-        known = [column for column in record.columns if column != "time"]
-        raise DataError(f"Record `{record.name}` has no column `{name}`. {suggest_name(name, known)}")
+        columns = [column for column in record.columns if column != "time"]
+        raise DataError(f"Record `{record.name}` has no column `{name}`. {suggest_name(name, columns)}")
     return name if name in record.columns else spelt
 
 
@@ -143,14 +143,14 @@ def _scale_column(record: Record, column: str, one: ComparedColumn, unit: str) -
 
 
 def _is_constant(numbers: Any) -> bool:
-    known = numbers[np.isfinite(numbers)]
-    return not known.size or bool(known.max() == known.min())
+    finite_numbers = numbers[np.isfinite(numbers)]
+    return not finite_numbers.size or bool(finite_numbers.max() == finite_numbers.min())
 
 
 def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) -> str:
-    held = [name for name in record.columns if name != "time"]
-    listed = ", ".join(f"`{name}`" for name in held) or "none but `time`"
-    drives = ", ".join(f"`{name}`" for name in held if name in driven)
+    columns = [name for name in record.columns if name != "time"]
+    listed = ", ".join(f"`{name}`" for name in columns) or "none but `time`"
+    drives = ", ".join(f"`{name}`" for name in columns if name in driven)
     why = f", of which {drives} say what drives" if drives else ""
     return (
         f"Record `{record.name}` has no column to compare: it holds {listed}{why}; the system "
@@ -160,20 +160,20 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
 
 
 def read_noise(
-    noise: Mapping[str, str | float], known: Mapping[str, Output], followed: Mapping[str, str]
+    noise: Mapping[str, str | float], all_outputs: Mapping[str, Output], followed: Mapping[str, str]
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return the standard deviations of outputs and drive columns in SI; plain numbers are in SI already.
 
     Args:
         noise: name -> amount.
-        known: outputs.
+        all_outputs: outputs.
         followed: drive column -> its SI unit.
 
     Raises:
         InputError: a name is unknown, or an amount is not above 0.
     """
-    outputs = {name: one.unit for name, one in known.items()}
-    found: dict[str, float] = {}
+    outputs = {name: one.unit for name, one in all_outputs.items()}
+    amounts: dict[str, float] = {}
     for name, given in noise.items():
         require_known("output", name, outputs | dict(followed))
         unit = followed.get(name) or outputs[name]
@@ -183,8 +183,8 @@ def read_noise(
             amount = _read_noise(str(given), name, unit)
         if not amount > 0.0:
             raise ParameterError(f"The noise of `{name}` must be above 0, but is {given}.")
-        found[name] = amount
-    return {n: x for n, x in found.items() if n not in followed}, {n: x for n, x in found.items() if n in followed}
+        amounts[name] = amount
+    return {n: x for n, x in amounts.items() if n not in followed}, {n: x for n, x in amounts.items() if n in followed}
 
 
 def _read_noise(text: str, name: str, unit: str) -> float:
@@ -204,19 +204,19 @@ def read_columns(columns: str | Sequence[str] | Mapping[str, str] | None) -> lis
         return []
     if isinstance(columns, Mapping):
         columns = [f"{output}={column}" for output, column in columns.items()]
-    found = [_read_column(text) for text in split_list(columns)]
-    names = [one.output for one in found]
+    compared_columns = [_read_column(text) for text in split_list(columns)]
+    names = [one.output for one in compared_columns]
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
         raise InputError(f"Output `{double}` is compared with two columns; name one.")
-    return found
+    return compared_columns
 
 
 def _read_column(text: str) -> ComparedColumn:
-    found = _COLUMN.match(text)
-    if found is not None:
+    match = _COLUMN.match(text)
+    if match is not None:
         try:
-            return ComparedColumn(found[1], found[2] or found[1], float(found[3] or 1.0))
+            return ComparedColumn(match[1], match[2] or match[1], float(match[3] or 1.0))
         except ValueError:
             pass
     raise ParameterError(
@@ -239,16 +239,16 @@ def refuse_swapped(fit: Fit, models: dict[str, tuple[Scenario, Model]]) -> None:
                 continue
             for drive in dict.fromkeys(scenario.follows.values()):
                 for record in _exchange_columns(one.record, drive, column):
-                    found = _fit_exchanged(fit.problem, one, record, model, output)
-                    if found > CONVINCING_FIT:
-                        raise DataError(_describe_swap(one, output, drive, column, found))
+                    percent = _fit_exchanged(fit.problem, one, record, model, output)
+                    if percent > CONVINCING_FIT:
+                        raise DataError(_describe_swap(one, output, drive, column, percent))
 
 
-def _describe_swap(one: Experiment, output: str, drive: str, column: str, found: float) -> str:
+def _describe_swap(one: Experiment, output: str, drive: str, column: str, percent: float) -> str:
     return (
         f"Record `{one.record.name}` makes far more sense with its columns `{drive}` and "
         f"`{column}` exchanged: as they are, the best fit follows `{output}` worse than a constant "
-        f"would; exchanged, to {found:.0f} %. Their headings seem to be swapped."
+        f"would; exchanged, to {percent:.0f} %. Their headings seem to be swapped."
     )
 
 

@@ -52,8 +52,8 @@ def _estimate_by_neighbours(t: Any, x: Any, reach: int) -> float:
         for k in range(len(places)):
             if k != j:
                 weights[:, j] *= near[:, k] / (near[:, k] - near[:, j])
-    told = sum(weights[:, j] * x[k : k + count] for j, k in enumerate(places))
-    rest = (x[reach : reach + count] - told) / np.sqrt(1.0 + np.sum(weights**2, axis=1))
+    estimate = sum(weights[:, j] * x[k : k + count] for j, k in enumerate(places))
+    rest = (x[reach : reach + count] - estimate) / np.sqrt(1.0 + np.sum(weights**2, axis=1))
     limit = OUTLYING * 1.4826 * float(np.median(np.abs(rest)))
     inner = rest[np.abs(rest) <= limit]
     return math.sqrt(float(np.mean(inner**2))) if limit > 0.0 else 0.0
@@ -61,17 +61,17 @@ def _estimate_by_neighbours(t: Any, x: Any, reach: int) -> float:
 
 def find_input_noise(problem: Problem) -> tuple[list[FollowedNoise], list[str]]:
     """Return the noise of all driving columns, declared or estimated, and notes on columns left unchanged."""
-    found: dict[tuple[str, str], list[tuple[float, float, int]]] = {}
+    estimates: dict[tuple[str, str], list[tuple[float, float, int]]] = {}
     for one in problem.experiments:
         for drive, column in one.follows.items():
             table = one.followed(drive)
             sigma = estimate_column_noise(table.times, table.values)
-            found.setdefault((drive, column), []).append((sigma, float(np.ptp(table.values)), len(table.times)))
-    kept, notes = list[FollowedNoise](), list[str]()
-    for (drive, column), rows in found.items():
+            estimates.setdefault((drive, column), []).append((sigma, float(np.ptp(table.values)), len(table.times)))
+    noises, notes = list[FollowedNoise](), list[str]()
+    for (drive, column), rows in estimates.items():
         given = problem.input_noise.get(column, problem.input_noise.get(drive))
         if given is not None:
-            kept.append(FollowedNoise(drive, column, given, True))
+            noises.append(FollowedNoise(drive, column, given, True))
             continue
         sigma = math.sqrt(sum(s * s * n for s, _, n in rows) / sum(n for *_, n in rows))
         if sigma > INCREDIBLE * max(reach for _, reach, _ in rows):
@@ -80,5 +80,5 @@ def find_input_noise(problem: Problem) -> tuple[list[FollowedNoise], list[str]]:
                 f"noisy, say how much: `--noise {column}=AMOUNT`."
             )
         elif sigma > 0.0:
-            kept.append(FollowedNoise(drive, column, sigma, False))
-    return kept, notes
+            noises.append(FollowedNoise(drive, column, sigma, False))
+    return noises, notes

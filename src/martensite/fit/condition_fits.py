@@ -77,21 +77,21 @@ def arrange_conditions(task: FitTask) -> ArrangedConditions:
         InputError: a log is among the tables, or tables, scenario and free parameters are inconsistent.
         SolveError: a test run for the choice of the step fails.
     """
-    made, notes, noise = list[ConditionExperiment](), list[str](), dict[str, list[tuple[float, int]]]()
-    known, first = dict[str, float](), None
+    all_experiments, notes, noise = list[ConditionExperiment](), list[str](), dict[str, list[tuple[float, int]]]()
+    spreads, first = dict[str, float](), None
     for log in task.logs:
         scenario = _load_scenario(log)
         first = first or scenario
         table = read_condition_table(log.source, scenario, log.named)  # type: ignore[arg-type]
         experiments, more = _build_experiments(table, log, scenario, task.step, noise)
-        made, notes = made + experiments, [*notes, *table.notes, *more]
-        known |= {one.words: _pool_spread(one) for one in table.measures if one.spreads}
-    inputs = dict.fromkeys(p for one in made for c in one.conditions for p in c.inputs)
-    scales, more = _choose_scales(made, noise)
-    scales |= known
+        all_experiments, notes = all_experiments + experiments, [*notes, *table.notes, *more]
+        spreads |= {one.words: _pool_spread(one) for one in table.measures if one.spreads}
+    inputs = dict.fromkeys(p for one in all_experiments for c in one.conditions for p in c.inputs)
+    scales, more = _choose_scales(all_experiments, noise)
+    scales |= spreads
     notes += more
-    held, turns = _choose_held_rows(made, task.hold_out)
-    whole = _build_problem(task, held, scales, [*inputs])
+    split_experiments, turns = _choose_held_rows(all_experiments, task.hold_out)
+    whole = _build_problem(task, split_experiments, scales, [*inputs])
     notes += check_start(whole.training)
     if first is None:
         raise InputError("A fit needs at least one log; none given.")
@@ -109,20 +109,20 @@ def _load_scenario(log: Log) -> Scenario:
 
 
 def _build_problem(
-    task: FitTask, made: Sequence[ConditionExperiment], scales: Mapping[str, float], inputs: Sequence[str]
+    task: FitTask, experiments: Sequence[ConditionExperiment], scales: Mapping[str, float], inputs: Sequence[str]
 ) -> Problem:
     from martensite.fit.fit_task import list_paths, spell_paths
 
     scenario = _load_scenario(task.logs[0])
-    known, systems = list_paths(scenario), [one.system for one in made]
-    free = read_ranges(spell_paths(task.free, known), systems)
-    outputs = {name: one for e in made for name, one in e.describe_outputs().items()}
-    each = read_ranges(spell_paths(task.each, known), systems, own=True, outputs=outputs)
+    paths, systems = list_paths(scenario), [one.system for one in experiments]
+    free = read_ranges(spell_paths(task.free, paths), systems)
+    outputs = {name: one for e in experiments for name, one in e.describe_outputs().items()}
+    each = read_ranges(spell_paths(task.each, paths), systems, own=True, outputs=outputs)
     for wanted in each:
         if wanted.name == "delay":
             raise ParameterError("A table of conditions has no clock, and so no `delay`.")
     noise = read_noise(task.noise, outputs, {})[0]
-    problem = build_problem(made, free, each=each, noise={**scales, **noise}, step=None)
+    problem = build_problem(experiments, free, each=each, noise={**scales, **noise}, step=None)
     _refuse_set(problem, scenario, inputs)
     return problem
 
@@ -145,16 +145,16 @@ def _build_experiments(
     """Return one experiment for every combination of groups, and remarks on them."""
     count = len(table.measures[0].values)
     keys = list(zip(*table.groups.values(), strict=True)) if table.groups else [(log.name or table.name,)] * count
-    made, notes = list[ConditionExperiment](), list[str]()
+    experiments, notes = list[ConditionExperiment](), list[str]()
     for key in dict.fromkeys(keys):
         places = [k for k, one in enumerate(keys) if one == key]
         rows = _merge_repeats(table, places, noise)
         groups = dict(zip(table.groups, key, strict=True)) if table.groups else {}
-        made.append(_build_experiment(table, log, scenario, rows, ", ".join(key), groups, step))
-    merged = count - sum(len(one.record) for one in made)
+        experiments.append(_build_experiment(table, log, scenario, rows, ", ".join(key), groups, step))
+    merged = count - sum(len(one.record) for one in experiments)
     if merged:
         notes.append(f"{merged} rows of `{table.path.name}` are repeats: means count as many times as they are.")
-    return made, notes
+    return experiments, notes
 
 
 def _merge_repeats(
@@ -162,20 +162,22 @@ def _merge_repeats(
 ) -> list[_Row]:
     """Return the merged rows of each condition, ordered by their drives, with their scatter."""
     order = sorted(table.inputs, key=lambda one: not one.level)
-    found: dict[tuple[float, ...], list[int]] = {}
+    repeats: dict[tuple[float, ...], list[int]] = {}
     for k in places:
-        found.setdefault(tuple(float(f"{one.values[k]:.9g}") for one in order), []).append(k)
+        repeats.setdefault(tuple(float(f"{one.values[k]:.9g}") for one in order), []).append(k)
     rows = list[_Row]()
-    for _, own in sorted(found.items()):
+    for _, own in sorted(repeats.items()):
         values, counts = dict[str, float](), dict[str, float]()
         for one in table.measures:
-            known = [k for k in own if math.isfinite(one.values[k])]
-            numbers = np.array([one.values[k] for k in known])
-            weights = np.array([_weigh_row(table, one, k) for k in known])
-            values[one.words] = float(np.average(numbers, weights=weights)) if known else math.nan
-            counts[one.words] = float(weights.sum()) if known else 1.0
-            if len(known) > 1 and not one.spreads:
-                noise.setdefault(one.words, []).append((float(np.sum((numbers - numbers.mean()) ** 2)), len(known) - 1))
+            finite_rows = [k for k in own if math.isfinite(one.values[k])]
+            numbers = np.array([one.values[k] for k in finite_rows])
+            weights = np.array([_weigh_row(table, one, k) for k in finite_rows])
+            values[one.words] = float(np.average(numbers, weights=weights)) if finite_rows else math.nan
+            counts[one.words] = float(weights.sum()) if finite_rows else 1.0
+            if len(finite_rows) > 1 and not one.spreads:
+                noise.setdefault(one.words, []).append(
+                    (float(np.sum((numbers - numbers.mean()) ** 2)), len(finite_rows) - 1)
+                )
         rows.append(_Row(own, values, counts))
     return rows
 
@@ -261,52 +263,56 @@ def _choose_step(scenarios: Sequence[Scenario]) -> float:
 
 
 def _choose_scales(
-    made: Sequence[ConditionExperiment], noise: Mapping[str, list[tuple[float, int]]]
+    experiments: Sequence[ConditionExperiment], noise: Mapping[str, list[tuple[float, int]]]
 ) -> tuple[dict[str, float], list[str]]:
     """Return the noise of single runs by measure, if repeats determine it."""
-    found, notes = dict[str, float](), list[str]()
-    for words in dict.fromkeys(words for one in made for words in one.columns):
-        values = np.concatenate([one.measured[:, one.outputs.index(words)] for one in made if words in one.columns])
+    scales, notes = dict[str, float](), list[str]()
+    for words in dict.fromkeys(words for one in experiments for words in one.columns):
+        values = np.concatenate(
+            [one.measured[:, one.outputs.index(words)] for one in experiments if words in one.columns]
+        )
         if np.nanmin(values) == np.nanmax(values):
             raise DataError(f"`{words}` is the same in all rows; nothing can be learned from it. Head it `-`.")
     for words, parts in noise.items():
         spare = sum(n for _, n in parts)
         size = math.sqrt(sum(square for square, _ in parts) / spare)
         if spare >= SPARE and size > 0.0:
-            unit = next(e.describe_outputs()[words].unit for e in made if words in e.columns)
-            found[words] = size
+            unit = next(e.describe_outputs()[words].unit for e in experiments if words in e.columns)
+            scales[words] = size
             notes.append(
                 f"Repeats of `{words}` scatter by {format_change(size, unit, 2)}, which is taken as its noise."
             )
-    return found, notes
+    return scales, notes
 
 
 def _choose_held_rows(
-    made: Sequence[ConditionExperiment], hold_out: str | Sequence[str]
+    experiments: Sequence[ConditionExperiment], hold_out: str | Sequence[str]
 ) -> tuple[list[ConditionExperiment], bool]:
     """Return the experiments with held-out rows, and whether each is left out in turn."""
-    names = [one.name for one in made]
-    if hold_out == EACH or (hold_out == AUTO and len(made) >= SPECIMENS):
+    names = [one.name for one in experiments]
+    if hold_out == EACH or (hold_out == AUTO and len(experiments) >= SPECIMENS):
         choose_held_out(EACH, names, [])
-        return list(made), True
+        return list(experiments), True
     if hold_out == AUTO:
-        return hold_later(made) or _hold_share(made, LEFT_OUT), False
+        return hold_later(experiments) or _hold_share(experiments, LEFT_OUT), False
     if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
-        return _hold_share(made, read_share(hold_out)), False
+        return _hold_share(experiments, read_share(hold_out)), False
     if hold_out == NONE:
-        return list(made), False
-    held = choose_held_out(hold_out, names, [one.record.times.tolist() for one in made])
-    return [replace(one, held=ALL if rows else ()) for one, rows in zip(made, held, strict=True)], False
+        return list(experiments), False
+    held_out_stretches = choose_held_out(hold_out, names, [one.record.times.tolist() for one in experiments])
+    return [
+        replace(one, held=ALL if rows else ()) for one, rows in zip(experiments, held_out_stretches, strict=True)
+    ], False
 
 
-def _hold_share(made: Sequence[ConditionExperiment], share: float) -> list[ConditionExperiment]:
+def _hold_share(experiments: Sequence[ConditionExperiment], share: float) -> list[ConditionExperiment]:
     """Return the experiments with a fraction of their conditions held out."""
-    return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in made]
+    return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in experiments]
 
 
 def hold_later(experiments: Sequence[object], share: float = LATER) -> list[ConditionExperiment] | None:
     """Return tables of cycles with the later cycles held out; None if one of them has no cycles."""
-    found = list[ConditionExperiment]()
+    tables = list[ConditionExperiment]()
     for one in experiments:
         if not isinstance(one, ConditionExperiment):
             return None
@@ -315,8 +321,8 @@ def hold_later(experiments: Sequence[object], share: float = LATER) -> list[Cond
             return None
         first = levels[-min(max(1, round(share * len(levels))), len(levels) - 1)]
         rows = [k + 1.0 for k, cycles in enumerate(one.cycles) if cycles >= first]
-        found.append(replace(one, held=tuple((k, k) for k in rows)))
-    return found
+        tables.append(replace(one, held=tuple((k, k) for k in rows)))
+    return tables
 
 
 def pick_rows(count: int, share: float) -> list[float]:
@@ -324,8 +330,8 @@ def pick_rows(count: int, share: float) -> list[float]:
     wanted = min(max(1, round(share * count)), count - 1)
     if wanted < 1:
         return []
-    found, depth = [count, 1 + count // 2, 1], 2
-    while len(dict.fromkeys(found)) < wanted:
-        found += [1 + round((count - 1) * (2 * k + 1) / 2**depth) for k in range(2 ** (depth - 1))]
+    rows, depth = [count, 1 + count // 2, 1], 2
+    while len(dict.fromkeys(rows)) < wanted:
+        rows += [1 + round((count - 1) * (2 * k + 1) / 2**depth) for k in range(2 ** (depth - 1))]
         depth += 1
-    return sorted(float(k) for k in list(dict.fromkeys(found))[:wanted])
+    return sorted(float(k) for k in list(dict.fromkeys(rows))[:wanted])

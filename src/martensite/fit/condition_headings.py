@@ -28,8 +28,8 @@ _TIME_TO = re.compile(r"^time to (peak|max(?:imum)?|([\d.]+) ?%)(?: of)?(?: (.+)
 
 def split_heading(text: str) -> tuple[str, str]:
     """Return the name in lower case, and the unit in brackets."""
-    found = _HEADING.match(text)
-    name, unit = (found[1], found[2] or "") if found else (text.strip(), "")
+    match = _HEADING.match(text)
+    name, unit = (match[1], match[2] or "") if match else (text.strip(), "")
     round_brackets = _ROUND.match(name)
     if round_brackets and not unit and round_brackets[1].strip() not in MEASURES.names():
         name, unit = round_brackets[1], round_brackets[2]
@@ -46,14 +46,14 @@ def find_measure_words(name: str, outputs: Iterable[str]) -> str:
         name: heading without its unit, as `split_heading` returns it.
         outputs: names of the outputs of the system.
     """
-    known, plain = list(outputs), name.replace(" ", "-")
+    output_names, plain = list(outputs), name.replace(" ", "-")
     if "(" in name or plain in MEASURES.names():
         return _keep_measure(name if "(" in name else plain)
-    found = _TIME_TO.match(name)
-    if found is not None:
-        share = f"share={found[2]} %" if found[2] else ""
-        return _write_time(_find_output(found[3], known), share) if found[3] else _write_first_time(share)
-    return _write_way([word for word in name.split(" ") if word != "of"], known)
+    match = _TIME_TO.match(name)
+    if match is not None:
+        share = f"share={match[2]} %" if match[2] else ""
+        return _write_time(_find_output(match[3], output_names), share) if match[3] else _write_first_time(share)
+    return _write_way([word for word in name.split(" ") if word != "of"], output_names)
 
 
 def _keep_measure(text: str) -> str:
@@ -76,7 +76,7 @@ def _write_time(output: str, share: str) -> str:
     return f"{'reach' if share else 'peak'}-time({options})" if options else "peak-time"
 
 
-def _write_way(words: Sequence[str], known: Sequence[str]) -> str:
+def _write_way(words: Sequence[str], output_names: Sequence[str]) -> str:
     """Return the measure of words such as `peak` next to an output; empty without a match."""
     ways = [word for word in words if word in WAYS]
     rest = " ".join(word for word in words if word not in WAYS)
@@ -84,13 +84,13 @@ def _write_way(words: Sequence[str], known: Sequence[str]) -> str:
         return ""
     if rest in STROKES and WAYS[ways[0]] == "max":
         return "stroke"
-    output = _find_output(rest, known)
+    output = _find_output(rest, output_names)
     return f"{WAYS[ways[0]]}({output})" if output else WAYS[ways[0]]
 
 
-def _find_output(words: str, known: Sequence[str]) -> str:
+def _find_output(words: str, output_names: Sequence[str]) -> str:
     """Return the output for some words; empty for the first coordinate."""
     plain = words.replace(" ", "_")
-    if plain in known or words in STROKES:
+    if plain in output_names or words in STROKES:
         return "" if words in STROKES else plain
-    return find_quantity(plain, lambda name: name in known) or plain
+    return find_quantity(plain, lambda name: name in output_names) or plain

@@ -107,13 +107,13 @@ class ConditionExperiment(Experiment):
 
         Shorter grids repeat their last row without a step, so that all have equally many rows.
         """
-        at_end, found = [drive.at_end for drive in self.system.drives()], list[TimeGrid]()
+        at_end, grids = [drive.at_end for drive in self.system.drives()], list[TimeGrid]()
         for one in self.conditions:
             waves = arrange_waveforms(self.system, one.waveform)
             longest = min(self.step if step is None else step, one.duration / LEAST_STEPS)
-            found.append(grid_at(waves, [0.0, one.duration], longest, at_end).keep_steps(waves))
-        most = max(len(grid.times) for grid in found)
-        return [_extend_grid(grid, most) for grid in found]
+            grids.append(grid_at(waves, [0.0, one.duration], longest, at_end).keep_steps(waves))
+        most = max(len(grid.times) for grid in grids)
+        return [_extend_grid(grid, most) for grid in grids]
 
     def grid(self, step: float | None = None) -> Any:
         """Return the grids of all rows, as a batch."""
@@ -165,18 +165,18 @@ class ConditionRunner:
 
     def run_one(self, values: Any) -> Any:
         """Return the measures (rows, measures); None if a run fails."""
-        found = self.run_many(np.asarray(values)[None])[0]
-        return found if np.isfinite(found).all() else None
+        measures = self.run_many(np.asarray(values)[None])[0]
+        return measures if np.isfinite(measures).all() else None
 
     def run_many(self, table: Any) -> Any:
         """Return the measures (points, rows, measures) of a table (points, parameters); NaN for failed runs."""
         rows, points = len(self.grids), len(table)
         places = np.repeat(np.arange(rows), points)
         marched = self.march(places, np.tile(np.asarray(table), (rows, 1)))
-        found = np.empty((points, rows, len(self.measures)))
+        measures = np.empty((points, rows, len(self.measures)))
         for row in range(rows):
-            found[:, row] = self._judge(row, marched[row * points : (row + 1) * points])
-        return found
+            measures[:, row] = self._judge(row, marched[row * points : (row + 1) * points])
+        return measures
 
     def run_slopes(self, values: Any, seeds: Any) -> tuple[Any, Any] | None:
         """Return the measures with their derivatives (rows, measures, directions); None if a run fails."""
@@ -184,12 +184,12 @@ class ConditionRunner:
         for row, grid in enumerate(self.grids):
             own, moving = self._set_values(row, values), np.array(seeds)
             moving[list(self.changes[row])] = 0.0
-            found = self.single.with_grid(grid).run_slopes(own, moving)
-            if found is None:
+            run = self.single.with_grid(grid).run_slopes(own, moving)
+            if run is None:
                 return None
             times = np.asarray(grid.times)
-            rows.append(self._judge(row, found[0][None])[0])
-            slopes.append([self._weigh(one, times, *found) for one in self.measures])
+            rows.append(self._judge(row, run[0][None])[0])
+            slopes.append([self._weigh(one, times, *run) for one in self.measures])
         finite = np.isfinite(rows).all() and np.isfinite(slopes).all()
         return (np.array(rows), np.array(slopes)) if finite else None
 
@@ -211,17 +211,17 @@ class ConditionRunner:
         return np.concatenate(pieces)
 
     def _set_values(self, row: int, values: Any) -> Any:
-        found = np.array(values, float)
+        row_values = np.array(values, float)
         for place, value in self.changes[row].items():
-            found[place] = value
-        return found
+            row_values[place] = value
+        return row_values
 
     def _judge(self, row: int, runs: Any) -> Any:
         """Return the measures (runs, measures) of runs (runs, samples, outputs) of a row."""
         times = np.asarray(self.grids[row].times)
         with np.errstate(invalid="ignore"):
-            found = [one.value(tabulate_samples(times, self._select(one, runs))) for one in self.measures]
-        return np.where(np.isfinite(runs).all(axis=(1, 2))[:, None], np.stack(found, axis=1), np.nan)
+            measures = [one.value(tabulate_samples(times, self._select(one, runs))) for one in self.measures]
+        return np.where(np.isfinite(runs).all(axis=(1, 2))[:, None], np.stack(measures, axis=1), np.nan)
 
     def _select(self, one: AbstractMeasure, runs: Any) -> Any:
         """Return the columns used by a measure, (columns, samples, runs)."""

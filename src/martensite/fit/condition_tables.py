@@ -200,16 +200,16 @@ class _Reading:
             self._add_numbers(place, name, unit)
 
     def _add_numbers(self, place: int, name: str, unit: str) -> None:
-        found = self._find_role(name)
-        if found is None:
+        column_role = self._find_role(name)
+        if column_role is None:
             likely = [*INPUTS, *LEVELS, *(n.rpartition(".")[2] for n in self.known)]
             raise DataError(
                 f"{self.where}: column `{name}` is nothing that the scenario is given, and no measure. "
                 f"{suggest_name(name, likely)} A measure is written `peak force`, `force rise` or "
                 "`max(force)`; a column headed `-` is passed over."
             )
-        role, what = found
-        double = next((h for r, h, w in self.roles.values() if (r, w) == found), None)
+        role, what = column_role
+        double = next((h for r, h, w in self.roles.values() if (r, w) == column_role), None)
         if double is not None:
             raise DataError(f"{self.where}: columns `{double}` and `{name}` both are `{what}`; leave one out.")
         si, spelling = "1", unit
@@ -222,9 +222,9 @@ class _Reading:
         self.units[place] = self._check_unit(name, spelling, si), si
         self.roles[place] = role, name, what
         if role != "count":
-            shown = f" [{unit}]" if unit else ""
+            unit_suffix = f" [{unit}]" if unit else ""
             meaning = {"input": "sets", "measure": "is", "spread": "is the standard deviation of"}[role]
-            self.notes.append(f"Column `{name}{shown}` {meaning} `{what}`.")
+            self.notes.append(f"Column `{name}{unit_suffix}` {meaning} `{what}`.")
 
     def _check_unit(self, name: str, spelling: str, si: str) -> str:
         if not spelling and si != "1":
@@ -269,8 +269,8 @@ class _Reading:
         for path in INPUTS.get(name, ()):
             if path in self.known:
                 return path
-        found = find_paths(name.replace(" ", "_") if "." not in name else name, self.known)
-        return found[0] if len(found) == 1 else ""
+        paths = find_paths(name.replace(" ", "_") if "." not in name else name, self.known)
+        return paths[0] if len(paths) == 1 else ""
 
     def finish(self, headings: Sequence[str]) -> ConditionTable:
         """Return the complete table.
@@ -283,19 +283,19 @@ class _Reading:
             raise DataError(f"{self.where} has no measure to fit, such as `peak stroke [mm]` or `max(force) [N]`.")
         names = [f"c{k} [{self.units[k][0]}]" if k in self.roles else IGNORED for k in range(len(headings))]
         record = read_table(self.path, names, interval=1.0, gaps=True)
-        found = {k: self._convert_column(k, record) for k in self.roles}
-        spreads = {what: found[k] for k, (role, _, what) in self.roles.items() if role == "spread"}
+        columns = {k: self._convert_column(k, record) for k in self.roles}
+        spreads = {what: columns[k] for k, (role, _, what) in self.roles.items() if role == "spread"}
         inputs = tuple(
-            InputColumn(name, what, self.known[what].unit, found[k], self.known[what].level is not None)
+            InputColumn(name, what, self.known[what].unit, columns[k], self.known[what].level is not None)
             for k, (role, name, what) in self.roles.items()
             if role == "input"
         )
         measures = tuple(
-            MeasureColumn(name, what, parse_measure(what), self.units[k][1], found[k], spreads.get(what, ()))
+            MeasureColumn(name, what, parse_measure(what), self.units[k][1], columns[k], spreads.get(what, ()))
             for k, (role, name, what) in self.roles.items()
             if role == "measure"
         )
-        counts = next((found[k] for k, (role, _, _) in self.roles.items() if role == "count"), ())
+        counts = next((columns[k] for k, (role, _, _) in self.roles.items() if role == "count"), ())
         table = ConditionTable(
             self.path.stem, self.path, inputs, measures, self.groups, counts, tuple(self.notes), tuple(self.numbers)
         )
@@ -331,25 +331,25 @@ def _is_force(unit: str) -> bool:
 def _list_inputs(scenario: Scenario) -> dict[str, Target]:
     """Return the possible inputs of a table, by path for `--set`."""
     system = scenario.system
-    found = {"run.duration": Target("run.duration", "", "s", scenario.duration)}
+    targets = {"run.duration": Target("run.duration", "", "s", scenario.duration)}
     for leaf in system.leaves():
         path = scenario.places.path(leaf.path)
-        found[path] = Target.from_leaf(leaf, path)
+        targets[path] = Target.from_leaf(leaf, path)
     drives = {drive.name: drive.unit for drive in system.drives()}
     for name, wave in by_name(system, scenario.waveform).items():
         begin = waveform_path(system, name, scenario.places.drive)
         for leaf in wave.leaves():
             unit = drives[name] if leaf.declared.unit == DRIVE else leaf.declared.unit
             one = Target(begin + leaf.path, leaf.path, unit, float(leaf.value), leaf.declared.doc, drive=name)
-            found[one.name] = one
-    return _mark_levels(found)
+            targets[one.name] = one
+    return _mark_levels(targets)
 
 
-def _mark_levels(found: Mapping[str, Target]) -> dict[str, Target]:
+def _mark_levels(targets: Mapping[str, Target]) -> dict[str, Target]:
     """Return the targets, with the first level parameter of every waveform marked as the drive."""
-    marked = dict(found)
-    for drive in dict.fromkeys(one.drive for one in found.values() if one.drive):
-        own = {one.path: one for one in found.values() if one.drive == drive}
+    marked = dict(targets)
+    for drive in dict.fromkeys(one.drive for one in targets.values() if one.drive):
+        own = {one.path: one for one in targets.values() if one.drive == drive}
         name = next((name for name in PEAKS if name in own), None)
         if name is not None:
             one = own[name]

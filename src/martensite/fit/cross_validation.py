@@ -59,7 +59,7 @@ class PooledError(OutputError):
 
 def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
     """Return the errors of every output over all records, with the common baselines."""
-    found: list[PooledError] = []
+    pooled_errors: list[PooledError] = []
     for output in dict.fromkeys(one.output for one in errors):
         own = [one for one in errors if one.output == output]
         weights = np.array([one.samples for one in own], float)
@@ -70,8 +70,8 @@ def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
         shared = [name for name in own[0].rivals if all(name in one.rivals for one in own)]
         rivals = {name: pool([one.rivals[name] for one in own]) for name in shared}
         rms, spread, offset = (pool([getattr(one, n) for one in own]) for n in ("rms", "spread", "offset_rms"))
-        found.append(PooledError(rms, spread, rivals, output, own[0].unit, offset))
-    return found
+        pooled_errors.append(PooledError(rms, spread, rivals, output, own[0].unit, offset))
+    return pooled_errors
 
 
 def cross_validate(
@@ -90,7 +90,7 @@ def cross_validate(
         KeyboardInterrupt: the tests were interrupted.
         InputError: `hold_out` is invalid.
     """
-    found: list[HeldOutError] = []
+    errors: list[HeldOutError] = []
     folds = list(list_folds(whole.problem, kind, hold_out))
     for k, fold in enumerate(folds):
         watch = box.limit(box.share + (1.0 - box.share) / (len(folds) - k))
@@ -103,8 +103,8 @@ def cross_validate(
                 raise KeyboardInterrupt
         if any(fit.reason == OUT_OF_TIME for fit in fits):  # no true prediction: the start was fitted to held-out data
             continue
-        found += _judge_fold(min(fits, key=lambda fit: fit.cost), fold, kind.given_start)
-    return found
+        errors += _judge_fold(min(fits, key=lambda fit: fit.cost), fold, kind.given_start)
+    return errors
 
 
 def list_folds(problem: Problem, kind: AbstractExperimentKind, hold_out: str = AUTO) -> Iterator[Problem]:
@@ -126,22 +126,27 @@ def list_folds(problem: Problem, kind: AbstractExperimentKind, hold_out: str = A
 
 def _shows_both_ways(one: Experiment) -> bool:
     """Return whether the first output rises and falls by half its range before the tail: both transformations."""
-    shown = one.measured[:, 0]
-    known = np.isfinite(shown)
-    before = shown[known & (one.times < one.times[-1] - TAIL * (one.times[-1] - one.times[0]))]
+    samples = one.measured[:, 0]
+    finite_rows = np.isfinite(samples)
+    before = samples[finite_rows & (one.times < one.times[-1] - TAIL * (one.times[-1] - one.times[0]))]
     if not before.size:
         return False
-    half = 0.5 * float(np.ptp(shown[known]))
+    half = 0.5 * float(np.ptp(samples[finite_rows]))
     rise = float(np.max(before - np.minimum.accumulate(before)))
     fall = float(np.max(np.maximum.accumulate(before) - before))
     return min(rise, fall) >= half
 
 
-def _leave_out(problem: Problem, held: Mapping[str, Any]) -> Problem:
-    made = tuple(replace(one, held=held.get(one.name, ())) for one in problem.experiments)
-    gone = {one.name for one in made if one.held_out}
-    later = tuple(f for f in problem.free if f.record in gone)
-    return replace(problem, experiments=made, free=tuple(f for f in problem.free if f.record not in gone), later=later)
+def _leave_out(problem: Problem, held_out_stretches: Mapping[str, Any]) -> Problem:
+    experiments = tuple(replace(one, held=held_out_stretches.get(one.name, ())) for one in problem.experiments)
+    held_out_names = {one.name for one in experiments if one.held_out}
+    later = tuple(f for f in problem.free if f.record in held_out_names)
+    return replace(
+        problem,
+        experiments=experiments,
+        free=tuple(f for f in problem.free if f.record not in held_out_names),
+        later=later,
+    )
 
 
 def with_start(problem: Problem, numbers: Mapping[str, float]) -> Problem:
@@ -158,26 +163,26 @@ def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutE
     rows = list_compared(fit)
     training = [one for one in fold.experiments if not one.held_out]
     for one in rows:
-        held = one.held
-        if not held.any():
+        held_out_rows = one.held
+        if not held_out_rows.any():
             continue
         fitted = [x for x in rows if x.used.any() and x.output == one.output]
         plain = one.model if one.raw is None or given_start else one.raw + _predict_zero(fit, fitted, one)
-        measured = one.measured[held]
+        measured = one.measured[held_out_rows]
         rivals = {
-            name: _compute_rms(guess[held] - measured, centred=given_start)
+            name: _compute_rms(guess[held_out_rows] - measured, centred=given_start)
             for name, guess in predict_naively(training, one.experiment, one.output).items()
         }
         yield HeldOutError(
-            _compute_rms(plain[held] - measured),
+            _compute_rms(plain[held_out_rows] - measured),
             float(np.std(measured)),
             rivals,
             one.output,
             one.description.unit,
-            math.nan if one.raw is None or given_start else _compute_rms(one.model[held] - measured),
+            math.nan if one.raw is None or given_start else _compute_rms(one.model[held_out_rows] - measured),
             one.record,
             one.experiment.held_out,
-            int(held.sum()),
+            int(held_out_rows.sum()),
         )
 
 
@@ -197,5 +202,5 @@ def _predict_zero(fit: Fit, fitted: Sequence[ComparedOutput], one: ComparedOutpu
 
 
 def _compute_rms(errors: Any, centred: bool = False) -> float:
-    found = errors - np.mean(errors) if centred else errors
-    return math.sqrt(float(np.mean(found**2)))
+    deviations = errors - np.mean(errors) if centred else errors
+    return math.sqrt(float(np.mean(deviations**2)))

@@ -51,14 +51,14 @@ def verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
     watch.stage = "verifying the optimum"
     for _ in range(POLISHES):
         point = np.array(watch.best)
-        found = watch.evaluate(point.tolist(), slopes=True)
-        if found is None:
+        evaluation = watch.evaluate(point.tolist(), slopes=True)
+        if evaluation is None:
             return NOT_STATIONARY
-        weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))
+        weights = np.sqrt(loss.weights(evaluation.residuals, _scale_loss(loss, evaluation)))
         order, place = watch.problem.order, watch.problem.order.find_places(point)
-        weighted = weights * found.residuals, weights[:, None] * (found.jacobian @ order.find_slopes(place))
-        step, asked = find_step(*weighted, place)
-        if asked <= STATIONARY:
+        weighted = weights * evaluation.residuals, weights[:, None] * (evaluation.jacobian @ order.find_slopes(place))
+        step, step_length = find_step(*weighted, place)
+        if step_length <= STATIONARY:
             return CONVERGED if find_step(*weighted, 0.5 + 0.0 * point)[1] <= STATIONARY else BOUNDED
         if loss.name != "linear":
             return NOT_STATIONARY
@@ -71,8 +71,8 @@ def verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
     return NOT_STATIONARY
 
 
-def _scale_loss(loss: Loss, found: Evaluation) -> float:
-    return 1.0 if loss.name == "linear" else max(estimate_scale(found.residuals), 1e-12)
+def _scale_loss(loss: Loss, evaluation: Evaluation) -> float:
+    return 1.0 if loss.name == "linear" else max(estimate_scale(evaluation.residuals), 1e-12)
 
 
 def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
@@ -84,8 +84,8 @@ def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
         point: fractions from 0 to 1.
     """
     gradient = jacobian.T @ residuals
-    held = ((point <= AT_BOUND) & (gradient > 0.0)) | ((point >= 1.0 - AT_BOUND) & (gradient < 0.0))
-    step, moving = np.zeros(len(point)), np.flatnonzero(~held)
+    fixed_parameters = ((point <= AT_BOUND) & (gradient > 0.0)) | ((point >= 1.0 - AT_BOUND) & (gradient < 0.0))
+    step, moving = np.zeros(len(point)), np.flatnonzero(~fixed_parameters)
     spare = max(len(residuals) - len(moving), 1)
     noise = math.sqrt(float(residuals @ residuals) / spare)
     if not len(moving) or noise <= ROUNDING:
@@ -108,10 +108,10 @@ def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_
         scale = loss.tuning * max(estimate_scale((now or first).residuals), 1e-12)
         begin = np.array(watch.best)
         watch.cost = math.inf  # another cost counts from here on
-    found = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
+    descent = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
     if loss.name != "linear":  # unweighted least squares are not the target
-        watch.best = tuple(map(float, found.shares))
-    return CONVERGED if found.converged else f"stopped after {most} evaluations"
+        watch.best = tuple(map(float, descent.shares))
+    return CONVERGED if descent.converged else f"stopped after {most} evaluations"
 
 
 def _descend_to_optimum(
@@ -120,9 +120,9 @@ def _descend_to_optimum(
     order = watch.problem.order
 
     def evaluate(v: Any, slopes: bool) -> Evaluation | None:
-        found = watch.evaluate(order.find_shares(v).tolist(), slopes=slopes)
-        return order.turn_slopes(found, v) if slopes and found is not None else found
+        outcome = watch.evaluate(order.find_shares(v).tolist(), slopes=slopes)
+        return order.turn_slopes(outcome, v) if slopes and outcome is not None else outcome
 
     place = order.find_places(begin)
-    found = descend_squares(evaluate, place, order.turn_slopes(first, place), most=most, loss=loss, scale=scale)
-    return found._replace(shares=order.find_shares(found.shares))
+    outcome = descend_squares(evaluate, place, order.turn_slopes(first, place), most=most, loss=loss, scale=scale)
+    return outcome._replace(shares=order.find_shares(outcome.shares))

@@ -76,9 +76,11 @@ def choose_drift(problem: Problem, solve: Callable[[Problem], Fit]) -> tuple[Pro
     if not slow or later is None:
         return problem, []
     free = tuple(_allow_zero(x) if x.name in (*slow, *settling) else x for x in problem.free)
-    begun = replace(problem, free=free)
+    relaxed_problem = replace(problem, free=free)
     try:
-        tried, notes = _try_laws(begun, {"exponential": slow, "logarithm": settling, "both": []}, later, solve)
+        tried, notes = _try_laws(
+            relaxed_problem, {"exponential": slow, "logarithm": settling, "both": []}, later, solve
+        )
     except OutOfTimeError:
         return problem, ["The laws of drift were not compared, because of the time box (`--time-box`)."]
     simple = [one for one in tried if one.dropped or one.excludes_zero([*slow, *settling])]
@@ -94,16 +96,18 @@ def _try_laws(
     """Return the laws fitted to the earlier cycles, and remarks; `laws` lists the amplitudes that are 0."""
     tried, notes = list[TriedDrift](), list[str]()
     for name, dropped in laws.items():
-        made = _drop_numbers(problem, dropped)
-        held = tuple(replace(new, held=old.held) for new, old in zip(made.experiments, later, strict=True))
+        reduced_problem = _drop_numbers(problem, dropped)
+        experiments = tuple(
+            replace(new, held=old.held) for new, old in zip(reduced_problem.experiments, later, strict=True)
+        )
         try:
-            fit = solve(replace(made, experiments=held))
+            fit = solve(replace(reduced_problem, experiments=experiments))
         except SolveError as error:
             notes.append(f"Drift law not compared: {name}. {error}")
             continue
         if fit.reason in (INTERRUPTED, OUT_OF_TIME):
             raise KeyboardInterrupt if fit.reason == INTERRUPTED else OutOfTimeError
-        tried.append(TriedDrift(name, made, fit, tuple(dropped)))
+        tried.append(TriedDrift(name, reduced_problem, fit, tuple(dropped)))
     if not tried:
         raise SolveError(f"No law of drift can be fitted. {' '.join(notes)}")
     return tried, notes
@@ -126,11 +130,11 @@ def _conclude(
 def _drop_numbers(problem: Problem, names: Sequence[str]) -> Problem:
     """Return the problem with some free parameters fixed at 0."""
     dropped = [free for free in problem.free if free.name in names]
-    made = list[Experiment]()
+    experiments = list[Experiment]()
     for one in problem.experiments:
         paths = [leaf.path for leaf in one.system.leaves() if any(free.moves(leaf.path) for free in dropped)]
-        made.append(replace(one, system=one.system.with_values(dict.fromkeys(paths, 0.0))))
-    return replace(problem, experiments=tuple(made), free=tuple(x for x in problem.free if x.name not in names))
+        experiments.append(replace(one, system=one.system.with_values(dict.fromkeys(paths, 0.0))))
+    return replace(problem, experiments=tuple(experiments), free=tuple(x for x in problem.free if x.name not in names))
 
 
 def _allow_zero(free: FreeNumber) -> FreeNumber:

@@ -56,11 +56,11 @@ def fit_drive_lag(
         lags: number of time constants tried, besides no lag.
         refined: number of finer grids around the best time constant.
     """
-    seen = [np.isfinite(np.asarray(one[column], float)) for one in records]
-    y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, seen, strict=True)])
+    masks = [np.isfinite(np.asarray(one[column], float)) for one in records]
+    y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, masks, strict=True)])
 
     def gather(lag: float) -> Any:
-        return np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, seen, strict=True)])[:, None]
+        return np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, masks, strict=True)])[:, None]
 
     longest = max(r.times[-1] - r.times[0] for r in records)
     least = min(float(np.median(np.diff(r.times))) for r in records)

@@ -51,7 +51,7 @@ class InputCorrection:
 
     def whiten(self, rows: Any) -> Any:
         """Return the residuals (n,), or derivatives (n, free), with equal scatter."""
-        found = rows.copy()
+        white_rows = rows.copy()
         for places, directions, less in self.parts:
-            found[places] -= directions @ (less * (directions.T @ rows[places]).T).T
-        return found
+            white_rows[places] -= directions @ (less * (directions.T @ rows[places]).T).T
+        return white_rows

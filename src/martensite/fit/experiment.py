@@ -185,11 +185,11 @@ def check_experiment(experiment: Experiment) -> None:
     Raises:
         DataError: unknown outputs, other units, too few rows, a constant or an impossible column.
     """
-    record, known = experiment.record, experiment.system.outputs()
+    record, outputs = experiment.record, experiment.system.outputs()
     if not experiment.columns:
         raise DataError(
             f"Record `{record.name}` and the system have no column in common; the record holds "
-            f"{_list_columns(record.columns)}, the system gives {_list_columns(known)}."
+            f"{_list_columns(record.columns)}, the system gives {_list_columns(outputs)}."
         )
     if record.times[0] + experiment.lead < 0.0:
         raise DataError(
@@ -197,12 +197,12 @@ def check_experiment(experiment: Experiment) -> None:
             f"{-experiment.lead:.6g} s."
         )
     for output, column in experiment.columns.items():
-        require_known("output", output, known)
+        require_known("output", output, outputs)
         numbers = record[column]
-        if record.units[column] != known[output].unit:
+        if record.units[column] != outputs[output].unit:
             raise DataError(
                 f"Column `{column}` of record `{record.name}` is in {record.units[column]}, but "
-                f"output `{output}` in {known[output].unit}."
+                f"output `{output}` in {outputs[output].unit}."
             )
         _check_numbers(record.name, column, numbers)
 

@@ -80,7 +80,7 @@ class ComparedOutput:
         """Yield the errors of `training` rows, and of `held-out` rows if there are any."""
         for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
             if rows.any():
-                found = score_model(
+                score = score_model(
                     self.times[rows],
                     self.measured[rows],
                     self.model[rows],
@@ -89,7 +89,7 @@ class ComparedOutput:
                     part=part,
                     unit=self.description.unit,
                 )
-                yield replace(found, place=self.experiment.describe_row(found.maximum_at))
+                yield replace(score, place=self.experiment.describe_row(score.maximum_at))
 
     @property
     def raw_rms(self) -> float:
@@ -115,17 +115,21 @@ def compute_rms(rows: Iterable[ComparedOutput], part: str) -> float:
 
 def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     problem = fit.problem
-    found = zip(problem.experiments, fit.evaluation.fitted, problem.used, strict=True)
-    for one, fitted, used in found:
+    triples = zip(problem.experiments, fit.evaluation.fitted, problem.used, strict=True)
+    for one, fitted, used in triples:
         yield from _split_outputs(one, fitted.model, used)
-    for kept in fit.kept:
-        yield from list_held_out(kept)
+    for held_out_record in fit.kept:
+        yield from list_held_out(held_out_record)
 
 
-def list_held_out(kept: HeldOutRecord) -> list[ComparedOutput]:
+def list_held_out(held_out_record: HeldOutRecord) -> list[ComparedOutput]:
     """Return all outputs of a held-out record, with their predictions."""
-    raw = kept.raw if kept.numbers else None
-    return list(_split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw))
+    raw = held_out_record.raw if held_out_record.numbers else None
+    return list(
+        _split_outputs(
+            held_out_record.experiment, held_out_record.model, np.zeros(held_out_record.model.shape, bool), raw
+        )
+    )
 
 
 def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> Iterator[ComparedOutput]:
@@ -137,15 +141,15 @@ def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> I
 
 def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
     """Return the least and largest temperature [K] and stress [Pa] of the elements in the fitted runs."""
-    found: dict[str, tuple[float, float]] = {}
+    ranges: dict[str, tuple[float, float]] = {}
     for k, one in enumerate(fit.problem.experiments):
         system = fit.system(k)
         for name in COVERED:
             outputs = [system.label(port, name) for port in system.actuators()]
             rows = one.sample_outputs(system, outputs, fit.problem.used[k].any(axis=1), fit.problem.step)
-            ends = [float(rows.min()), float(rows.max()), *found.get(name, ())]
-            found[name] = min(ends), max(ends)
-    return found
+            ends = [float(rows.min()), float(rows.max()), *ranges.get(name, ())]
+            ranges[name] = min(ends), max(ends)
+    return ranges
 
 
 @dataclass(frozen=True)
@@ -221,10 +225,10 @@ class Fit:
     @cached_property
     def undetermined(self) -> dict[str, str]:
         """Return the undetermined parameters with the reason."""
-        found = {
+        reasons = {
             free.name: self._refuse_number(free, u) for free, u in zip(self.problem.free, self.values, strict=True)
         }
-        return {name: why for name, why in found.items() if why}
+        return {name: why for name, why in reasons.items() if why}
 
     def _refuse_number(self, free: FreeNumber, u: float) -> str:
         low, high = self.uncertainty.widened(free.name)
@@ -278,7 +282,7 @@ class Fit:
     def identifiability(self) -> Identifiability:
         """Return the combinations of parameters that the data do not determine."""
         noise = self.uncertainty.noise
-        found = assess_identifiability(
+        assessment = assess_identifiability(
             self.evaluation.jacobian,
             self.problem.names,
             values=list(self.numbers.values()),
@@ -286,7 +290,7 @@ class Fit:
             units=[free.unit for free in self.problem.free],
             noise=noise if noise > 0.0 else 1.0,
         )
-        return replace(found, refused=tuple(self.undetermined))
+        return replace(assessment, refused=tuple(self.undetermined))
 
     @cached_property
     def whiteness(self) -> tuple[Whiteness, ...]:

@@ -132,14 +132,14 @@ def _read_settings(table: Mapping[str, Any], where: str) -> dict[str, Any]:
 
 def _flatten_table(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """Return the values by dotted path, for quoted paths and for tables."""
-    found: dict[str, Any] = {}
+    flat_table: dict[str, Any] = {}
     for key, value in table.items():
         path = f"{above}{key}"
         if isinstance(value, dict) and "kind" not in value:
-            found |= _flatten_table(cast("dict[str, Any]", value), f"{path}.")
+            flat_table |= _flatten_table(cast("dict[str, Any]", value), f"{path}.")
         else:
-            found[path] = value
-    return found
+            flat_table[path] = value
+    return flat_table
 
 
 def _read_flag(table: Mapping[str, Any], name: str, where: str) -> bool:

@@ -36,8 +36,8 @@ def compute_digest(record: Record) -> dict[str, str]:
         little-endian doubles, in the order of the record.
     """
     if record.source is not None and record.source.is_file():
-        found = hashlib.sha256(record.source.read_bytes()).hexdigest()
-        return {"file": record.source.name, "sha256": found}
+        digest = hashlib.sha256(record.source.read_bytes()).hexdigest()
+        return {"file": record.source.name, "sha256": digest}
     total = hashlib.sha256()
     for name, column in record.columns.items():
         numbers = array("d", column)
@@ -49,9 +49,9 @@ def compute_digest(record: Record) -> dict[str, str]:
 
 def list_published(fit: Fit) -> list[str]:
     """Return the bibliography keys of the published data sets of a fit."""
-    known = dataset_names()
+    published_names = dataset_names()
     sets = (one.experiment.record.name.partition("/")[0] for one in list_compared(fit))
-    return list(dict.fromkeys(describe_dataset(name).cite for name in sets if name in known))
+    return list(dict.fromkeys(describe_dataset(name).cite for name in sets if name in published_names))
 
 
 def build_provenance(fit: Fit) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def format_interval(interval: Interval, unit: str) -> str:
 
 
 def _describe_free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "value": exact_text(fit[free.name], free.unit),
         "interval": format_interval(fit.uncertainty.interval(free.name), free.unit),
         "widened": format_interval(fit.uncertainty.widened(free.name), free.unit),
@@ -83,29 +83,29 @@ def _describe_free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
         "low": format_quantity(free.low, free.unit),
         "high": format_quantity(free.high, free.unit),
     }
-    return found | ({"at_bound": True} if free.name in fit.at_bound() else {})
+    return entries | ({"at_bound": True} if free.name in fit.at_bound() else {})
 
 
 def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
     rows = list_compared(fit)
-    own = {kept.experiment.name: kept for kept in fit.kept}
+    own = {held_out_record.experiment.name: held_out_record for held_out_record in fit.kept}
     for name in dict.fromkeys(one.record for one in rows):
         outputs = [one for one in rows if one.record == name]
         record = outputs[0].experiment.record
-        found = {"name": name, **compute_digest(record), "rows": len(outputs[0].times)}
+        entries = {"name": name, **compute_digest(record), "rows": len(outputs[0].times)}
         if record.dropped:
-            found["rows_left_out_on_reading"] = record.dropped
-        found["outputs"] = {one.output: _describe_output(one) for one in outputs}
+            entries["rows_left_out_on_reading"] = record.dropped
+        entries["outputs"] = {one.output: _describe_output(one) for one in outputs}
         if name in own and own[name].numbers:
-            found["fitted_to_it_alone"] = dict(own[name].numbers)
-        yield found
+            entries["fitted_to_it_alone"] = dict(own[name].numbers)
+        yield entries
 
 
 def _describe_output(one: ComparedOutput) -> dict[str, Any]:
-    found: dict[str, Any] = {"column": one.column}
+    entries: dict[str, Any] = {"column": one.column}
     for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held)):
         if rows.any():
             key, unit = part.replace("-", "_"), one.description.unit
-            found[f"{key}_rows"] = int(rows.sum())
-            found[f"{key}_rms"] = format_error(one.output, one.rms(part), unit)
-    return found | ({"missing": one.missing} if one.missing else {})
+            entries[f"{key}_rows"] = int(rows.sum())
+            entries[f"{key}_rms"] = format_error(one.output, one.rms(part), unit)
+    return entries | ({"missing": one.missing} if one.missing else {})

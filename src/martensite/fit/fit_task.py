@@ -91,25 +91,25 @@ class FitTask:
         tables = [one for one in logs if is_condition_table(one.source, one.named)]
         if tables:
             return self._arrange_tables(len(tables))
-        found = read_logs(self.logs)
-        systems = [one.scenario.system for one in found]
-        known = list_paths(found[0].scenario)
-        free = read_ranges(spell_paths(self.free, known), systems)
-        each = read_ranges(spell_paths(self.each, known), systems, own=True)
-        followed = {c: one.record.units[c] for one in found for c in one.scenario.follows.values()}
+        loaded_logs = read_logs(self.logs)
+        systems = [one.scenario.system for one in loaded_logs]
+        paths = list_paths(loaded_logs[0].scenario)
+        free = read_ranges(spell_paths(self.free, paths), systems)
+        each = read_ranges(spell_paths(self.each, paths), systems, own=True)
+        followed = {c: one.record.units[c] for one in loaded_logs for c in one.scenario.follows.values()}
         (noise, input_noise), wanted = (
             read_noise(self.noise, systems[0].outputs(), followed),
             read_columns(self.columns),
         )
-        made, notes = _build_experiments(found, self, wanted)
+        experiments, notes = _build_experiments(loaded_logs, self, wanted)
         if not wanted:
-            made, more = _drop_silent_outputs(made, free, each)
+            experiments, more = _drop_silent_outputs(experiments, free, each)
             notes += more
-        stepped, more = _choose_steps(made, found, self.step)
+        stepped, more = _choose_steps(experiments, loaded_logs, self.step)
         whole = build_problem(stepped, free, each=each, noise=noise, input_noise=input_noise)
-        follows = list(dict.fromkeys(found[0].scenario.follows.values()))
+        follows = list(dict.fromkeys(loaded_logs[0].scenario.follows.values()))
         notes += [*more, *(check_start(whole.training, follows) if check else ())]
-        models = {one.name: (one.scenario, one.log.model) for one in found}
+        models = {one.name: (one.scenario, one.log.model) for one in loaded_logs}
         return ArrangedFit(whole, models, self.search, tuple(notes), self.hold_out == EACH)
 
     def _arrange_tables(self, count: int) -> ArrangedFit:
@@ -117,9 +117,12 @@ class FitTask:
 
         if count < len(self.logs):
             raise InputError("A table of conditions and a log over time are fitted one after the other, not together.")
-        found = arrange_conditions(self)
-        models = {one.name: (found.scenario, lambda record: found.scenario) for one in found.problem.experiments}
-        return ArrangedFit(found.problem, models, self.search, found.notes, found.turns)
+        conditions = arrange_conditions(self)
+        models = {
+            one.name: (conditions.scenario, lambda record: conditions.scenario)
+            for one in conditions.problem.experiments
+        }
+        return ArrangedFit(conditions.problem, models, self.search, conditions.notes, conditions.turns)
 
     def with_changes(
         self,
@@ -202,19 +205,19 @@ def list_paths(scenario: Scenario) -> dict[str, str]:
     return {name: path for name, path in paths.items() if name != path and name not in own}
 
 
-def spell_paths(ranges: str | Sequence[str | SearchRange], known: Mapping[str, str]) -> list[FreeText | SearchRange]:
-    """Return the free parameters with paths in the system; `known` maps paths of the scenario to these."""
+def spell_paths(ranges: str | Sequence[str | SearchRange], paths: Mapping[str, str]) -> list[FreeText | SearchRange]:
+    """Return the free parameters with paths in the system; `paths` maps paths of the scenario to these."""
     given = [ranges] if isinstance(ranges, str) else ranges
     parsed = [parse_free(one, *FIT_FORMS) if isinstance(one, str) else one for one in given]
-    return [replace(one, name=known.get(one.name, one.name)) for one in parsed]
+    return [replace(one, name=paths.get(one.name, one.name)) for one in parsed]
 
 
 def _choose_steps(
-    made: Sequence[Experiment], found: Sequence[LoadedLog], step: float | None
+    experiments: Sequence[Experiment], loaded_logs: Sequence[LoadedLog], step: float | None
 ) -> tuple[list[Experiment], list[str]]:
     stepped: list[Experiment] = []
     notes: list[str] = []
-    for one, source in zip(made, found, strict=True):
+    for one, source in zip(experiments, loaded_logs, strict=True):
         given = source.scenario.step if step is None else step
         if given is None:
             one, more = choose_step(one, source.scenario.tolerance)
@@ -226,17 +229,17 @@ def _choose_steps(
 
 
 def _build_experiments(
-    found: Sequence[LoadedLog], task: FitTask, wanted: Sequence[ComparedColumn]
+    loaded_logs: Sequence[LoadedLog], task: FitTask, wanted: Sequence[ComparedColumn]
 ) -> tuple[list[Experiment], list[str]]:
     """Return one experiment per record, without steps, and remarks on its columns."""
-    made: list[Experiment] = []
+    experiments: list[Experiment] = []
     notes: list[str] = []
-    for one in found:
+    for one in loaded_logs:
         system, follows = one.scenario.system, one.scenario.follows
         columns, record, more = match_columns(one.record, system, wanted, follows)
         notes += [*more, *describe_gaps(one, columns.values())]
         notes += _describe_held(record, system, one.scenario.waveform, follows)
-        made.append(
+        experiments.append(
             Experiment(
                 one.name,
                 system,
@@ -249,9 +252,9 @@ def _build_experiments(
                 groups=one.log.groups,
             )
         )
-    held = _choose_held_out(found, made, task.hold_out)
-    made = [replace(one, held=stretches) for one, stretches in zip(made, held, strict=True)]
-    return made, [*notes, *describe_untimed(found)]
+    held_out_stretches = _choose_held_out(loaded_logs, experiments, task.hold_out)
+    experiments = [replace(one, held=stretches) for one, stretches in zip(experiments, held_out_stretches, strict=True)]
+    return experiments, [*notes, *describe_untimed(loaded_logs)]
 
 
 def _describe_held(
@@ -259,37 +262,39 @@ def _describe_held(
 ) -> list[str]:
     """Return the columns with levels that are constant between rows."""
     tables = {column: by_name(system, waveform)[drive] for drive, column in follows.items()}
-    held = [column for column, one in tables.items() if isinstance(one, Table) and len(one.times) > len(record) + 1]
+    level_columns = [
+        column for column, one in tables.items() if isinstance(one, Table) and len(one.times) > len(record) + 1
+    ]
     return [
         f"Column `{name}` of record `{record.name}` is held: each level acts from its row on until the next."
-        for name in held
+        for name in level_columns
     ]
 
 
 def _choose_held_out(
-    found: Sequence[LoadedLog], made: Sequence[Experiment], hold_out: str | Sequence[str]
+    loaded_logs: Sequence[LoadedLog], experiments: Sequence[Experiment], hold_out: str | Sequence[str]
 ) -> list[Any]:
-    names, flags = [one.name for one in found], [one.log.held for one in found]
+    names, flags = [one.name for one in loaded_logs], [one.log.held for one in loaded_logs]
     if all(flags):
         raise InputError("All records are held out, and none is left to be fitted.")
     rule = NONE if any(flags) and hold_out == AUTO else hold_out
-    places = [measure_places(one) for one in made] if rule == AUTO else None
-    held = choose_held_out(rule, names, [one.times.tolist() for one in made], places)
-    return [ALL if flag else one for flag, one in zip(flags, held, strict=True)]
+    places = [measure_places(one) for one in experiments] if rule == AUTO else None
+    held_out_stretches = choose_held_out(rule, names, [one.times.tolist() for one in experiments], places)
+    return [ALL if flag else one for flag, one in zip(flags, held_out_stretches, strict=True)]
 
 
 def _drop_silent_outputs(
-    made: list[Experiment], free: Sequence[SearchRange], each: Sequence[SearchRange]
+    all_experiments: list[Experiment], free: Sequence[SearchRange], each: Sequence[SearchRange]
 ) -> tuple[list[Experiment], list[str]]:
     """Return the experiments without outputs that no free parameter affects in any record."""
     own = [one for one in each if not is_nuisance(one.name)]
-    training = build_problem(made, free, each=own).training
+    training = build_problem(all_experiments, free, each=own).training
     quiet = find_silent_outputs(training)
     pairs = [(one.name, name) for one in training.experiments for name in one.outputs]
     heard = {name for record, name in pairs if (record, name) not in quiet}
     lost = sorted({name for _, name in quiet} - heard)
-    kept = [{n: c for n, c in one.columns.items() if n not in lost} for one in made]
-    if not lost or not all(kept):
-        return made, []
-    found = [replace(one, columns=columns) for one, columns in zip(made, kept, strict=True)]
-    return found, [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]
+    moved_columns = [{n: c for n, c in one.columns.items() if n not in lost} for one in all_experiments]
+    if not lost or not all(moved_columns):
+        return all_experiments, []
+    experiments = [replace(one, columns=columns) for one, columns in zip(all_experiments, moved_columns, strict=True)]
+    return experiments, [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]

@@ -66,31 +66,33 @@ def list_fit_warnings(fit: Fit) -> list[str]:
 
 def _describe_prediction(rows: list[ComparedOutput]) -> str:
     name, unit = rows[0].output, rows[0].description.unit
-    seen, kept = (compute_rms(rows, part) for part in (TRAINING, HELD_OUT))
-    fitted = f"`{name}`: rms error {format_error(name, seen, unit)} in the fitted rows"
-    if math.isnan(seen):
-        error = format_error(name, kept, unit)
+    training_rms, held_out_rms = (compute_rms(rows, part) for part in (TRAINING, HELD_OUT))
+    fitted = f"`{name}`: rms error {format_error(name, training_rms, unit)} in the fitted rows"
+    if math.isnan(training_rms):
+        error = format_error(name, held_out_rms, unit)
         return f"`{name}`: rms error {error} in the held-out rows; no row was fitted."
-    if math.isnan(kept):
+    if math.isnan(held_out_rms):
         return f"{fitted}; no rows were held out."
-    times = f" (ratio {format_number(kept / seen, 3)})" if seen > 0.0 else ""
-    return f"{fitted}, {format_error(name, kept, unit)} in the held-out rows{times}."
+    times = f" (ratio {format_number(held_out_rms / training_rms, 3)})" if training_rms > 0.0 else ""
+    return f"{fitted}, {format_error(name, held_out_rms, unit)} in the held-out rows{times}."
 
 
 def _list_predicted(fit: Fit) -> list[ComparedOutput]:
     """Return all held-out outputs, including records left out in turn."""
-    turns = [one for kept in fit.transfer for one in list_held_out(kept)]
+    turns = [one for held_out_record in fit.transfer for one in list_held_out(held_out_record)]
     return [*turns, *(one for one in list_compared(fit) if one.held.any())]
 
 
 def _describe_transfer(fit: Fit) -> Iterator[str]:
-    rows = [one for kept in fit.transfer for one in list_held_out(kept)]
+    rows = [one for held_out_record in fit.transfer for one in list_held_out(held_out_record)]
     names = join_phrases(list(dict.fromkeys(one.record for one in rows)))
     for name in dict.fromkeys(one.output for one in rows):
         own = [one for one in rows if one.output == name]
         unit = own[0].description.unit
         error = format_error(name, compute_rms(own, HELD_OUT), unit)
-        alone = dict.fromkeys(path.partition("@")[0] for kept in fit.transfer for path in kept.numbers)
+        alone = dict.fromkeys(
+            path.partition("@")[0] for held_out_record in fit.transfer for path in held_out_record.numbers
+        )
         what = "all other parameters fixed" if alone else "no parameter fitted to them"
         bare = [one.residuals if one.raw is None else one.raw - one.measured for one in own]
         raw = format_error(name, math.sqrt(float(np.nanmean(np.concatenate(bare) ** 2))), unit)
@@ -110,20 +112,20 @@ def _describe_baselines(fit: Fit) -> Iterator[str]:
 
 
 def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> str:
-    found = pool_baselines(scores, output)
-    return ", ".join(f"{format_error(output, rms, unit)} ({name})" for name, rms in found.items())
+    errors = pool_baselines(scores, output)
+    return ", ".join(f"{format_error(output, rms, unit)} ({name})" for name, rms in errors.items())
 
 
 def list_predictions(fit: Fit) -> dict[str, tuple[Prediction, str]]:
     """Return the held-out error of every output beside its baselines, and its unit."""
     scores, rows = score_baselines(fit), _list_predicted(fit)
-    found: dict[str, tuple[Prediction, str]] = {}
+    predictions: dict[str, tuple[Prediction, str]] = {}
     for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
         own = [one for one in rows if one.output == name]
         squares = np.concatenate([(one.measured[one.held] - np.mean(one.measured[one.held])) ** 2 for one in own])
         spread = math.sqrt(float(np.mean(squares)))
-        found[name] = Prediction(compute_rms(own, HELD_OUT), spread, pool_baselines(scores, name)), unit
-    return found
+        predictions[name] = Prediction(compute_rms(own, HELD_OUT), spread, pool_baselines(scores, name)), unit
+    return predictions
 
 
 def warn_of_baselines(fit: Fit) -> Iterator[str]:
@@ -165,10 +167,10 @@ def _describe_spreads(fit: Fit) -> Iterator[str]:
         size = f"{format_number(100.0 * free.spread, 3)} %" if free.relative else format_change(free.spread, free.unit)
         at = fit.numbers[problem.free[centre].name] if centre is not None else free.start
         about = f"{format_quantity(at, free.unit)}, {'as fitted' if centre is not None else 'as declared'}"
-        told = "as declared" if problem.knows_noise else f"{format_number(problem.prior_scale, 2)} of the range"
+        noise_text = "as declared" if problem.knows_noise else f"{format_number(problem.prior_scale, 2)} of the range"
         yield (
             f"`{path}` of {join_phrases([str(x.record) for x, _ in own])} has a prior of ± {size} around {about}, "
-            f"which counts as {len(own)} of {len(fit.evaluation.residuals)} data. The noise is {told}. "
+            f"which counts as {len(own)} of {len(fit.evaluation.residuals)} data. The noise is {noise_text}. "
             "Held-out data use the centre."
         )
 
@@ -179,7 +181,7 @@ def _describe_own_numbers(fit: Fit) -> Iterator[str]:
         for one in list_compared(fit)
         if one.raw is not None
     ]
-    own = dict.fromkeys(name.partition("@")[0] for kept in fit.kept for name in kept.numbers)
+    own = dict.fromkeys(name.partition("@")[0] for held_out_record in fit.kept for name in held_out_record.numbers)
     if own:
         yield (
             f"The parameters of each log ({list_names(list(own))}) were also fitted to the held-out logs. All other "
@@ -190,12 +192,12 @@ def _describe_own_numbers(fit: Fit) -> Iterator[str]:
 def _describe_input_noise(fit: Fit) -> Iterator[str]:
     if fit.input_noise:
         units = {c: one.record.units[c] for one in fit.problem.experiments for c in one.follows.values()}
-        known = {
+        phrases = {
             one.column: f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}` "
             f"({'declared' if one.declared else 'estimated from neighbouring rows'})"
             for one in fit.input_noise
         }
-        yield f"Values and intervals include the input noise: {join_phrases(list(known.values()))}."
+        yield f"Values and intervals include the input noise: {join_phrases(list(phrases.values()))}."
 
 
 def _describe_one_cadence(fit: Fit) -> Iterator[str]:
@@ -222,8 +224,8 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
         apart = [max(period / p, p / period) for p in fitted if p and period]
         if one.used.any() or not apart or min(apart) < OTHER_CADENCE:
             continue
-        seen = [_compute_share(x, x.used) for x in rows if x.output == one.output and x.used.any()]
-        worse = _compute_share(one, one.held) / max(seen, default=math.nan)
+        shares = [_compute_share(x, x.used) for x in rows if x.output == one.output and x.used.any()]
+        worse = _compute_share(one, one.held) / max(shares, default=math.nan)
         if worse > WORSE:
             speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "different in speed"
             yield (
@@ -247,8 +249,8 @@ def warn_of_search(fit: Fit) -> Iterator[str]:
     for free, u in zip(fit.problem.free, fit.values, strict=True):
         if free.name in fit.at_bound():
             side, bound = ("lower", free.low) if u < 0.5 else ("upper", free.high)
-            said = f"`{free.name}` ended on its {side} bound, {format_quantity(bound, free.unit)}"
-            yield f"{said}, so the data did not set it. Widen the bound or fix the parameter."
+            clause = f"`{free.name}` ended on its {side} bound, {format_quantity(bound, free.unit)}"
+            yield f"{clause}, so the data did not set it. Widen the bound or fix the parameter."
 
 
 def warn_of_predictions(fit: Fit) -> Iterator[str]:
@@ -258,20 +260,20 @@ def warn_of_predictions(fit: Fit) -> Iterator[str]:
         yield "No data were held out, so the error of predictions is unknown. Use `--hold-out auto`."
     for name in dict.fromkeys(one.output for one in rows):
         own = [one for one in rows if one.output == name]
-        seen, kept = (compute_rms(own, part) for part in (TRAINING, HELD_OUT))
-        if kept > WORSE * seen:
+        training_rms, held_out_rms = (compute_rms(own, part) for part in (TRAINING, HELD_OUT))
+        if held_out_rms > WORSE * training_rms:
             yield (
                 f"`{name}` is predicted worse than it is fitted: the held-out error is "
-                f"{format_number(kept / seen, 3)} times the error of the fitted rows."
-                if seen > 0.0
+                f"{format_number(held_out_rms / training_rms, 3)} times the error of the fitted rows."
+                if training_rms > 0.0
                 else f"`{name}` has no error in the fitted rows but errors in the held-out rows."
             )
 
 
 def warn_of_misses(fit: Fit) -> Iterator[str]:
     """Yield a warning about outputs with mostly unexplained variation."""
-    rows, found = list_compared(fit), fit.scores
-    poor = [x for x in found if x.fit_percent < POOR and x.rms > NOTABLE * _measure_range(rows, x.output)]
+    rows, scores = list_compared(fit), fit.scores
+    poor = [x for x in scores if x.fit_percent < POOR and x.rms > NOTABLE * _measure_range(rows, x.output)]
     if poor:
         met = (f"`{one.output}` of {one.record} ({format_number(one.fit_percent, 3)} %)" for one in poor)
         yield f"The model explains less than half of the variation: {join_phrases(list(met))}."
@@ -300,17 +302,17 @@ def warn_of_directions(fit: Fit) -> Iterator[str]:
 
 def _group_pairs(pairs: Sequence[set[str]]) -> list[set[str]]:
     """Return the sets of names that are connected by pairs."""
-    found: list[set[str]] = []
+    groups: list[set[str]] = []
     for pair in pairs:
-        whole = pair.union(*(group for group in found if group & pair))
-        found = [group for group in found if not group & pair] + [whole]
-    return found
+        whole = pair.union(*(group for group in groups if group & pair))
+        groups = [group for group in groups if not group & pair] + [whole]
+    return groups
 
 
 def _warn_of_residuals(fit: Fit) -> Iterator[str]:
     rows = {f"{one.record}, {one.output}": one for one in list_compared(fit)}
-    found = [rows[one.record] for one in fit.whiteness if not one.white]
-    names = [f"`{one.output}` of {one.record}" for one in found]
+    outputs = [rows[one.record] for one in fit.whiteness if not one.white]
+    names = [f"`{one.output}` of {one.record}" for one in outputs]
     if names:
         yield (
             f"Residuals are autocorrelated ({join_phrases(names)}): the model is incomplete or the noise is coloured. "

@@ -76,8 +76,8 @@ def read_ranges(
         InputError: a text cannot be read, or its name matches no parameter.
     """
     given = [texts] if isinstance(texts, (str, SearchRange)) else texts
-    seen = systems[0].outputs() if outputs is None else outputs
-    return [x if isinstance(x, SearchRange) else _read_range(x, systems, own, seen) for x in given]
+    offset_outputs = systems[0].outputs() if outputs is None else outputs
+    return [x if isinstance(x, SearchRange) else _read_range(x, systems, own, offset_outputs) for x in given]
 
 
 def _read_range(
@@ -99,14 +99,14 @@ def _read_range(
     return SearchRange.read(words, unit, (lambda quantity: read_difference(quantity, unit)) if apart else None)
 
 
-def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
+def _find_own_unit(name: str, outputs: Mapping[str, Output]) -> str:
     if name == DELAY:
         return "s"
     output = name.removeprefix(OFFSET).removeprefix(".")
     if not output:
         raise ParameterError("Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`.")
-    require_known("output", output, known)
-    return known[output].unit
+    require_known("output", output, outputs)
+    return outputs[output].unit
 
 
 def is_difference(name: str) -> bool:
@@ -132,17 +132,19 @@ def build_free_numbers(
     Raises:
         ParameterError: an unknown name, invalid bounds, or a start outside of the bounds.
     """
-    known = [Target.from_leaf(leaf) for system in systems for leaf in system.leaves()]
+    targets = [Target.from_leaf(leaf) for system in systems for leaf in system.leaves()]
     return [
-        _build_difference(wanted, known, record) if is_difference(wanted.name) else _build_one(wanted, known, record)
+        _build_difference(wanted, targets, record)
+        if is_difference(wanted.name)
+        else _build_one(wanted, targets, record)
         for wanted in ranges
     ]
 
 
-def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:
+def _build_difference(wanted: SearchRange, all_targets: Sequence[Target], record: str | None) -> FreeNumber:
     """Return a parameter that is a difference from another parameter of the same unit."""
     name, _, base = wanted.name.partition("-")
-    one, other = (_build_one(SearchRange(part), known, record) for part in (name, base))
+    one, other = (_build_one(SearchRange(part), all_targets, record) for part in (name, base))
     if one.unit != other.unit:
         raise ParameterError(f"`{wanted.name}` is no difference: one is in {one.unit}, the other in {other.unit}.")
     apart = one.start - other.start
@@ -154,9 +156,11 @@ def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str 
             f"The difference `{wanted.name}` starts at {start:g} {one.unit}, outside of its bounds {low:g} to "
             f"{high:g}; move the bounds or the start."
         )
-    shown = wanted.name if record is None else f"{wanted.name}@{record}"
+    full_name = wanted.name if record is None else f"{wanted.name}@{record}"
     doc = f"how far {name} lies above {base}"
-    return FreeNumber(shown, one.path, _unshift(one.unit), start, low, high, record=record, doc=doc, base=other.path)
+    return FreeNumber(
+        full_name, one.path, _unshift(one.unit), start, low, high, record=record, doc=doc, base=other.path
+    )
 
 
 def _unshift(unit: str) -> str:
@@ -164,14 +168,14 @@ def _unshift(unit: str) -> str:
     return units.DEGREES if unit == "K" else unit
 
 
-def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:
+def _build_one(wanted: SearchRange, all_targets: Sequence[Target], record: str | None) -> FreeNumber:
     name = wanted.name
-    found = [x for x in known if x.path == name or x.path.endswith("." + name)]
-    if not found:
-        raise make_missing_error(name, known)
+    targets = [x for x in all_targets if x.path == name or x.path.endswith("." + name)]
+    if not targets:
+        raise make_missing_error(name, all_targets)
     if wanted.spread:
-        wanted = _widen_range(wanted, found[0])
-    free = build_free(wanted, found, name if record is None else f"{name}@{record}", record)
+        wanted = _widen_range(wanted, targets[0])
+    free = build_free(wanted, targets, name if record is None else f"{name}@{record}", record)
     if not free.low <= free.start <= free.high:
         ends = (free.start, free.low, free.high)
         start, low, high = (write_quantity(end, free.unit) for end in ends)
@@ -204,15 +208,15 @@ def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Ex
         ParameterError: an unknown name, or invalid bounds.
         UnknownNameError: an offset of an output that is not compared.
     """
-    found: list[FreeNumber] = []
+    parameters: list[FreeNumber] = []
     for wanted in ranges:
         done = set[str]()
         for experiment in experiments:
             label = _find_label(wanted, experiment)
             if label not in done:
-                found += _list_own(wanted, experiment, label)
+                parameters += _list_own(wanted, experiment, label)
             done.add(label)
-    return found
+    return parameters
 
 
 def _find_label(wanted: SearchRange, experiment: Experiment) -> str:
@@ -220,8 +224,8 @@ def _find_label(wanted: SearchRange, experiment: Experiment) -> str:
     if not wanted.by:
         return experiment.name
     if wanted.by not in experiment.groups:
-        known = ", ".join(f"`{one}`" for one in experiment.groups) or "none"
-        raise ParameterError(f"Record `{experiment.name}` belongs to no `{wanted.by}`; its groups are: {known}.")
+        group_list = ", ".join(f"`{one}`" for one in experiment.groups) or "none"
+        raise ParameterError(f"Record `{experiment.name}` belongs to no `{wanted.by}`; its groups are: {group_list}.")
     return experiment.groups[wanted.by]
 
 
@@ -268,5 +272,5 @@ def delay_model(times: Any, model: Any, slopes: Any, delay: float, slope: float,
 
 def _interpolate_rows(times: Any, rows: Any) -> Any:
     """Interpolate columns by cubic Hermite pieces, with exact derivatives."""
-    made = import_module("scipy.interpolate").CubicHermiteSpline
-    return made(times, rows, np.gradient(rows, times, axis=0))
+    spline_type = import_module("scipy.interpolate").CubicHermiteSpline
+    return spline_type(times, rows, np.gradient(rows, times, axis=0))

@@ -100,8 +100,8 @@ class _FollowedRuns:
                     values, self.one.driven_grid([self.inputs(row) for row in padded], self.problem.step)
                 )[: len(some)]
             )
-        found = np.concatenate(answers)
-        delayed = [self.problem.shift_model(self.k, one, u, None)[0] for one in found]
+        outputs = np.concatenate(answers)
+        delayed = [self.problem.shift_model(self.k, one, u, None)[0] for one in outputs]
         return np.stack(delayed)[:, self.seen[1], self.seen[0]] * self.sizes
 
     def linearise(self, u: Any, seed: int = 0) -> None:
@@ -114,10 +114,10 @@ class _FollowedRuns:
             self._linearise_pieces(u)
             moved = np.random.default_rng(seed).standard_normal(count)
             base, shaken = self.run(u, np.stack([self.rows, self.rows + self.sigma * moved]))
-            told = np.zeros(len(self.at))
-            for seen, rows, part in self.pieces:
-                told[seen] += part @ moved[rows]
-            if np.sum((shaken - base - told) ** 2) > EXPLAINED * np.sum((shaken - base) ** 2):
+            prediction = np.zeros(len(self.at))
+            for samples, rows, part in self.pieces:
+                prediction[samples] += part @ moved[rows]
+            if np.sum((shaken - base - prediction) ** 2) > EXPLAINED * np.sum((shaken - base) ** 2):
                 self.blocks = True
                 self.linearise(u)
         else:
@@ -134,41 +134,41 @@ class _FollowedRuns:
             for begin in range(a, b, MOST_ROWS):
                 rows = np.arange(begin, min(begin + MOST_ROWS, b))
                 until = self.times[rows[-1] + 1] if rows[-1] + 1 < b else math.inf
-                seen = np.flatnonzero((self.at >= self.times[rows[0]]) & (self.at < until))
-                part = moved[: len(rows), seen].T.copy()
-                part[self.at[seen][:, None] < self.times[rows][None, :]] = 0.0
-                self.pieces.append((seen, rows, part))
+                samples = np.flatnonzero((self.at >= self.times[rows[0]]) & (self.at < until))
+                part = moved[: len(rows), samples].T.copy()
+                part[self.at[samples][:, None] < self.times[rows][None, :]] = 0.0
+                self.pieces.append((samples, rows, part))
 
     def _move(self, u: Any, groups: Sequence[Any], by: Any) -> Any:
         """Return half the difference of runs with groups of rows moved up and down, (groups, used residuals)."""
         moves = np.zeros((len(groups), len(self.rows)))
         for k, (rows, amount) in enumerate(zip(groups, by, strict=True)):
             moves[k, rows] = self.step * amount
-        found = self.run(u, np.concatenate([self.rows + moves, self.rows - moves]))
-        half = 0.5 / self.step * (found[: len(groups)] - found[len(groups) :])
+        outputs = self.run(u, np.concatenate([self.rows + moves, self.rows - moves]))
+        half = 0.5 / self.step * (outputs[: len(groups)] - outputs[len(groups) :])
         return np.where(np.isfinite(half), half, 0.0)
 
     def shift(self) -> Any:
         """Compute C/σ (X - x̂), (used residuals,)."""
-        found = np.zeros(len(self.at))
+        shift = np.zeros(len(self.at))
         if not self.blocks:
-            for seen, rows, part in self.pieces:
-                found[seen] += part @ ((self.logged - self.rows)[rows] / self.sigma[rows])
-        return found
+            for samples, rows, part in self.pieces:
+                shift[samples] += part @ ((self.logged - self.rows)[rows] / self.sigma[rows])
+        return shift
 
     def correct(self, noise: float) -> InputCorrection:
         """Return the correction of the experiment for noise s of its residuals."""
         parts = list[tuple[Any, Any, Any]]()
-        for seen, _, part in self._merged():
+        for samples, _, part in self._merged():
             left, sizes, _ = np.linalg.svd(part, full_matrices=False)
-            parts.append((seen, left, 1.0 - noise / np.hypot(noise, sizes)))
+            parts.append((samples, left, 1.0 - noise / np.hypot(noise, sizes)))
         return InputCorrection(self.inputs(self.rows), self.shift(), tuple(parts))
 
     def _merged(self) -> list[tuple[Any, Any, Any]]:
         """Merge the pieces of several columns over the same residuals."""
         joined: dict[bytes, tuple[Any, list[Any], list[Any]]] = {}
-        for seen, rows, part in self.pieces:
-            _, places, parts = joined.setdefault(seen.tobytes(), (seen, [], []))
+        for samples, rows, part in self.pieces:
+            _, places, parts = joined.setdefault(samples.tobytes(), (samples, [], []))
             places.append(rows)
             parts.append(part)
         return [(s, np.concatenate(places), np.concatenate(parts, axis=1)) for s, places, parts in joined.values()]
@@ -176,20 +176,20 @@ class _FollowedRuns:
     def spectrum(self, residuals: Any) -> tuple[Any, Any, float]:
         """Return the variances δ² along directions, squared residuals along them, and the squares of the remainder."""
         sizes, along = list[Any](), list[Any]()
-        for seen, _, part in self._merged():
-            left, found, _ = np.linalg.svd(part, full_matrices=False)
-            sizes.append(found**2)
-            along.append((left.T @ residuals[seen]) ** 2)
-        told, total = np.concatenate(along), float(residuals @ residuals)
-        return np.concatenate(sizes), told, max(total - float(told.sum()), 0.0)
+        for samples, _, part in self._merged():
+            left, singular_values, _ = np.linalg.svd(part, full_matrices=False)
+            sizes.append(singular_values**2)
+            along.append((left.T @ residuals[samples]) ** 2)
+        squares, total = np.concatenate(along), float(residuals @ residuals)
+        return np.concatenate(sizes), squares, max(total - float(squares.sum()), 0.0)
 
     def estimate_rows(self, correction: InputCorrection, whitened: Any, noise: float) -> Any:
         """Compute x̂ = X - σ Cᵀ V⁻¹ d from whitened residuals."""
         rows = self.logged.copy()
         if not self.blocks:
             twice = correction.whiten(whitened) / noise**2
-            for seen, places, part in self.pieces:
-                rows[places] -= self.sigma[places] * (part.T @ twice[seen])
+            for samples, places, part in self.pieces:
+                rows[places] -= self.sigma[places] * (part.T @ twice[samples])
         return rows
 
     def search_rows(self, u: Any, noise: float) -> float:
@@ -201,8 +201,8 @@ class _FollowedRuns:
         if self.blocks or count > MOST_ROWS:
             return 0.0
         moves = np.concatenate([np.diag(share * self.sigma) for share in MOVES])
-        found = self.run(u, np.concatenate([self.rows[None], self.rows + moves]))
-        squares = np.sum((found - self.measured) ** 2, axis=1) / noise**2
+        outputs = self.run(u, np.concatenate([self.rows[None], self.rows + moves]))
+        squares = np.sum((outputs - self.measured) ** 2, axis=1) / noise**2
         apart = (self.logged - self.rows) / self.sigma
         shares = np.asarray(MOVES)[:, None]
         costs = np.reshape(squares[1:] - squares[0], (len(MOVES), count)) + (apart - shares) ** 2 - apart**2
@@ -214,8 +214,8 @@ class _FollowedRuns:
                 return 0.0
             trial = self.rows.copy()
             trial[chosen] += np.asarray(MOVES)[best[chosen]] * self.sigma[chosen]
-            seen = np.sum((self.run(u, trial[None])[0] - self.measured) ** 2) / noise**2
-            fallen = squares[0] + self.misfit(self.rows) - seen - self.misfit(trial)
+            trial_squares = np.sum((self.run(u, trial[None])[0] - self.measured) ** 2) / noise**2
+            fallen = squares[0] + self.misfit(self.rows) - trial_squares - self.misfit(trial)
             if fallen > WORTHWHILE:
                 self.rows = trial
                 return float(fallen)
@@ -265,8 +265,8 @@ def _is_felt(runs: Sequence[_FollowedRuns], u: Any, size: float) -> bool:
     chance = np.random.default_rng(0)
     for one in runs:
         shaken = one.rows + one.sigma * chance.standard_normal((4, len(one.rows)))
-        found = one.run(u, np.concatenate([one.rows[None], shaken]))
-        if np.nanmax(np.abs(found[1:] - found[0]), initial=0.0) > NEGLIGIBLE * size:
+        outputs = one.run(u, np.concatenate([one.rows[None], shaken]))
+        if np.nanmax(np.abs(outputs[1:] - outputs[0]), initial=0.0) > NEGLIGIBLE * size:
             return True
     return False
 
@@ -291,9 +291,9 @@ def _iterate(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, descend: D
             u = end
             continue
         parts = zip(runs, current.split(after.residuals), current.corrections, strict=True)
-        begun, wanted = u, [one.estimate_rows(fix, part, noise) for one, part, fix in parts]
+        old_point, wanted = u, [one.estimate_rows(fix, part, noise) for one, part, fix in parts]
         u = _step_towards(problem, runs, u, end, wanted, noise)
-        if u is begun and step == LAST_STEP and not _search_rows(runs, u, noise):
+        if u is old_point and step == LAST_STEP and not _search_rows(runs, u, noise):
             break  # no step helps any more
     return current, end
 
@@ -318,38 +318,38 @@ def _search_rows(runs: Sequence[_FollowedRuns], u: Any, noise: float) -> float:
 
 
 def _require_run(problem: Problem, u: Any) -> Evaluation:
-    found = problem.evaluate(u, slopes=True)
-    if found is None:
+    evaluation = problem.evaluate(u, slopes=True)
+    if evaluation is None:
         raise SolveError("The runs fail with the estimated inputs.")
-    return found
+    return evaluation
 
 
 def _step_towards(
     problem: Problem, runs: Sequence[_FollowedRuns], u: Any, end: Any, wanted: Sequence[Any], noise: float
 ) -> Any:
     """Step parameters and rows as far as the sum of all squares falls, and return the parameters."""
-    begun = [one.rows for one in runs]
-    least = _sum_squares(problem, runs, u, begun, noise)
+    old_rows = [one.rows for one in runs]
+    least = _sum_squares(problem, runs, u, old_rows, noise)
     for share in SHARES:
         point = u + share * (end - u)
-        rows = [a + share * (b - a) for a, b in zip(begun, wanted, strict=True)]
+        rows = [a + share * (b - a) for a, b in zip(old_rows, wanted, strict=True)]
         if _sum_squares(problem, runs, point, rows, noise) < least:
             break
     else:
         return u
-    for one, found in zip(runs, rows, strict=True):
-        one.rows = found
+    for one, new_rows in zip(runs, rows, strict=True):
+        one.rows = new_rows
     return point
 
 
 def _sum_squares(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, rows: Sequence[Any], noise: float) -> float:
     """Return the squares of outputs and of drives, each divided by its noise."""
     fixes = (InputCorrection(one.inputs(x), np.zeros(len(one.at)), ()) for one, x in zip(runs, rows, strict=True))
-    found = problem.with_corrections(list(fixes)).evaluate(u)
-    if found is None:
+    evaluation = problem.with_corrections(list(fixes)).evaluate(u)
+    if evaluation is None:
         return math.inf
     apart = sum(one.misfit(x) for one, x in zip(runs, rows, strict=True))
-    return float(found.residuals @ found.residuals) / noise**2 + apart
+    return float(evaluation.residuals @ evaluation.residuals) / noise**2 + apart
 
 
 def _balance_noise(problem: Problem, runs: Sequence[_FollowedRuns], residuals: Sequence[Any]) -> float:
@@ -358,9 +358,9 @@ def _balance_noise(problem: Problem, runs: Sequence[_FollowedRuns], residuals: S
     spare = max(len(total) - len(problem.free), 1)
     if problem.knows_noise:
         return 1.0
-    found = [one.spectrum(part) for one, part in zip(runs, residuals, strict=True)]
-    sizes, along = (np.concatenate([row[k] for row in found]) for k in (0, 1))
-    rest, high = sum(row[2] for row in found), math.sqrt(float(total @ total) / spare)
+    spectra = [one.spectrum(part) for one, part in zip(runs, residuals, strict=True)]
+    sizes, along = (np.concatenate([row[k] for row in spectra]) for k in (0, 1))
+    rest, high = sum(row[2] for row in spectra), math.sqrt(float(total @ total) / spare)
     low = 1e-3 * high
     for _ in range(50):
         middle = math.sqrt(low * high)

@@ -61,7 +61,7 @@ class AssumedMove:
 
 def trace_assumptions(fit: Fit, assumed: Mapping[str, float], rebuild: Rebuild) -> list[AssumedMove]:
     """Return the change of the parameters of a fit with each assumed value."""
-    found: list[AssumedMove] = []
+    moves: list[AssumedMove] = []
     for path, value in assumed.items():
         unit = "K" if path.endswith("temperature") else _find_unit(path, fit)
         try:
@@ -72,8 +72,8 @@ def trace_assumptions(fit: Fit, assumed: Mapping[str, float], rebuild: Rebuild) 
         before = fit.evaluation.residuals
         if changed is not None and len(changed.residuals) == len(before):
             step = np.linalg.lstsq(fit.evaluation.jacobian, changed.residuals - before, rcond=1e-10)[0]
-            found.append(AssumedMove(path, -step / SMALL))
-    return found
+            moves.append(AssumedMove(path, -step / SMALL))
+    return moves
 
 
 def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
@@ -85,7 +85,7 @@ def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
         fit: fit without this error.
         jitter: record -> standard deviation of the offset [SI].
     """
-    problem, found = fit.problem, fit.uncertainty
+    problem, uncertainty = fit.problem, fit.uncertainty
     sizes = np.array([free.slope(u) for free, u in _pair_free(fit)])
     extra = np.zeros((len(sizes), len(sizes)))
     places = np.cumsum([0, *(int(used.sum()) for used in problem.used)])
@@ -96,16 +96,16 @@ def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
                 whole[places[k] : places[k + 1]] = change
                 move = sizes * np.linalg.lstsq(fit.evaluation.jacobian, whole, rcond=1e-10)[0]
                 extra += np.outer(move, move)
-    if not extra.any() or not np.isfinite(found.errors).all():
+    if not extra.any() or not np.isfinite(uncertainty.errors).all():
         return fit
-    whole = np.array(found.covariance) + extra / found.widening**2
+    whole = np.array(uncertainty.covariance) + extra / uncertainty.widening**2
     errors = np.sqrt(whole.diagonal())
     wider = replace(
-        found, errors=tuple(map(float, errors)), correlation=tuple(map(tuple, whole / np.outer(errors, errors)))
+        uncertainty, errors=tuple(map(float, errors)), correlation=tuple(map(tuple, whole / np.outer(errors, errors)))
     )
-    made = replace(fit)
-    made.__dict__["uncertainty"] = wider
-    return made
+    wider_fit = replace(fit)
+    wider_fit.__dict__["uncertainty"] = wider
+    return wider_fit
 
 
 def _shift_legs(fit: Fit, k: int, error: float) -> Iterator[Any]:
@@ -126,14 +126,14 @@ def _shift_legs(fit: Fit, k: int, error: float) -> Iterator[Any]:
 
 def list_dependent(fit: Fit, moves: Sequence[AssumedMove]) -> dict[str, tuple[str, ...]]:
     """Return the free parameters that depend on assumed values, with the paths of these values."""
-    found: dict[str, tuple[str, ...]] = {}
+    dependences: dict[str, tuple[str, ...]] = {}
     for i, free in enumerate(fit.problem.free):
         low, high = fit.uncertainty.widened(free.name)
         slope = abs(free.slope(fit.values[i]))
         paths = tuple(one.path for one in moves if abs(one.move[i]) * slope > 0.5 * (high - low))
         if paths:
-            found[free.name] = paths
-    return found
+            dependences[free.name] = paths
+    return dependences
 
 
 def list_temperatures(fit: Fit, moves: Sequence[AssumedMove]) -> list[ShiftedTemperature]:
@@ -145,7 +145,7 @@ def list_temperatures(fit: Fit, moves: Sequence[AssumedMove]) -> list[ShiftedTem
         return []
     loads = {round(float(np.mean(one.record["stress"])), -4) for one in fit.problem.experiments if _is_isobaric(one)}
     slopes = _differentiate_law(fit)
-    found: list[ShiftedTemperature] = []
+    temperatures: list[ShiftedTemperature] = []
     for stress in (0.0, *sorted(loads)):
         for name, slope in SHIFTED.items():
             rate = values[slope]
@@ -154,8 +154,8 @@ def list_temperatures(fit: Fit, moves: Sequence[AssumedMove]) -> list[ShiftedTem
             changes = [(one.path, gradient @ one.move, _own(one, slope, stress, rate)) for one in moves]
             least = [max(half, CANCEL * abs(own)) for _, _, own in changes]
             paths = tuple(path for (path, by, own), x in zip(changes, least, strict=True) if abs(by + own) > x)
-            found.append(ShiftedTemperature(name, stress, values[name] + stress / rate, half, paths))
-    return found
+            temperatures.append(ShiftedTemperature(name, stress, values[name] + stress / rate, half, paths))
+    return temperatures
 
 
 def _own(one: AssumedMove, slope: str, stress: float, rate: float) -> float:

@@ -93,10 +93,13 @@ class LogModel:
     @property
     def follows_logs(self) -> bool:
         """Return whether the scenario follows logged columns, and not columns computed from them."""
-        held = {one.name: set(one.columns) for one in self.records}
+        log_columns = {one.name: set(one.columns) for one in self.records}
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
-        made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
-        whole = all(need - made <= held[one.name] for need, one in zip(needed, self.chosen.proposal.rows, strict=True))
+        computed_columns = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
+        whole = all(
+            need - computed_columns <= log_columns[one.name]
+            for need, one in zip(needed, self.chosen.proposal.rows, strict=True)
+        )
         drive = self.experiment.drive or "temperature"
         same = all(
             len(own) == len(one) and (drive not in own.columns or np.array_equal(own[drive], one[drive]))
@@ -120,12 +123,12 @@ class LogModel:
     def undetermined(self) -> dict[str, str]:
         """Return the parameters that the logs do not determine, with the reason."""
         fit = self.fit
-        found = dict(fit.undetermined)
+        reasons = dict(fit.undetermined)
         for free in fit.problem.free:
             low, high = fit.uncertainty.widened(free.name)
-            if free.unit == "K" and high - low > 2.0 * UNCERTAIN and free.name not in found:
-                found[free.name] = f"its 95 % interval is ± {0.5 * (high - low):.2g} K"
-        return found
+            if free.unit == "K" and high - low > 2.0 * UNCERTAIN and free.name not in reasons:
+                reasons[free.name] = f"its 95 % interval is ± {0.5 * (high - low):.2g} K"
+        return reasons
 
     @cached_property
     def temperatures(self) -> list[ShiftedTemperature]:
@@ -153,13 +156,13 @@ class LogModel:
         task = build_task(scenario, [record], [self.fit.problem.free[0].path])
         task = task.with_changes(hold_out="none", columns=list(proposal.columns), step=self.fit.problem.step)
         problem = task.arrange(check=False).problem
-        found = problem.evaluate(problem.start)
-        if found is None:
+        evaluation = problem.evaluate(problem.start)
+        if evaluation is None:
             raise SolveError(f"The run of record `{record.name}` fails with the fitted parameters.")
         outputs = problem.experiments[0].outputs
         zeros = {one: [x for n, x in numbers.items() if n.startswith(f"offset.{one}@")] for one in outputs}
         return {
-            one: found.fitted[0].model[:, k] + (float(np.mean(zeros[one])) if zeros[one] else 0.0)
+            one: evaluation.fitted[0].model[:, k] + (float(np.mean(zeros[one])) if zeros[one] else 0.0)
             for k, one in enumerate(outputs)
         }
 
@@ -167,30 +170,30 @@ class LogModel:
         """Return the scenario with the fitted parameters, as TOML."""
         fit, places = self.fit, read_proposal(self.chosen.proposal).places
         shared = [free for free in fit.problem.free if free.record is None]
-        found = {
+        settings = {
             places.path(leaf.path): exact_text(leaf.value, leaf.declared.unit)
             for leaf in fit.system().leaves()
             if any(free.moves(leaf.path) for free in shared)
         }
-        return as_toml(change_document(self.chosen.proposal.document, found))
+        return as_toml(change_document(self.chosen.proposal.document, settings))
 
 
 def _read_files(
     logs: Sequence[Source], named: Mapping[str, str], interval: float | None
 ) -> tuple[list[Record], list[str], list[LabFile]]:
     """Return the records of logs, remarks on reading them, and the files."""
-    found: list[Record] = []
+    records: list[Record] = []
     files: list[LabFile] = []
     for log in logs:
         parts = [] if isinstance(log, Record) else read_parts(log, named, interval, known=True)
         files += parts
-        found += [log] if isinstance(log, Record) else [one.record for one in parts]
-    if not found:
+        records += [log] if isinstance(log, Record) else [one.record for one in parts]
+    if not records:
         raise DataError("A fit needs at least one log; none given.")
-    names = [one.name for one in found]
+    names = [one.name for one in records]
     numbered = [
         replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
-        for k, one in enumerate(found)
+        for k, one in enumerate(records)
     ]
     notes = [f"`{file.record.name}`: {note}" for file in files for note in _describe_file(file)]
     return numbered, notes, files
@@ -199,17 +202,17 @@ def _read_files(
 def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None:
     """Return texts that assign the columns of files with headings `name [unit]` and unknown names."""
     own = [one for one in files if one.renamed]
-    said = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
+    assignments = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
     if not own:
         return ()
-    return said.pop() if len(said) == 1 and len(own) == logs else None
+    return assignments.pop() if len(assignments) == 1 and len(own) == logs else None
 
 
 def _describe_file(file: LabFile) -> list[str]:
     """Return the columns identified by their values, and remarks on reading."""
     guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
-    said = [f"by their values columns are taken, {', '.join(guessed)} (`--as`)."] if guessed else []
-    return [*said, *file.notes]
+    notes = [f"by their values columns are taken, {', '.join(guessed)} (`--as`)."] if guessed else []
+    return [*notes, *file.notes]
 
 
 def model_logs(
@@ -250,22 +253,24 @@ def model_logs(
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     records, notes, files = _read_files(sources, named or {}, interval)
-    said = _name_columns(files, len(sources)) if not named else tuple(f"{key}={text}" for key, text in named.items())
+    assignments = (
+        _name_columns(files, len(sources)) if not named else tuple(f"{key}={text}" for key, text in named.items())
+    )
     whole, overrides, wound = wind_angles(records, overrides or {})
     notes += wound
-    seen = recognise_experiment(whole, experiment)
-    moving, still = _part_still(whole, seen.measured)
+    recognised_experiment = recognise_experiment(whole, experiment)
+    moving, still = _part_still(whole, recognised_experiment.measured)
     notes += still
     words = {one.record.name: one.said for one in files}
-    proposals, known = propose_scenarios(seen, moving, overrides, words)
-    notes += known.sentences
+    proposals, assumptions = propose_scenarios(recognised_experiment, moving, overrides, words)
+    notes += assumptions.sentences
     offered, proposals = proposals, change_proposals(proposals, free, fixed)
 
     def announce(text: str) -> None:
         if tell is not None:
-            tell(f"{seen.name}: {text}")
+            tell(f"{recognised_experiment.name}: {text}")
 
-    trials = ModelTrials(seen.kind, TimeBox(time_box), announce, starts, hold_out, keep)
+    trials = ModelTrials(recognised_experiment.kind, TimeBox(time_box), announce, starts, hold_out, keep)
     trials.run(proposals)
     notes = list(dict.fromkeys([*notes, *trials.notes]))
     best = choose_model(trials.tried)
@@ -273,19 +278,31 @@ def model_logs(
         best = replace(best, fit=count_jitter(best.fit, best.proposal.jitter))
 
     def rebuild(path: str, text: str) -> Problem:
-        changed, _ = propose_scenarios(seen, moving, {**overrides, path: text}, words)
+        changed, _ = propose_scenarios(recognised_experiment, moving, {**overrides, path: text}, words)
         return rebuild_problem(change_proposals(changed, free, fixed), best)
 
-    assumed = _select_assumed(known.assumed, best.proposal)
+    assumed = _select_assumed(assumptions.assumed, best.proposal)
     given = [*overrides, *_list_given(fixed)]
-    held = list_held(offered, best.proposal, read_proposal(best.proposal), given)
-    notes += [f"`{path}` is held at {write_value(*x)}: the logs do not determine it." for path, x in held.items()]
-    assumed |= {path: value for path, (value, _) in held.items()}
+    fixed_parameters = list_held(offered, best.proposal, read_proposal(best.proposal), given)
+    notes += [
+        f"`{path}` is held at {write_value(*x)}: the logs do not determine it." for path, x in fixed_parameters.items()
+    ]
+    assumed |= {path: value for path, (value, _) in fixed_parameters.items()}
     moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, assumed, rebuild)
     traced = {one.path for one in moves}
     untested = tuple(path for path in assumed if path not in traced)
     tried = tuple(trials.tried)
-    return LogModel(seen, best, tried, tuple(notes), tuple(records), said, trials.stopped, tuple(moves), untested)
+    return LogModel(
+        recognised_experiment,
+        best,
+        tried,
+        tuple(notes),
+        tuple(records),
+        assignments,
+        trials.stopped,
+        tuple(moves),
+        untested,
+    )
 
 
 def _list_given(fixed: Sequence[str]) -> list[str]:
@@ -310,8 +327,8 @@ def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[lis
         lost = next((name for name in measured if not set(_list_alike(name)) & set(one.columns)), None)
         if lost is not None:
             raise DataError(f"Record `{one.name}` has no column `{lost}`, which others have; fit it apart.")
-    shown = {one.name: [find_column(one, name, _list_alike(name)) for name in measured] for one in records}
-    still = {one.name: name for one in records for name in shown[one.name] if not np.nanstd(one[name]) > 0.0}
+    columns = {one.name: [find_column(one, name, _list_alike(name)) for name in measured] for one in records}
+    still = {one.name: name for one in records for name in columns[one.name] if not np.nanstd(one[name]) > 0.0}
     notes = [f"`{column}` never changes in `{name}`, which is left out." for name, column in still.items()]
     return [one for one in records if one.name not in still], notes
 

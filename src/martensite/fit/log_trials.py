@@ -133,9 +133,9 @@ class ModelTrials:
     def _try_next(self, proposal: Proposal) -> None:
         """Try a proposal, and then a simplified one if parameters are undetermined."""
         try:
-            found = self._try_proposal(proposal)
-            self.tried.append(found)
-            simpler = None if self.stopped else simplify_proposal(found)
+            model = self._try_proposal(proposal)
+            self.tried.append(model)
+            simpler = None if self.stopped else simplify_proposal(model)
             if simpler is not None:
                 self.tried.append(self._try_proposal(simpler))
         except (SolveError, ParameterError) as error:
@@ -179,9 +179,9 @@ class ModelTrials:
 
         for start in ({}, *proposal.others):
             try:
-                begun = with_start(problem, start)
+                trial_problem = with_start(problem, start)
                 more = 0 if fits else spread
-                fits.append(solve_problem(begun, starts=more, most=most, inputs=False, tell=watch))
+                fits.append(solve_problem(trial_problem, starts=more, most=most, inputs=False, tell=watch))
             except SolveError:
                 continue
             if fits[-1].reason in (INTERRUPTED, OUT_OF_TIME):
@@ -233,8 +233,8 @@ def rebuild_problem(proposals: Sequence[Proposal], model: TriedModel) -> Problem
     same = max(alike, key=lambda one: len(one.name))
     if name.endswith("with a waist") and not same.name.endswith("with a waist"):
         same = add_waist(same, model.fit.numbers)
-    made = replace(same, free=model.proposal.free, each=model.proposal.each)
-    return replace(arrange_proposal(made, read_proposal(made)), free=model.fit.problem.free)
+    proposal = replace(same, free=model.proposal.free, each=model.proposal.each)
+    return replace(arrange_proposal(proposal, read_proposal(proposal)), free=model.fit.problem.free)
 
 
 def choose_model(tried: Sequence[Tried]) -> Tried:
@@ -277,14 +277,14 @@ def simplify_proposal(tried: TriedModel) -> Proposal | None:
     if not undetermined and not confounded:
         return None
     units = {free.name: free.unit for free in fit.problem.free}
-    made = proposal
+    simpler_proposal = proposal
     for name in undetermined:
-        made = fix_parameter(made, name)
+        simpler_proposal = fix_parameter(simpler_proposal, name)
     for name in confounded:
-        made = fix_parameter(made, f"{name}={exact_text(fit[name], units[name])}")
-    fixed = len(proposal.free) - len(made.free)
+        simpler_proposal = fix_parameter(simpler_proposal, f"{name}={exact_text(fit[name], units[name])}")
+    fixed = len(proposal.free) - len(simpler_proposal.free)
     again = {name: value for name, value in fit.numbers.items() if name not in (*undetermined, *confounded)}
-    return replace(made, name=f"{proposal.name}, {fixed} fixed", others=(again,))
+    return replace(simpler_proposal, name=f"{proposal.name}, {fixed} fixed", others=(again,))
 
 
 def _list_needless(fit: Fit) -> tuple[list[str], list[str]]:
@@ -293,8 +293,8 @@ def _list_needless(fit: Fit) -> tuple[list[str], list[str]]:
     can = [name for name in names if name.partition("-")[0] not in ALWAYS_FREE]
     undetermined = [name for name in can if name in fit.undetermined]
     pairs = [(other, one) for one, other, _ in fit.uncertainty.confounded(CONFUSED)]
-    found = [next((name for name in pair if name in can), "") for pair in pairs]
-    return undetermined, [name for name in found if name and name not in undetermined]
+    candidates = [next((name for name in pair if name in can), "") for pair in pairs]
+    return undetermined, [name for name in candidates if name and name not in undetermined]
 
 
 def find_transformed(fit: Fit) -> float:

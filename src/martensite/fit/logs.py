@@ -92,17 +92,17 @@ def read_logs(logs: Sequence[Log]) -> list[LoadedLog]:
     Raises:
         InputError: a file is missing or malformed, or does not fit its scenario.
     """
-    found: list[LoadedLog] = []
+    loaded_logs: list[LoadedLog] = []
     for log in logs:
         record = log.read()
         scenario = log.model(record)
         if scenario.follows:
             record = from_zero(record)
-        found.append(LoadedLog(log, log.name or _shorten_name(record), record, scenario))
-    names = [one.name for one in found]
+        loaded_logs.append(LoadedLog(log, log.name or _shorten_name(record), record, scenario))
+    names = [one.name for one in loaded_logs]
     return [
         replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
-        for k, one in enumerate(found)
+        for k, one in enumerate(loaded_logs)
     ]
 
 
@@ -111,9 +111,9 @@ def _shorten_name(record: Record) -> str:
     return last.rpartition(".")[0] or last if "/" in record.name else last
 
 
-def describe_untimed(found: Sequence[LoadedLog]) -> list[str]:
+def describe_untimed(loaded_logs: Sequence[LoadedLog]) -> list[str]:
     """Return a sentence about files without times and without a given interval."""
-    given = [one for one in found if not isinstance(one.log.source, Record)]
+    given = [one for one in loaded_logs if not isinstance(one.log.source, Record)]
     names = [one.name for one in given if one.log.interval is None and one.record.interval]
     if not names:
         return []
@@ -180,13 +180,13 @@ def choose_held_out(
     return _choose_named(split_list(hold_out), names)
 
 
-def _choose_named(asked: Sequence[str], names: Sequence[str]) -> list[Stretches]:
+def _choose_named(held_out_names: Sequence[str], names: Sequence[str]) -> list[Stretches]:
     """Return the named records as held out whole."""
-    for name in asked:
+    for name in held_out_names:
         require_known("record to hold out", name, [*names, AUTO, NONE, EACH, "25 %"])
-    if len(set(asked)) == len(names):
+    if len(set(held_out_names)) == len(names):
         raise InputError("All records are held out, and none is left to be fitted.")
-    return [ALL if name in asked else () for name in names]
+    return [ALL if name in held_out_names else () for name in names]
 
 
 def _spread_evenly(rows: Sequence[float]) -> Any:
@@ -196,8 +196,8 @@ def _spread_evenly(rows: Sequence[float]) -> Any:
 
 def _choose_stretches(times: Sequence[float], places: Any) -> Stretches:
     """Return the intervals of time in the held-out parts of a path."""
-    held = np.isin(np.minimum(np.asarray(places) * STRETCHES, STRETCHES - 1).astype(int), KEPT)
-    ends = np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]])))
+    held_out_rows = np.isin(np.minimum(np.asarray(places) * STRETCHES, STRETCHES - 1).astype(int), KEPT)
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], held_out_rows.astype(int), [0]])))
     return tuple((times[first], times[after - 1]) for first, after in ends.reshape(-1, 2).tolist())
 
 

@@ -63,7 +63,7 @@ Branches = dict[bool, LoopLeg]
 
 def find_branches(loop: LoopColumns) -> Branches:
     """Return the last full leg of each direction, without held-out rows."""
-    found: Branches = {}
+    branches: Branches = {}
     span = float(np.ptp(loop.drive))
     for first, last in trace_loop(loop.drive).legs:
         rows = np.arange(first, last + 1)
@@ -71,8 +71,8 @@ def find_branches(loop: LoopColumns) -> Branches:
         rows = rows[np.isfinite(loop.column[rows])]
         if abs(change) >= FULL * span and len(rows) > 2 and len(np.unique(loop.drive[rows])) > 2:
             kelvin, places = np.unique(loop.drive[rows], return_index=True)
-            found[bool(change > 0.0)] = LoopLeg(kelvin, loop.column[rows][places])
-    return found
+            branches[bool(change > 0.0)] = LoopLeg(kelvin, loop.column[rows][places])
+    return branches
 
 
 def has_reversals(loop: LoopColumns) -> bool:
@@ -86,7 +86,7 @@ def repeat_branches(loop: LoopColumns, branches: Branches) -> Any:
 
     The scaled branch ends where the branch of the other direction begins.
     """
-    found = np.full(len(loop.drive), np.nan)
+    prediction = np.full(len(loop.drive), np.nan)
     span = float(np.ptp(loop.drive))
     for first, last in trace_loop(loop.drive).legs:
         branch = branches.get(bool(loop.drive[last] > loop.drive[first]))
@@ -94,13 +94,13 @@ def repeat_branches(loop: LoopColumns, branches: Branches) -> Any:
             continue
         x = loop.drive[first : last + 1]
         major = branch.at(x)
-        begin = found[first] if first else np.nan
+        begin = prediction[first] if first else np.nan
         if first and np.isfinite(begin) and abs(x[0] - _far_end(branch, x)) < FULL * span:
             end = branch.at(_far_end(branch, x))
             room = major[0] - end
             major = end + (major - end) * ((begin - end) / room if abs(room) > 0.0 else 1.0)
-        found[first + (first > 0) : last + 1] = major[first > 0 :]
-    return found
+        prediction[first + (first > 0) : last + 1] = major[first > 0 :]
+    return prediction
 
 
 def _far_end(branch: LoopLeg, x: Any) -> float:

@@ -77,10 +77,10 @@ def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -
     law = numbers.law_table()
     what = f"law {law['kind']} to {_format_outputs(fit)} of {_format_records(fit)}"
     sources = {FIT: Source(key, f"Fit by {describe_program()}: {what}"), **numbers.sources}
-    found = build_provenance(fit)
+    provenance = build_provenance(fit)
     if numbers.scenario:
-        found = {"scenario": numbers.scenario.title, **found}
-    free, records = found.pop("free"), found.pop("records")
+        provenance = {"scenario": numbers.scenario.title, **provenance}
+    free, records = provenance.pop("free"), provenance.pop("records")
     return "\n".join(
         [
             *_format_entries({"title": title or f"Fit of {what}"}),
@@ -88,7 +88,7 @@ def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -
             *_format_section("law", law),
             *_list_sources(sources),
             *_format_section("values", {name: _format_value(number) for name, number in values.items()}),
-            *_format_section("fit", found),
+            *_format_section("fit", provenance),
             *_format_section("fit.free", free),
             *(line for one in records for line in _format_section("fit.records", one, "[[{}]]")),
             "",
@@ -120,8 +120,8 @@ def _summarise_fit(numbers: MaterialNumbers, values: dict[str, MaterialNumber]) 
     if numbers.material:
         words.append(f"Where another source is named, the number is that of {numbers.material.name}.")
     if others := numbers.others():
-        found = join_phrases([f"{free.name} = {format_quantity(fit[free.name], free.unit)}" for free in others])
-        words.append(f"Fitted with them, but no numbers of a material: {found}.")
+        phrase = join_phrases([f"{free.name} = {format_quantity(fit[free.name], free.unit)}" for free in others])
+        words.append(f"Fitted with them, but no numbers of a material: {phrase}.")
     return " ".join(words)
 
 
@@ -129,10 +129,10 @@ def _describe_limits(numbers: MaterialNumbers) -> str:
     fit = numbers.fit
     units = {"temperature": "K", "stress": "Pa"}
     ranges = [f"{name} {shown_range(r, units[name])}" for name, r in find_covered_range(fit).items()]
-    kept = [one.record for one in list_compared(fit) if not one.used.any()]
+    held_out_names = [one.record for one in list_compared(fit) if not one.used.any()]
     words = [f"They hold for this law, and were fitted at {join_phrases(ranges)}."]
-    if kept:
-        words.append(f"Kept back: {join_phrases(list(dict.fromkeys(kept)))}.")
+    if held_out_names:
+        words.append(f"Kept back: {join_phrases(list(dict.fromkeys(held_out_names)))}.")
     return " ".join([*words, *describe_predictions(fit), *list_fit_warnings(fit), *fit.cautions]).replace("`", "")
 
 

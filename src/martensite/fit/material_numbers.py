@@ -73,15 +73,15 @@ class MaterialNumbers:
         """
         leaves = self._leaves()
         finite = {name: leaf for name, leaf in leaves.items() if math.isfinite(leaf.value)}
-        found = {name: self._number(name, leaf) for name, leaf in finite.items()}
-        found |= dict(self._carried(leaves))
-        return {name: found[name] for name in NAMES if name in found}
+        numbers = {name: self._number(name, leaf) for name, leaf in finite.items()}
+        numbers |= dict(self._carried(leaves))
+        return {name: numbers[name] for name in NAMES if name in numbers}
 
     def others(self) -> list[FreeNumber]:
         """Return the common fitted parameters that do not belong to the material."""
-        known = {*NAMES, *self.law.declarations}
+        material_names = {*NAMES, *self.law.declarations}
         shared = (free for free in self.fit.problem.free if free.record is None)
-        return [free for free in shared if free.path.rpartition(".")[2] not in known]
+        return [free for free in shared if free.path.rpartition(".")[2] not in material_names]
 
     def _leaves(self) -> Leaves:
         """Return the canonical parameters of the actuator, with all fitted values."""
@@ -113,10 +113,10 @@ class MaterialNumbers:
 
     def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> MaterialNumber:
         """Return an idle parameter as not fitted."""
-        begun = replace(leaf, value=free.start)
-        found = self._inherited(name, begun)
+        start_leaf = replace(leaf, value=free.start)
+        number = self._inherited(name, start_leaf)
         words = "free in the fit, but without effect on it: as at the start"
-        return replace(found, note="; ".join(filter(None, (found.note, words))))
+        return replace(number, note="; ".join(filter(None, (number.note, words))))
 
     def _inherited(self, name: str, leaf: Leaf) -> MaterialNumber:
         if self.material and name in self.material.values:
@@ -153,9 +153,9 @@ class MaterialNumbers:
 
 def describe_trust(fit: Fit, free: FreeNumber) -> str:
     """Describe the interval and bounds of a fitted parameter, with their problems."""
-    found = fit.uncertainty
-    wide = format_interval(found.widened(free.name), free.unit)
-    plain = format_interval(found.interval(free.name), free.unit)
+    uncertainty = fit.uncertainty
+    wide = format_interval(uncertainty.widened(free.name), free.unit)
+    plain = format_interval(uncertainty.interval(free.name), free.unit)
     of = f" of {free.name}" if free.base else ""
     words = [f"{wide}{of}" if wide == NOT_DETERMINED else f"95 % interval{of} {wide}"]
     if plain != wide:
@@ -193,8 +193,8 @@ def name_canonically(
     """
     first, *others = [_list_numbers(system, port) for system in systems]
     for other in others:
-        kept = {name: leaf for name, leaf in other.items() if not apart(leaf.path)}
-        _refuse_other(first, kept, "The systems of the records")
+        common_leaves = {name: leaf for name, leaf in other.items() if not apart(leaf.path)}
+        _refuse_other(first, common_leaves, "The systems of the records")
     return first
 
 

@@ -40,7 +40,7 @@ class NumberOrder(NamedTuple):
 
 def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -> list[NumberOrder]:
     """Return the orders that the laws of all experiments declare and that involve a free parameter."""
-    found: dict[NumberOrder, None] = {}
+    orders: dict[NumberOrder, None] = {}
     for one in experiments:
         values = {leaf.path: float(leaf.value) for leaf in one.system.leaves()}
         acting = [(i, x) for i, x in enumerate(free) if x.record in (None, *one.labels)]
@@ -48,8 +48,8 @@ def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -
             if not any(x.base and any(map(x.moves, places)) for _, x in acting):  # else in order by itself
                 movers = [_find_mover(acting, path, values[path]) for path in places]
                 if any(isinstance(end, int) for end in movers):
-                    found[NumberOrder(*movers)] = None
-    return list(found)
+                    orders[NumberOrder(*movers)] = None
+    return list(orders)
 
 
 def _list_ordered(one: Experiment, values: Mapping[str, float]) -> Iterator[tuple[str, str]]:
@@ -121,21 +121,23 @@ class OrderedNumbers:
         places = np.asarray(shares, float).copy()
         if not self.active:
             return places
-        found = np.zeros(len(places))
+        ordered_shares = np.zeros(len(places))
         for i in self.sequence:
-            low, high, _ = self._find_ends(i, found)
+            low, high, _ = self._find_ends(i, ordered_shares)
             place = (shares[i] - low) / (high - low) if high > low else 0.0
             places[i] = place if 0.0 <= place <= 1.0 else inside if place < 0.0 else 1.0 - inside
-            found[i] = low + places[i] * (high - low)
+            ordered_shares[i] = low + places[i] * (high - low)
         return places
 
     def repair(self, shares: Any) -> Any:
         """Return the fractions in order; values out of order move inside by a tenth of their interval."""
         return self.find_shares(self.find_places(shares, INSIDE)) if self.active else np.asarray(shares, float)
 
-    def turn_slopes(self, found: Evaluation, places: Any) -> Evaluation:
+    def turn_slopes(self, evaluation: Evaluation, places: Any) -> Evaluation:
         """Return an evaluation with derivatives with respect to places."""
-        return replace(found, jacobian=found.jacobian @ self.find_slopes(places)) if self.active else found
+        return (
+            replace(evaluation, jacobian=evaluation.jacobian @ self.find_slopes(places)) if self.active else evaluation
+        )
 
     def _walk(self, places: Any) -> tuple[Any, Any]:
         if not self.active:

@@ -21,15 +21,15 @@ def measure_places(one: Experiment) -> Any:
 
     The path is over a drive that prescribes a state, such as temperature or strain; otherwise over time.
     """
-    shown = one.measured[:, 0]
-    known = np.isfinite(shown)
-    rows = np.arange(len(shown))
+    samples = one.measured[:, 0]
+    finite_rows = np.isfinite(samples)
+    rows = np.arange(len(samples))
     path = _trace_drive(one)
-    arc = measure_arc(path, np.interp(rows, rows[known], shown[known]))
+    arc = measure_arc(path, np.interp(rows, rows[finite_rows], samples[finite_rows]))
     places = np.zeros(len(rows))
     for first, last in path.cycles or [(0, len(rows) - 1)]:
         places[first : last + 1] = (arc[first : last + 1] - arc[first]) / ((arc[last] - arc[first]) or 1.0)
-    return np.where(known, places, 0.0)
+    return np.where(finite_rows, places, 0.0)
 
 
 def _trace_drive(one: Experiment) -> LoopPath:

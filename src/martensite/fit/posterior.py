@@ -72,13 +72,13 @@ class Posterior:
         size = f"{self.walkers} walkers made {self.draws} steps each"
         if not math.isfinite(time):
             return f"Not converged: {size}, and `{slowest}` did not move; take more steps."
-        found = (
+        words = (
             f"{size}: at least {self.effective[slowest]:.0f} independent draws; longest autocorrelation time "
             f"{time:.1f} steps (`{slowest}`)."
         )
         if self.converged:
-            return found
-        return f"Not converged: {found} Take at least {math.ceil(LONG_ENOUGH * time)} steps, or free fewer parameters."
+            return words
+        return f"Not converged: {words} Take at least {math.ceil(LONG_ENOUGH * time)} steps, or free fewer parameters."
 
 
 def sample_posterior(fit: Fit, *, draws: int = 500, warmup: int = 200, seed: int = 0) -> Posterior:
@@ -140,8 +140,8 @@ def _draw_starts(fit: Fit, count: int, seed: int) -> Any:
     correlation = np.array(uncertainty.correlation)
     correlation[~np.isfinite(correlation)] = 0.0
     np.fill_diagonal(correlation, 1.0)
-    drawn = np.random.default_rng(seed).multivariate_normal(np.zeros_like(u), correlation, count, method="eigh")
-    return 1.0 - np.abs(1.0 - np.abs(u + errors * drawn))
+    draws = np.random.default_rng(seed).multivariate_normal(np.zeros_like(u), correlation, count, method="eigh")
+    return 1.0 - np.abs(1.0 - np.abs(u + errors * draws))
 
 
 def _collect_samples(fit: Fit, chain: Any, autocorr: Any) -> Posterior:

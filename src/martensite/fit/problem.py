@@ -104,12 +104,12 @@ class Problem:
 
         Their separate parameters are fitted afterwards; parameters with a spread stay at their centres.
         """
-        made = [replace(one, held=ALL) if one.name in names else one for one in self.experiments]
-        labels = {None, *(label for one in made if not one.held_out for label in one.labels)}
+        experiments = [replace(one, held=ALL) if one.name in names else one for one in self.experiments]
+        labels = {None, *(label for one in experiments if not one.held_out for label in one.labels)}
         rest = [x for x in self.free if x.record not in labels]
         return replace(
             self,
-            experiments=tuple(_set_centres(one, rest) if one.held_out else one for one in made),
+            experiments=tuple(_set_centres(one, rest) if one.held_out else one for one in experiments),
             free=tuple(x for x in self.free if x.record in labels),
             later=(*self.later, *(x for x in rest if not x.spread)),
         )
@@ -126,7 +126,7 @@ class Problem:
 
     @cached_property
     def _ranges(self) -> dict[str, float]:
-        found: dict[str, float] = {}
+        ranges: dict[str, float] = {}
         columns: dict[str, list[Any]] = {}
         for one in self.experiments:
             for k, output in enumerate(one.outputs):
@@ -135,14 +135,14 @@ class Problem:
                     columns.setdefault(output, []).append(column)
                     column = np.concatenate(columns[output])
                 reach = float(np.nanmax(column) - np.nanmin(column))
-                found[output] = max(found.get(output, 0.0), reach)
-        return found
+                ranges[output] = max(ranges.get(output, 0.0), reach)
+        return ranges
 
     @cached_property
     def runners(self) -> tuple[BatchRunner, ...]:
         """Return one runner per experiment."""
-        found = tuple(one.runner(self.step) for one in self.experiments)
-        return self._drive_runners(found) if self.corrections else found
+        runners = tuple(one.runner(self.step) for one in self.experiments)
+        return self._drive_runners(runners) if self.corrections else runners
 
     def _drive_runners(self, runners: Sequence[BatchRunner]) -> tuple[BatchRunner, ...]:
         """Return the runners that follow the corrected instead of the logged drives."""
@@ -154,10 +154,10 @@ class Problem:
 
     def with_corrections(self, corrections: Sequence[InputCorrection]) -> Problem:
         """Return the problem with corrections for noise of its drives."""
-        found = replace(self, corrections=tuple(corrections))
-        made = {name: getattr(self, name) for name in ("_ranges", "used", "_moving", "_values")}
-        found.__dict__.update(made, runners=found._drive_runners(self.runners))  # cached values that stay valid
-        return found
+        problem = replace(self, corrections=tuple(corrections))
+        caches = {name: getattr(self, name) for name in ("_ranges", "used", "_moving", "_values")}
+        problem.__dict__.update(caches, runners=problem._drive_runners(self.runners))  # cached values that stay valid
+        return problem
 
     @cached_property
     def used(self) -> list[Any]:
@@ -221,8 +221,8 @@ class Problem:
 
     def _list_slopes(self, k: int, fitted: FittedRecord) -> Any:
         """Return the derivatives (n, free) of the used residuals of an experiment."""
-        found = fitted.jacobian.transpose(1, 0, 2)[self.used[k].T]
-        return self.corrections[k].whiten(found) if self.corrections else found
+        slopes = fitted.jacobian.transpose(1, 0, 2)[self.used[k].T]
+        return self.corrections[k].whiten(slopes) if self.corrections else slopes
 
     def _sum_squares(self, k: int, fitted: FittedRecord) -> float:
         total = float(np.sum(self._list_residuals(k, fitted) ** 2))
@@ -230,11 +230,11 @@ class Problem:
 
     def _list_residuals(self, k: int, fitted: FittedRecord) -> Any:
         """Return the used residuals (n,) of an experiment, corrected for noise of its drives."""
-        found = fitted.residuals.T[self.used[k].T]
+        residuals = fitted.residuals.T[self.used[k].T]
         if not self.corrections:
-            return found
+            return residuals
         fix = self.corrections[k]
-        return fix.whiten(found + fix.shift)
+        return fix.whiten(residuals + fix.shift)
 
     @property
     def lengths(self) -> list[int]:
@@ -300,12 +300,12 @@ class Problem:
                 seeds[j] = 0.0 if base is None else seeds[base]
                 seeds[j, i] += self.free[i].slope(float(u[i]))
         moving = seeds.any(axis=0)
-        found = self.runners[k].run_slopes(values, seeds[:, moving])
-        if found is None:
+        run = self.runners[k].run_slopes(values, seeds[:, moving])
+        if run is None:
             return None
-        spread = np.zeros((*found[0].shape, len(self.free)))
-        spread[:, :, moving] = found[1]
-        return self._compare_model(k, found[0], u, spread)
+        spread = np.zeros((*run[0].shape, len(self.free)))
+        spread[:, :, moving] = run[1]
+        return self._compare_model(k, run[0], u, spread)
 
     def _compare_model(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> FittedRecord | None:
         """Return the residuals of a run, with the offsets and the delay of its record."""

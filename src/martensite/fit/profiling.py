@@ -79,17 +79,19 @@ class _Refit:
         """Return the sum of the squared weighted residuals."""
         return float(np.sum((self.weights * residuals) ** 2))
 
-    def __call__(self, held: dict[int, float], start: Sequence[float]) -> tuple[Sequence[float], float]:
+    def __call__(self, fixed_values: dict[int, float], start: Sequence[float]) -> tuple[Sequence[float], float]:
         """Return all parameters, and the cost."""
         point = np.array(start, float)
-        point[list(held)] = list(held.values())
+        point[list(fixed_values)] = list(fixed_values.values())
         first = self._evaluate(point, False)
         if first is None:
             raise SolveError("The run fails with the parameter held.")
-        if len(held) == len(point):
+        if len(fixed_values) == len(point):
             return tuple(point), self.cost(first.residuals)
-        found = descend_squares(self._evaluate, point, first, most=REFIT, held=list(held), weights=self.weights)
-        return tuple(map(float, found.shares)), 2.0 * found.cost
+        descent = descend_squares(
+            self._evaluate, point, first, most=REFIT, held=list(fixed_values), weights=self.weights
+        )
+        return tuple(map(float, descent.shares)), 2.0 * descent.cost
 
     def _evaluate(self, shares: Any, slopes: bool) -> Any:
         return self.problem.evaluate(shares, slopes=slopes)

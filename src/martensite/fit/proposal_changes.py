@@ -28,10 +28,10 @@ def change_proposals(proposals: Sequence[Proposal], free: Sequence[str], fixed: 
     for text in fixed:
         if _find_name(text) not in names:
             raise UnknownNameError("free parameter", _find_name(text), names)
-    made = [replace(one, free=(*_replace_free(one.free, free),)) for one in proposals]
+    changed_proposals = [replace(one, free=(*_replace_free(one.free, free),)) for one in proposals]
     for text in fixed:
-        made = [fix_parameter(one, text) if _is_free(one, text) else one for one in made]
-    return made
+        changed_proposals = [fix_parameter(one, text) if _is_free(one, text) else one for one in changed_proposals]
+    return changed_proposals
 
 
 def list_held(
@@ -47,13 +47,13 @@ def list_held(
     """
     own = [one for one in offered if chosen.name == one.name or chosen.name.startswith(f"{one.name}, ")]
     names = {_find_name(text) for one in own for text in one.free} - {_find_name(text) for text in chosen.free}
-    found: dict[str, tuple[float, str]] = {}
+    fixed_parameters: dict[str, tuple[float, str]] = {}
     for leaf in scenario.system.leaves():
         path = scenario.places.path(leaf.path)
-        held = any(f".{leaf.path}".endswith(f".{name}") or path == name for name in names)
-        if held and not any(f".{path}".endswith(f".{name}") for name in given):
-            found[path] = float(leaf.value), leaf.declared.unit
-    return found
+        is_fixed = any(f".{leaf.path}".endswith(f".{name}") or path == name for name in names)
+        if is_fixed and not any(f".{path}".endswith(f".{name}") for name in given):
+            fixed_parameters[path] = float(leaf.value), leaf.declared.unit
+    return fixed_parameters
 
 
 def _find_name(text: str) -> str:
@@ -64,10 +64,12 @@ def _is_free(proposal: Proposal, text: str) -> bool:
     return _find_name(text) in map(_find_name, proposal.free)
 
 
-def _replace_free(known: Sequence[str], given: Sequence[str]) -> list[str]:
+def _replace_free(free_texts: Sequence[str], given: Sequence[str]) -> list[str]:
     own = {_find_name(text): text for text in given}
-    kept = [text for text in known if _find_name(text).partition("-")[0] not in own or _find_name(text) in own]
-    return [*(own.pop(_find_name(text), text) for text in kept), *own.values()]
+    remaining_texts = [
+        text for text in free_texts if _find_name(text).partition("-")[0] not in own or _find_name(text) in own
+    ]
+    return [*(own.pop(_find_name(text), text) for text in remaining_texts), *own.values()]
 
 
 def fix_parameter(proposal: Proposal, text: str) -> Proposal:
@@ -79,11 +81,13 @@ def fix_parameter(proposal: Proposal, text: str) -> Proposal:
     name, _, value = (part.strip() for part in text.partition("="))
     free = tuple(one for one in proposal.free if _find_name(one) != name)
     others = tuple({key: x for key, x in start.items() if key != name} for start in proposal.others)
-    made = replace(proposal, free=free, others=others)
+    changed_proposal = replace(proposal, free=free, others=others)
     if not value:
-        return made
+        return changed_proposal
     scenario = read_scenario(proposal.text, log=proposal.rows[0])
     paths = [leaf.path for leaf in scenario.system.leaves() if f".{leaf.path}".endswith(f".{name}")]
     if not paths:
         raise InputError(f"`{name}` is a difference of two parameters, which takes no value in --fix; set its bounds.")
-    return replace(made, document=change_document(proposal.document, {scenario.places.path(paths[0]): value}))
+    return replace(
+        changed_proposal, document=change_document(proposal.document, {scenario.places.path(paths[0]): value})
+    )

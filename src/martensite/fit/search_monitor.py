@@ -69,24 +69,24 @@ class SearchMonitor:
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
         """Evaluate the problem as `Problem.evaluate` does, and record the point."""
-        found = self.problem.evaluate(u, slopes=slopes)
+        evaluation = self.problem.evaluate(u, slopes=slopes)
         count = len(self.problem.experiments)
         if slopes:
             self.jacobians += count
         else:
             self.simulations += count
-        self._record_point(u, math.inf if found is None else found.cost)
-        return found
+        self._record_point(u, math.inf if evaluation is None else evaluation.cost)
+        return evaluation
 
     def costs(self, points: Any) -> Any:
         """Evaluate costs as `Problem.costs` does, and record the best point."""
         answers = list[Any]()
         for some in np.split(points, range(TOGETHER, len(points), TOGETHER)):
-            found = self.problem.costs(some)
+            costs = self.problem.costs(some)
             self.simulations += len(some) * len(self.problem.experiments)
-            least = int(found.argmin())
-            self._record_point(some[least], float(found[least]))
-            answers.append(found)
+            least = int(costs.argmin())
+            self._record_point(some[least], float(costs[least]))
+            answers.append(costs)
         return np.concatenate(answers)
 
     def _record_point(self, u: Sequence[float], cost: float) -> None:
@@ -96,8 +96,8 @@ class SearchMonitor:
             if time.monotonic() - self._written > EVERY:
                 self.save()
         if self.tell is not None:
-            shown = self.best or tuple(map(float, u))
-            self.tell(SearchNote(self.stage, self.cost, shown, self.simulations, self.share))
+            point = self.best or tuple(map(float, u))
+            self.tell(SearchNote(self.stage, self.cost, point, self.simulations, self.share))
 
     def finished(self, stage: str) -> None:
         """Note that a stage need not be repeated."""

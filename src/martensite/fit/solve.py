@@ -101,7 +101,7 @@ def solve_problem(
         raise InputError(f"Argument `starts` must be at least 0, but is {starts}.")
     training = problem.training
     chosen, watch = find_loss(loss), SearchMonitor(training, tell, state)
-    begun = time.monotonic()
+    start_time = time.monotonic()
     reason = CONVERGED
     try:
         watch.resume()
@@ -133,7 +133,7 @@ def solve_problem(
         reason,
         watch.simulations,
         watch.jacobians,
-        time.monotonic() - begun,
+        time.monotonic() - start_time,
         tuple(watch.history),
         tuple(_predict_held_out(problem, one, end.point) for one in problem.experiments if one.held_out),
         input_noise=end.noise,
@@ -161,9 +161,9 @@ def _correct_end(end: _CorrectedEnd, loss: Loss) -> _CorrectedEnd:
         return end._replace(notes=(note,))
     evaluation = end.evaluation
     if noise:
-        again, found = (one.evaluate(point.tolist(), slopes=True) for one in (end.problem, problem))
-        if again is not None and found is not None:
-            evaluation = Evaluation(again.fitted, found.residuals, found.jacobian)
+        again, corrected_evaluation = (one.evaluate(point.tolist(), slopes=True) for one in (end.problem, problem))
+        if again is not None and corrected_evaluation is not None:
+            evaluation = Evaluation(again.fitted, corrected_evaluation.residuals, corrected_evaluation.jacobian)
     return _CorrectedEnd(problem, point, evaluation, tuple(noise), tuple(notes))
 
 
@@ -197,14 +197,14 @@ def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = N
         SolveError: the runs of a fit fail.
     """
     wholes = [one.groups.get(SPECIMEN, one.name) for one in problem.experiments]
-    found = list[HeldOutRecord]()
+    held_out_records = list[HeldOutRecord]()
     for whole in dict.fromkeys(wholes):
         names = [one.name for one, of in zip(problem.experiments, wholes, strict=True) if of == whole]
         fit = solve_problem(problem.hold_out(names), **how, tell=tell, inputs=False)
         if fit.reason in (INTERRUPTED, OUT_OF_TIME):
             break
-        found += fit.kept
-    return tuple(found)
+        held_out_records += fit.kept
+    return tuple(held_out_records)
 
 
 def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
@@ -228,10 +228,10 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
     whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
     at = [u for f, u in zip(problem.free, end, strict=True) if f.record in labels]
     own = tuple(f for f in problem.later if f.record in one.labels)
-    found = whole.evaluate(at)
-    if found is None:
+    evaluation = whole.evaluate(at)
+    if evaluation is None:
         raise SolveError(f"The run of record `{one.name}`, which was held out, fails.")
-    raw = found.fitted[0].model
+    raw = evaluation.fitted[0].model
     if own:  # fitted to it, everything else as found
         alone = replace(one, held=(), system=whole.system(0, at))
         fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()), inputs=False)
@@ -266,8 +266,8 @@ def _search_coordinates(watch: SearchMonitor) -> str:
     begin = watch.problem.start if watch.best is None else np.array(watch.best)
 
     def cost(u: Sequence[float]) -> float:
-        found = watch.evaluate(u)
-        return math.inf if found is None else found.cost
+        evaluation = watch.evaluate(u)
+        return math.inf if evaluation is None else evaluation.cost
 
     return search_coordinates(cost, begin.tolist())[1]
 
@@ -279,8 +279,8 @@ def _count_costs(watch: SearchMonitor) -> Callable[[Any], Any]:
 
 def _find_points(watch: SearchMonitor, keep: int, count: int, seed: int) -> list[Any]:
     """Return the best points of a Sobol' sequence."""
-    found = find_starts(_count_costs(watch), len(watch.problem.free), count=count, keep=keep, seed=seed)
-    return [watch.problem.order.find_shares(one.values) for one in found]
+    starts = find_starts(_count_costs(watch), len(watch.problem.free), count=count, keep=keep, seed=seed)
+    return [watch.problem.order.find_shares(one.values) for one in starts]
 
 
 def _find_moving_starts(watch: SearchMonitor, seed: int) -> list[tuple[str, Any]]:
@@ -288,10 +288,10 @@ def _find_moving_starts(watch: SearchMonitor, seed: int) -> list[tuple[str, Any]
     watch.stage = "other starts: at the first runs fail, or nothing transforms"
     watch.evaluate(watch.problem.start.tolist())  # which is kept where no point is better
     try:
-        found = _find_points(watch, OTHERS, SPREAD, seed)
+        points = _find_points(watch, OTHERS, SPREAD, seed)
     except SolveError:
         return []
-    return _name_starts([u for u in found if not _find_unmoved(watch.problem, u)])
+    return _name_starts([u for u in points if not _find_unmoved(watch.problem, u)])
 
 
 def _name_starts(points: Sequence[Any]) -> list[tuple[str, Any]]:
@@ -307,10 +307,10 @@ def _judge_end(watch: SearchMonitor, loss: Loss, reason: str, most: int) -> str:
 
 def _find_unmoved(problem: Problem, u: Any) -> list[int] | None:
     """Return the indices of idle parameters if all are idle or nothing transforms; None if a run fails."""
-    found = problem.evaluate(u, slopes=True)
-    if found is None:
+    evaluation = problem.evaluate(u, slopes=True)
+    if evaluation is None:
         return None
-    idle = find_idle(problem, found)
+    idle = find_idle(problem, evaluation)
     if not idle or len(idle) == len(problem.free):
         return idle
     return [] if detect_transformation(problem, u) else idle

@@ -53,8 +53,8 @@ def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
         return notes
     n = len(problem.free)
     points = [problem.order.find_shares(point) for point in draw_points(n, POINTS)]
-    found = [problem.evaluate(u, slopes=bool(idle)) for u in points]
-    others = [(u, one) for u, one in zip(points, found, strict=True) if one is not None]
+    evaluations = [problem.evaluate(u, slopes=bool(idle)) for u in points]
+    others = [(u, one) for u, one in zip(points, evaluations, strict=True) if one is not None]
     notes += _refuse_idle(problem, idle, others, follows)
     return notes + _refuse_units(problem, first, doubtful, others, follows)
 
@@ -63,8 +63,8 @@ def _describe_moved_starts(problem: Problem) -> Iterator[str]:
     """Yield the starts that violated the order of a law."""
     for free, u in zip(problem.free, problem.start, strict=True):
         if abs(free.share(free.start) - u) > NO_EFFECT:
-            begun, at = (format_quantity(x, free.unit) for x in (free.start, free.value(float(u))))
-            yield f"`{free.name}` starts at {at} and not at {begun}, which its law does not allow beside the others."
+            start, at = (format_quantity(x, free.unit) for x in (free.start, free.value(float(u))))
+            yield f"`{free.name}` starts at {at} and not at {start}, which its law does not allow beside the others."
 
 
 def detect_transformation(problem: Problem, u: Any) -> bool:
@@ -72,21 +72,21 @@ def detect_transformation(problem: Problem, u: Any) -> bool:
     for k, one in enumerate(problem.experiments):
         system = problem.system(k, u)
         outputs = [system.label(port, "martensite_fraction") for port in system.actuators()]
-        seen = one.sample_outputs(system, outputs, problem.used[k].any(axis=1), problem.step)
-        if not np.isfinite(seen).all() or (np.ptp(seen, axis=0) > LEAST_CHANGE).any():
+        fractions = one.sample_outputs(system, outputs, problem.used[k].any(axis=1), problem.step)
+        if not np.isfinite(fractions).all() or (np.ptp(fractions, axis=0) > LEAST_CHANGE).any():
             return True
     return False
 
 
 def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
     """Return the record and output of all outputs that no free parameter moves at the start."""
-    found = problem.evaluate(problem.start, slopes=True)
-    if found is None:
+    evaluation = problem.evaluate(problem.start, slopes=True)
+    if evaluation is None:
         return []
     own = [i for i, free in enumerate(problem.free) if not is_nuisance(free.path)]
     return [
         (one.name, output)
-        for one, fitted in zip(problem.experiments, found.fitted, strict=True)
+        for one, fitted in zip(problem.experiments, evaluation.fitted, strict=True)
         for k, output in enumerate(one.outputs)
         if not np.any(np.abs(fitted.jacobian[:, k, own]) > NO_EFFECT)
     ]
@@ -101,9 +101,9 @@ def _require_rows(problem: Problem) -> None:
         )
 
 
-def find_idle(problem: Problem, found: Evaluation) -> list[int]:
+def find_idle(problem: Problem, evaluation: Evaluation) -> list[int]:
     """Return the free parameters with zero derivatives in all compared outputs."""
-    largest = np.max(np.abs(found.jacobian), axis=0)
+    largest = np.max(np.abs(evaluation.jacobian), axis=0)
     return [i for i in range(len(problem.free)) if not largest[i] > NO_EFFECT]
 
 
@@ -146,9 +146,9 @@ def _suggest_remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str
 
 def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
     """Return all outputs that a parameter moves at the start."""
-    found: list[str] = []
+    outputs: list[str] = []
     if is_nuisance(free.path):
-        return found
+        return outputs
     for k, one in enumerate(problem.experiments):
         names = list(one.system.outputs())
         runner = one.runner(problem.step, names)
@@ -159,34 +159,34 @@ def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
             continue
         moved = np.max(np.abs(marched[1][:, :, 0]), axis=0)
         sizes = np.max(np.abs(marched[0]), axis=0)
-        found += [n for n, m, s in zip(names, moved, sizes, strict=True) if m > NO_EFFECT * s]
-    return list(dict.fromkeys(found))
+        outputs += [n for n, m, s in zip(names, moved, sizes, strict=True) if m > NO_EFFECT * s]
+    return list(dict.fromkeys(outputs))
 
 
 def _describe_ranges(problem: Problem, follows: Sequence[str]) -> str:
     record = problem.experiments[0].record
     phrases: list[str] = []
     for name in follows:
-        known = [x for x in record[name].tolist() if math.isfinite(x)]
-        low, high = (format_quantity(end, record.units[name]) for end in (min(known), max(known)))
+        finite_numbers = [x for x in record[name].tolist() if math.isfinite(x)]
+        low, high = (format_quantity(end, record.units[name]) for end in (min(finite_numbers), max(finite_numbers)))
         phrases.append(f"`{name}` goes from {low} to {high}")
     return join_phrases(phrases)
 
 
-def _find_doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]:
+def _find_doubtful(problem: Problem, evaluation: Evaluation) -> list[tuple[int, int]]:
     """Return the experiment and output whose measured range is far from the modelled range."""
     return [
         (e, k)
         for e, one in enumerate(problem.experiments)
         for k in range(len(one.outputs))
-        if not 1.0 / FAR_RATIO <= _compare_ranges(problem, found, e, k) <= FAR_RATIO
+        if not 1.0 / FAR_RATIO <= _compare_ranges(problem, evaluation, e, k) <= FAR_RATIO
     ]
 
 
-def _compare_ranges(problem: Problem, found: Evaluation, e: int, k: int) -> float:
+def _compare_ranges(problem: Problem, evaluation: Evaluation, e: int, k: int) -> float:
     used = problem.used[e][:, k]
     measured = np.ptp(problem.experiments[e].measured[used, k])
-    modelled = np.ptp(found.fitted[e].model[used, k])
+    modelled = np.ptp(evaluation.fitted[e].model[used, k])
     return float(measured / modelled) if modelled > 0.0 else math.inf
 
 
@@ -204,16 +204,16 @@ def _refuse_units(
         measured = float(np.ptp(one.measured[problem.used[e][:, k], k]))
         modelled = float(np.ptp(first.fitted[e].model[problem.used[e][:, k], k]))
         unit = one.describe_outputs()[output].unit
-        seen = (
+        clause = (
             f"Column `{one.columns[output]}` of record `{one.record.name}` ranges over "
             f"{format_change(measured, unit, 3)}, the scenario at its start over "
             f"{format_change(modelled, unit, 3)}"
         )
         if any(1.0 / NEAR_RATIO <= r <= NEAR_RATIO for r in elsewhere):
-            notes.append(f"{seen}: the start is far off.")
+            notes.append(f"{clause}: the start is far off.")
             continue
         doubt = _describe_doubt(ratio, 2 if unit == "1" else 3, follows)
-        raise DataError(f"{seen}, and nowhere within the bounds much nearer: {doubt}")
+        raise DataError(f"{clause}, and nowhere within the bounds much nearer: {doubt}")
     return notes
 
 

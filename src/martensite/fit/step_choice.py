@@ -46,22 +46,22 @@ def _find_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, li
     from martensite.simulate.trial_runs import find_step
 
     duration = float(experiment.times[-1] + experiment.lead)
-    found = find_step(experiment.system, experiment.waveform, duration, tolerance)
+    equal_step = find_step(experiment.system, experiment.waveform, duration, tolerance)
     notes: list[str] = []
-    if found.apart > tolerance:
+    if equal_step.apart > tolerance:
         notes.append(
             f"Record `{experiment.name}`: the tolerance of {tolerance:.1e} was not reached at the "
-            f"start; a run in steps of {found.step:.3g} s is off by {found.apart:.1e} of range."
+            f"start; a run in steps of {equal_step.step:.3g} s is off by {equal_step.apart:.1e} of range."
         )
-    return replace(experiment, step=found.step), notes
+    return replace(experiment, step=equal_step.step), notes
 
 
 def _run_experiment(experiment: Experiment) -> Any:
     runner = experiment.runner()
-    found = runner.run_one(runner.base)
-    if found is None:
+    outputs = runner.run_one(runner.base)
+    if outputs is None:
         raise SolveError(f"The run of record `{experiment.name}` fails at its start values.")
-    return found
+    return outputs
 
 
 def _compare_runs(coarse: Any, fine: Any) -> Any:

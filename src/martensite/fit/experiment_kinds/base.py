@@ -102,10 +102,10 @@ class Assumptions:
     def find_said(self, record: Record, words: Sequence[str], pattern: re.Pattern[str]) -> float | None:
         """Return the value of a quantity in the header lines of a record, and note it."""
         for key, text in self.said.get(record.name, {}).items():
-            found = pattern.search(text)
-            if found is not None and any(word in key for word in words):
+            match = pattern.search(text)
+            if match is not None and any(word in key for word in words):
                 self.sentences.append(f"`{record.name}`: `{text}` in the entry `{key}` of the file.")
-                return float(found[1].replace(",", "."))
+                return float(match[1].replace(",", "."))
         return None
 
     def find_diameter(self) -> float:
@@ -117,16 +117,16 @@ class Assumptions:
         if path in self.settings:
             return units.parse_quantity(str(self.settings[path]), "m")
         pattern, keys = SIZES[path]
-        found: dict[float, str] = {}
+        sizes: dict[float, str] = {}
         for name, entries in self.said.items():
             for key, text in entries.items():
                 match = pattern.search(f"{key}={text}" if key.strip() in keys else text)
                 if match is not None:
                     size = units.parse_quantity(f"{match[1].replace(',', '.')} {match[2]}", "m")
-                    found[size] = f"`{key}` of `{name}`"
-        if len(found) != 1:
+                    sizes[size] = f"`{key}` of `{name}`"
+        if len(sizes) != 1:
             return None
-        ((value, where),) = found.items()
+        ((value, where),) = sizes.items()
         sentence = f"`{path}` is {write_value(value, 'm')} by the entry {where}."
         self.sentences += [] if sentence in self.sentences else [sentence]
         return value
@@ -190,7 +190,9 @@ class AbstractExperimentKind:
         """Return the experiment in the logs; None for another kind."""
 
     @abstractmethod
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield scenarios that may explain the records, the simplest first."""
 
     @abstractmethod
@@ -211,51 +213,53 @@ def list_kinds() -> list[AbstractExperimentKind]:
     return sorted((EXPERIMENT_KINDS[name]() for name in EXPERIMENT_KINDS.names()), key=lambda one: one.order)
 
 
-def recognise_experiment(records: Sequence[Record], asked: str | None = None) -> RecognisedExperiment:
+def recognise_experiment(records: Sequence[Record], kind_name: str | None = None) -> RecognisedExperiment:
     """Return the experiment in some records.
 
     Args:
         records: records in SI.
-        asked: name of the kind, if known.
+        kind_name: name of the kind, if known.
 
     Raises:
         UnknownNameError: there is no kind with this name.
         DataError: no kind recognises the records, or the columns of the requested kind are missing.
     """
-    kinds = list_kinds() if asked is None else [EXPERIMENT_KINDS[asked]()]
+    kinds = list_kinds() if kind_name is None else [EXPERIMENT_KINDS[kind_name]()]
     survey = LogSurvey(records)
-    found = next((one for kind in kinds if (one := kind.recognise(survey)) is not None), None)
-    if found is not None:
-        return found
+    experiment = next((one for kind in kinds if (one := kind.recognise(survey)) is not None), None)
+    if experiment is not None:
+        return experiment
     columns = f"they hold {list_names(survey.names)}, of which vary {list_names(survey.varying) or 'none'}"
-    if asked is not None:
-        raise DataError(f"The logs are no `{asked}` experiment, which needs {kinds[0].needs}; {columns}.")
-    known = "; ".join(f"`{one.registered_name}`, {one.meaning}" for one in kinds)
+    if kind_name is not None:
+        raise DataError(f"The logs are no `{kind_name}` experiment, which needs {kinds[0].needs}; {columns}.")
+    menu = "; ".join(f"`{one.registered_name}`, {one.meaning}" for one in kinds)
     raise DataError(
-        f"The experiment in the logs cannot be told: {columns}. Known are {known}. Name the columns (`--as`), or write "
+        f"The experiment in the logs cannot be told: {columns}. Known are {menu}. Name the columns (`--as`), or write "
         "a scenario (--scenario)."
     )
 
 
 def propose_scenarios(
-    found: RecognisedExperiment,
+    experiment: RecognisedExperiment,
     records: Sequence[Record],
     settings: Mapping[str, Any],
-    said: Mapping[str, Mapping[str, str]] | None = None,
+    header_entries: Mapping[str, Mapping[str, str]] | None = None,
 ) -> tuple[list[Proposal], Assumptions]:
     """Return the scenarios that may explain the records of an experiment, and their assumptions.
 
     Args:
-        found: recognised experiment.
+        experiment: recognised experiment.
         records: records in SI.
         settings: values by dotted path, which replace assumptions.
-        said: entries in the lines above the tables, by record.
+        header_entries: entries in the lines above the tables, by record.
 
     Raises:
         DataError: required data are missing; the message asks for them.
     """
-    known = Assumptions(settings, said=said or {})
-    proposals = [replace(one, jitter=known.jitter) for one in found.kind.propose(found, records, known)]
+    assumptions = Assumptions(settings, said=header_entries or {})
+    proposals = [
+        replace(one, jitter=assumptions.jitter) for one in experiment.kind.propose(experiment, records, assumptions)
+    ]
     if settings:
         proposals = [replace(one, document=change_document(one.document, settings)) for one in proposals]
-    return proposals, known
+    return proposals, assumptions

@@ -78,23 +78,25 @@ class BathTest(AbstractExperimentKind):
             return RecognisedExperiment(self, why, "temperature", (shape, survey.loads[0]))
         return None
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield a weight and a bias spring; the spring alone if force and position are measured."""
-        shape = found.measured[0]
-        rows = [read_loop(one, "temperature", find_column(one, shape, DEFORMATIONS), known) for one in records]
+        shape = experiment.measured[0]
+        rows = [read_loop(one, "temperature", find_column(one, shape, DEFORMATIONS), assumptions) for one in records]
         stroke = max(float(np.ptp(one[shape])) for one in rows)
-        coil = _COILED & known.settings.keys() or known.settings.get("element.kind") == "coil-spring"
-        sizes, section = _take_coil(known, stroke) if coil else _take_wire(known, shape, stroke)
-        output, sign = _name_output(rows, shape, known)
+        coil = _COILED & assumptions.settings.keys() or assumptions.settings.get("element.kind") == "coil-spring"
+        sizes, section = _take_coil(assumptions, stroke) if coil else _take_wire(assumptions, shape, stroke)
+        output, sign = _name_output(rows, shape, assumptions)
         column = output if (shape, sign) == (output, 1.0) else f"{output}={shape}*{sign:g}"
         effect = "the shape within a transformation is counted from it"
-        moduli = {n: known.take(f"element.law.{n}", "Pa", x, effect) for n, x in MODULI.items()}
-        slopes = {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
+        moduli = {n: assumptions.take(f"element.law.{n}", "Pa", x, effect) for n, x in MODULI.items()}
+        slopes = {name: assumptions.take_slope(name, "load") for name in ("C_A", "C_M")}
         base = _describe_bath(rows, sizes, write_values("Pa", **moduli) | write_values("Pa/K", **slopes))
-        if len(found.measured) > 1:
-            loads = [("a bias spring", _read_spring(found, rows, (section, sign), known), ())]
+        if len(experiment.measured) > 1:
+            loads = [("a bias spring", _read_spring(experiment, rows, (section, sign), assumptions), ())]
         else:
-            loads = list(vary_loads(known, SIGMA * section, stroke))
+            loads = list(vary_loads(assumptions, SIGMA * section, stroke))
         for name, mechanism, more in loads:
             document = base | {"mechanism": mechanism}
             yield Proposal(name, document, (*FREE, *more), (column,), rows, (f"offset.{output}",))
@@ -112,45 +114,47 @@ class BathTest(AbstractExperimentKind):
         ]
 
 
-def _take_wire(known: Assumptions, shape: str, stroke: float) -> tuple[Document, float]:
+def _take_wire(assumptions: Assumptions, shape: str, stroke: float) -> tuple[Document, float]:
     """Return the entries of a wire, and its section [m²]."""
     size = 0.1 if shape == "strain" else stroke / (0.8 * EPS)
-    length = known.take(LENGTH, "m", size, "the transformation strain absorbs it")
-    width = known.take(DIAMETER, "m", 1e-3, "the load absorbs it")
+    length = assumptions.take(LENGTH, "m", size, "the transformation strain absorbs it")
+    width = assumptions.take(DIAMETER, "m", 1e-3, "the load absorbs it")
     return {"kind": "wire"} | write_values("m", diameter=width, length=length), math.pi / 4.0 * width**2
 
 
-def _take_coil(known: Assumptions, stroke: float) -> tuple[Document, float]:
+def _take_coil(assumptions: Assumptions, stroke: float) -> tuple[Document, float]:
     """Return the entries of a close-wound coil, and its force over the equivalent stress [m²]."""
-    width = known.take(DIAMETER, "m", 0.75e-3, "the load absorbs it")
-    wide = known.take("element.coil_diameter", "m", 6.0 * width, "load and transformation strain absorb it")
+    width = assumptions.take(DIAMETER, "m", 0.75e-3, "the load absorbs it")
+    wide = assumptions.take("element.coil_diameter", "m", 6.0 * width, "load and transformation strain absorb it")
     per_turn = math.sqrt(3.0) * math.pi * wide**2 / width
-    turns = known.take("element.turns", "1", stroke / (0.8 * EPS * per_turn), "the transformation strain absorbs it")
+    turns = assumptions.take(
+        "element.turns", "1", stroke / (0.8 * EPS * per_turn), "the transformation strain absorbs it"
+    )
     entries: Document = {"kind": "coil-spring", "coil_measure": "mean", "turns": turns}
     entries |= write_values("m", diameter=width, coil_diameter=wide, free_length=1.05 * turns * width)
     return entries, math.pi * width**3 / (8.0 * math.sqrt(3.0) * wide)
 
 
-def _name_output(rows: Sequence[Record], shape: str, known: Assumptions) -> tuple[str, float]:
+def _name_output(rows: Sequence[Record], shape: str, assumptions: Assumptions) -> tuple[str, float]:
     """Return the output of a shape, and the sign that makes it grow as the element shortens."""
     if shape == "strain":
         return "strain", 1.0
     moved, kelvin = (np.concatenate([one[name] for one in rows]) for name in (shape, "temperature"))
     if np.corrcoef(moved, kelvin)[0, 1] > 0.0:
         return "position", 1.0
-    known.sentences.append(f"`{shape}` falls on heating: its sign is turned.")
+    assumptions.sentences.append(f"`{shape}` falls on heating: its sign is turned.")
     return "position", -1.0
 
 
 def _read_spring(
-    found: RecognisedExperiment, rows: Sequence[Record], sizes: tuple[float, float], known: Assumptions
+    experiment: RecognisedExperiment, rows: Sequence[Record], sizes: tuple[float, float], assumptions: Assumptions
 ) -> Document:
     """Return the spring of the measured load over shape; `sizes` are the section [m²] and the sign of the shape."""
-    shape, load = found.measured
+    shape, load = experiment.measured
     x, y = (np.concatenate([np.asarray(one[name]) for one in rows]) for name in (shape, load))
     section, sign = sizes
     rate, zero = np.polyfit(sign * (x - x[0]), y * (section if load == "stress" else 1.0), 1)
-    known.sentences.append(
+    assumptions.sentences.append(
         f"`{load}` over `{shape}` is a spring of {format_number(float(rate))} N/m, with {format_number(float(zero))} N "
         "at the first row."
     )

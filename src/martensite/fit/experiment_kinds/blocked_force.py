@@ -25,20 +25,20 @@ class BlockedForce(AbstractDrivenKind):
     shows_shape = True
 
     def propose_driven(
-        self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
     ) -> Iterator[Proposal]:
         """Yield a driven element between two rigid grips."""
-        column = found.measured[0]
+        column = experiment.measured[0]
         most, least = (float(f([f(r[column]) for r in records])) for f in (np.nanmax, np.nanmin))
-        length = known.take("element.length", "m", 0.1, "without effect on a force")
+        length = assumptions.take("element.length", "m", 0.1, "without effect on a force")
         wide = math.sqrt(4.0 * max(most, 1e-4) / (math.pi * 250e6))
         guess = (wide, f"at it the largest force is 250 MPa; {ABSORBED}") if column == "force" else (WIDTH, ABSORBED)
-        begun = assume_law(start_driven(found, records, known, length, guess), known, ("A_f",))
-        preload = max(least * (1.0 if column == "force" else begun.section), 1e-4)
+        element = assume_law(start_driven(experiment, records, assumptions, length, guess), assumptions, ("A_f",))
+        preload = max(least * (1.0 if column == "force" else element.section), 1e-4)
         machine = {"kind": "testing-machine", "control": "elongation", "preload": f"{preload:.5g} N"}
         document = {"mechanism": machine, "signals": {"command": {"kind": "constant", "level": "0 mm"}}}
         more = ("E_A=5..250 GPa", "E_M=2..200 GPa", "C_A=1..40 MPa/K", "C_M=1..40 MPa/K")
-        yield begun.make_proposal("fixed ends", document, (*begun.free, *more), (column,), column)
+        yield element.make_proposal("fixed ends", document, (*element.free, *more), (column,), column)
 
     def make_example(self) -> list[Record]:
         """Return pulses of the voltage, and a force that follows them at a constant position."""

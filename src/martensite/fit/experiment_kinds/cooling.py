@@ -48,7 +48,9 @@ class Cooling(AbstractExperimentKind):
         why = f"only `temperature` varies, over {survey.warming:.0f} K"
         return RecognisedExperiment(self, why, "", ("temperature",))
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield an element that cools from the start of each record, as if heated until then."""
         rows = [_cut_hot(record) for record in records]
         rises = [fit_rise(one.times.tolist(), one["temperature"].tolist()) for one in rows]
@@ -56,8 +58,8 @@ class Cooling(AbstractExperimentKind):
             float(np.median([x.value for x in xs])) for xs in zip(*((r.tau, r.final) for r in rises), strict=True)
         )
         effect = "the film coefficient is counted from it; the time constant is not"
-        width, length = known.take("element.diameter", "m", WIDTH, effect), 0.1
-        c, density = known.take("element.heat_capacity", "J/kg/K", 837.0, effect), 6450.0
+        width, length = assumptions.take("element.diameter", "m", WIDTH, effect), 0.1
+        c, density = assumptions.take("element.heat_capacity", "J/kg/K", 837.0, effect), 6450.0
         h, hot = density * c * width / (4.0 * tau), max(one["temperature"][0] for one in rows)
         area, fall = math.pi / 4.0 * width**2, max(float(np.ptp(one["temperature"])) for one in rows)
         volts = math.sqrt(h * math.pi * width * length * fall * 9e-7 * length / area)
@@ -65,15 +67,15 @@ class Cooling(AbstractExperimentKind):
         lead, span = f"{10.0 * tau:.4g} s", max(one.times[-1] for one in rows)
         document["run"] |= {"lead": lead, "duration": f"{10.0 * tau + span:.4g} s"}
         document["drive"] |= {"supply": f"{volts:.4g} V", "waveform": {"kind": "step", "high": 1, "until": lead}}
-        begun = DrivenElement(rows, DriveLag(tau, 0.0, room), area, document, ())
+        element = DrivenElement(rows, DriveLag(tau, 0.0, room), area, document, ())
         low, high = max(room - fall, 200.0), min(room + 0.5 * fall, hot)
         free = FILM.format(h / 6.0, h * 6.0), f"environment.temperature={low}..{high} K"
         each, column = (f"drive.supply={0.3 * volts:.4g}..{3.0 * volts:.4g} V",), ("temperature",)
-        weight = begun.take_weight(known)
-        yield replace(begun.make_proposal("heat alone", weight, free, column), each=each)
+        weight = element.take_weight(assumptions)
+        yield replace(element.make_proposal("heat alone", weight, free, column), each=each)
         more = ("A_f=30..140 degC", f"latent_heat={0.3 * c:.4g}..{60.0 * c:.4g} J/kg log", *ORDER)
         warm = change_document(document | weight, {"element.latent_heat": f"{10.0 * c:.4g} J/kg"})
-        yield replace(begun.make_proposal("with transformation", warm, (*free, *more), column), each=each)
+        yield replace(element.make_proposal("with transformation", warm, (*free, *more), column), each=each)
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
         """Yield a second fall, and a fall through the transformation."""
@@ -97,9 +99,9 @@ class Cooling(AbstractExperimentKind):
 
 def _cut_hot(record: Record) -> Record:
     """Return a record from the start of cooling, with times from there."""
-    kept = keep_measured(record, ("temperature",))
-    kelvin = np.asarray(kept["temperature"])
+    cooling = keep_measured(record, ("temperature",))
+    kelvin = np.asarray(cooling["temperature"])
     first = int(np.flatnonzero(kelvin >= kelvin.max() - 0.02 * np.ptp(kelvin))[-1])
-    times = np.asarray(kept.times)
-    kept = reduce_rows(kept, LoopPath(times, (0, len(times) - 1), 0.0, 0), "temperature", first)
-    return replace(kept, columns=kept.columns | {"time": [t - kept.times[0] for t in kept.times]})
+    times = np.asarray(cooling.times)
+    cooling = reduce_rows(cooling, LoopPath(times, (0, len(times) - 1), 0.0, 0), "temperature", first)
+    return replace(cooling, columns=cooling.columns | {"time": [t - cooling.times[0] for t in cooling.times]})

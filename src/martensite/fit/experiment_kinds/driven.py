@@ -86,16 +86,18 @@ class DrivenElement:
     """Element, ambient and drive."""
     free: tuple[str, ...]
 
-    def take_weight(self, known: Assumptions) -> Document:
+    def take_weight(self, assumptions: Assumptions) -> Document:
         """Return a mechanism with the given or assumed weight."""
-        return {"mechanism": _take_weight(known, SIGMA * self.section)}
+        return {"mechanism": _take_weight(assumptions, SIGMA * self.section)}
 
     def make_proposal(
         self, name: str, document: Document, free: Sequence[str], columns: Sequence[str], zero: str = ""
     ) -> Proposal:
         """Build a proposal with its records, and optionally with a free zero of an output."""
-        made = self.document | document
-        return Proposal(name, made, tuple(free), tuple(columns), self.records, (f"offset.{zero}",) if zero else ())
+        full_document = self.document | document
+        return Proposal(
+            name, full_document, tuple(free), tuple(columns), self.records, (f"offset.{zero}",) if zero else ()
+        )
 
 
 class AbstractDrivenKind(AbstractExperimentKind):
@@ -117,14 +119,16 @@ class AbstractDrivenKind(AbstractExperimentKind):
         """Return further varying columns for the comparison."""
         return []
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield the proposals of the kind, each with searches from the best of many points."""
-        for one in self.propose_driven(found, records, known):
+        for one in self.propose_driven(experiment, records, assumptions):
             yield replace(one, spread=SPREAD_STARTS)
 
     @abstractmethod
     def propose_driven(
-        self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
     ) -> Iterator[Proposal]:
         """Yield scenarios that may explain the records, the simplest first."""
 
@@ -158,23 +162,26 @@ def _suggest_periods(periods: Sequence[float]) -> Iterator[str]:
 
 
 def start_driven(
-    found: RecognisedExperiment,
+    experiment: RecognisedExperiment,
     records: Sequence[Record],
-    known: Assumptions,
+    assumptions: Assumptions,
     length: float,
     diameter: tuple[float, str] = (WIDTH, ABSORBED),
 ) -> DrivenElement:
     """Return the film coefficient and heat capacity from the saturation and the delay of the response."""
-    lag, width = fit_drive_lag(records, found.drive, found.measured[0]), known.take("element.diameter", "m", *diameter)
+    lag, width = (
+        fit_drive_lag(records, experiment.drive, experiment.measured[0]),
+        assumptions.take("element.diameter", "m", *diameter),
+    )
     room = units.parse_quantity(ROOM, "K")
     if all("temperature" in one.columns for one in records):
         room = min(float(np.nanpercentile(one["temperature"], 2.0)) for one in records)
-    ambient = known.take("environment.temperature", "K", room, "all temperatures are counted from it")
+    ambient = assumptions.take("environment.temperature", "K", room, "all temperatures are counted from it")
     ohms = 9e-7 * length / (math.pi / 4.0 * width**2)
-    heat = np.concatenate([filter_drive(r, found.drive, lag.time_constant) for r in records])
-    factor = {"voltage": 1.0 / ohms, "current": ohms, "duty": 25.0 / ohms}.get(found.drive, 1.0)
+    heat = np.concatenate([filter_drive(r, experiment.drive, lag.time_constant) for r in records])
+    factor = {"voltage": 1.0 / ohms, "current": ohms, "duty": 25.0 / ohms}.get(experiment.drive, 1.0)
     hot = A_F + 273.15 + SIGMA / SLOPE + 15.0
-    if found.name == "heating":
+    if experiment.name == "heating":
         hot = max(float(np.nanmax(r["temperature"])) for r in records)
     power = float(np.percentile(factor * heat, 90.0))
     h = power / (math.pi * width * length * max(hot - ambient, 10.0))
@@ -182,10 +189,10 @@ def start_driven(
     per_volume = 0.6 * 4.0 * h * tau / width
     density = min(max(6450.0, per_volume / 2000.0), 29000.0)
     h, c = min(max(h, 1e-2), 1.6e4), min(max(per_volume / density, 1.0), 9e3)
-    document = describe_element(found.drive, (width, length), ambient, (h, density, c, 25.0 * c))
-    if found.drive == "duty":
+    document = describe_element(experiment.drive, (width, length), ambient, (h, density, c, 25.0 * c))
+    if experiment.drive == "duty":
         document["drive"] |= {"kind": "pwm-voltage", "supply": "5 V"}
-    if _begins_hot(found.measured[0], records, lag.gain):
+    if _begins_hot(experiment.measured[0], records, lag.gain):
         document["run"]["lead"] = f"{max(6.0 * lag.time_constant, 1.0):.3g} s"
     top = min(8.0 * c, 9.9e3)
     free = (
@@ -194,48 +201,50 @@ def start_driven(
         f"latent_heat={c * 0.3:.4g}..{min(top * 60.0, 9.9e5):.4g} J/kg log",
         *ORDER,
     )
-    ohmic = found.drive != "power" and found.name != "resistance"
+    ohmic = experiment.drive != "power" and experiment.name != "resistance"
     free += ("rho_M=5.5e-7..1.4e-6 ohm*m",) if ohmic else ()
     return DrivenElement(list(records), lag, math.pi / 4.0 * width**2, document, free)
 
 
-def vary_loads(known: Assumptions, force: float, travel: float) -> Iterator[tuple[str, Document, tuple[str, ...]]]:
+def vary_loads(
+    assumptions: Assumptions, force: float, travel: float
+) -> Iterator[tuple[str, Document, tuple[str, ...]]]:
     """Yield a weight and a bias spring, with the free parameters of the spring.
 
     Args:
-        known: settings and assumptions.
+        assumptions: settings and assumptions.
         force: usual force of the element [N].
         travel: usual travel [m].
     """
-    given = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
+    given = {path.partition(".")[2] for path in assumptions.settings if path.startswith("mechanism.")}
     if not given:
-        known.sentences.append("The load is not on record: a weight and a bias spring are tried.")
+        assumptions.sentences.append("The load is not on record: a weight and a bias spring are tried.")
     if not given & {"stiffness", "preload"}:
-        yield "a weight", _take_weight(known, force), ()
+        yield "a weight", _take_weight(assumptions, force), ()
     if "mass" not in given:
         rate = 0.6 * force / travel
-        preload = known.take("mechanism.preload", "N", 0.6 * force, ABSORBED_LOAD)
+        preload = assumptions.take("mechanism.preload", "N", 0.6 * force, ABSORBED_LOAD)
         spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{preload:.6g} N"}
         free = f"stiffness={rate / 20.0:.4g}..{10.0 * rate:.4g} N/m log"
         yield "a bias spring", spring, () if "stiffness" in given else (free,)
 
 
-def _take_weight(known: Assumptions, force: float) -> Document:
-    mass = known.take("mechanism.mass", "kg", force / 9.80665, ABSORBED_LOAD)
+def _take_weight(assumptions: Assumptions, force: float) -> Document:
+    mass = assumptions.take("mechanism.mass", "kg", force / 9.80665, ABSORBED_LOAD)
     return {"kind": "dead-weight", "mass": f"{mass:.6g} kg"}
 
 
-def assume_law(begun: DrivenElement, known: Assumptions, names: Sequence[str]) -> DrivenElement:
+def assume_law(driven_element: DrivenElement, assumptions: Assumptions, names: Sequence[str]) -> DrivenElement:
     """Return a driven element with parameters of its law that are given or assumed, not fitted."""
     effects = {"A_f": "it sets the scale of all temperatures, because none is measured"}
     law: Document = {}
     for name in names:
         unit, value = LAW[name]
         effect = effects.get(name, "the log does not show it apart from the load")
-        law[name] = write_value(known.take(f"element.law.{name}", unit, value, effect), unit)
-    element = begun.document["element"]
-    whole = begun.document | {"element": element | {"law": element["law"] | law}}
-    return replace(begun, document=whole)
+        law[name] = write_value(assumptions.take(f"element.law.{name}", unit, value, effect), unit)
+    element = driven_element.document["element"]
+    whole = driven_element.document | {"element": element | {"law": element["law"] | law}}
+    return replace(driven_element, document=whole)
 
 
 def describe_element(

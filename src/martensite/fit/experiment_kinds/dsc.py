@@ -37,7 +37,9 @@ class DifferentialCalorimetry(AbstractExperimentKind):
         why = f"a heat flow is recorded while `temperature` goes over {survey.warming:.0f} K"
         return RecognisedExperiment(self, why, "", ("temperature",))
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Raise `DataError`: no scenario is needed."""
         raise DataError(
             f"These logs are a `dsc` experiment, {self.meaning}: `martensite fit dsc FILE` computes A_s, A_f, M_s, M_f "

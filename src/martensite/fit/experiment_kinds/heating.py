@@ -23,15 +23,17 @@ class ElectricHeating(AbstractDrivenKind):
     answers = ("temperature",)
 
     def propose_driven(
-        self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
     ) -> Iterator[Proposal]:
         """Yield an element that transforms, and one that is heated only."""
-        length = known.take("element.length", "m", 0.1, "film coefficient and heat capacity absorb it")
-        begun, column = start_driven(found, records, known, length), "temperature"
-        weight = begun.take_weight(known)
-        yield begun.make_proposal("with transformation", weight, ("A_f=30..140 degC", *begun.free), (column,), column)
-        plain = change_document(begun.document | weight, {"element.latent_heat": "0 J/kg"})
-        yield begun.make_proposal("heat alone", plain, begun.free[:2], (column,), column)
+        length = assumptions.take("element.length", "m", 0.1, "film coefficient and heat capacity absorb it")
+        element, column = start_driven(experiment, records, assumptions, length), "temperature"
+        weight = element.take_weight(assumptions)
+        yield element.make_proposal(
+            "with transformation", weight, ("A_f=30..140 degC", *element.free), (column,), column
+        )
+        plain = change_document(element.document | weight, {"element.latent_heat": "0 J/kg"})
+        yield element.make_proposal("heat alone", plain, element.free[:2], (column,), column)
 
     def make_example(self) -> list[Record]:
         """Return pulses of the current, and a temperature that follows them."""

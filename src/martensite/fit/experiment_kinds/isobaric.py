@@ -68,16 +68,18 @@ class Isobaric(AbstractExperimentKind):
         why = f"`{shape}` and `temperature` vary, the temperature goes over {survey.warming:.0f} K while the load rests"
         return RecognisedExperiment(self, why, "temperature", (shape,))
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield laws for loops of temperature under constant loads; the machine prescribes the stress."""
-        rows = [_read_loop(record, found.measured[0], known) for record in records]
-        width = known.settle(DIAMETER, "m", 1e-3)
+        rows = [_read_loop(record, experiment.measured[0], assumptions) for record in records]
+        width = assumptions.settle(DIAMETER, "m", 1e-3)
         section = math.pi / 4.0 * width**2
         loads = sorted(one["stress"][0] for one in rows)
         levels = 1 + int(np.sum(np.diff(loads) > 0.05 * loads[-1]))
         zeroed = len(rows) > 1 and all(min(r["strain"]) < ZEROED * float(np.ptp(r["strain"])) for r in rows)
         if zeroed:
-            known.sentences.append(
+            assumptions.sentences.append(
                 "Every record counts strain from its own smallest value: each has a zero of its own."
             )
         size = f'section = "{write_value(section, "m^2")}"'
@@ -89,9 +91,9 @@ class Isobaric(AbstractExperimentKind):
             base["drive"]["waveform"]["from"] = write_value(max(kelvin) + 20.0, "K")
         guess = _guess_temperatures(rows)
         if levels == 1:
-            guess |= {name: known.take_slope(name, "load") for name in ("C_A", "C_M")}
+            guess |= {name: assumptions.take_slope(name, "load") for name in ("C_A", "C_M")}
         elastic = levels > 2 and not zeroed
-        moduli = {} if elastic else _take_moduli(known, levels)
+        moduli = {} if elastic else _take_moduli(assumptions, levels)
         yield from _vary_loop_laws(rows, base, guess | moduli, levels, zeroed or levels == 1)
 
     def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
@@ -113,36 +115,41 @@ class Isobaric(AbstractExperimentKind):
         return [make_record({"temperature": 300.0 + 100.0 * loop, "strain": strain, "stress": 1e8 + 0.0 * loop})]
 
 
-def _read_loop(record: Record, column: str, known: Assumptions) -> Record:
+def _read_loop(record: Record, column: str, assumptions: Assumptions) -> Record:
     """Return the fitted rows of a loop, its strain, and its mean stress [Pa]."""
     column = find_column(record, column, DEFORMATIONS)
-    thin = read_loop(record, "temperature", column, known)
+    thin = read_loop(record, "temperature", column, assumptions)
     if column != "strain":
         effect = "strain and everything in it is counted from this length"
-        strain = np.asarray(thin[column], float) / known.take(LENGTH, "m", 0.1, effect)
+        strain = np.asarray(thin[column], float) / assumptions.take(LENGTH, "m", 0.1, effect)
         if np.corrcoef(strain, thin["temperature"])[0, 1] > 0.0:
             strain = -strain
-            known.sentences.append(f"`{column}` grows on heating, and is taken as shortening.")
+            assumptions.sentences.append(f"`{column}` grows on heating, and is taken as shortening.")
         thin = with_column(thin, "strain", "1", strain)
-    return with_column(thin, "stress", "Pa", _find_load(record, known))
+    return with_column(thin, "stress", "Pa", _find_load(record, assumptions))
 
 
-def _take_moduli(known: Assumptions, levels: int) -> dict[str, float]:
+def _take_moduli(assumptions: Assumptions, levels: int) -> dict[str, float]:
     """Return the given or assumed moduli [Pa], which are equal at one load, where no strain shows their difference."""
     effect = "the transformation strain absorbs the elastic strain of the load"
-    austenite = known.take("element.law.E_A", "Pa", MODULI["E_A"], effect)
-    return {"E_A": austenite, "E_M": known.take("element.law.E_M", "Pa", austenite if levels == 1 else 30e9, effect)}
+    austenite = assumptions.take("element.law.E_A", "Pa", MODULI["E_A"], effect)
+    return {
+        "E_A": austenite,
+        "E_M": assumptions.take("element.law.E_M", "Pa", austenite if levels == 1 else 30e9, effect),
+    }
 
 
-def _find_load(record: Record, known: Assumptions) -> float:
+def _find_load(record: Record, assumptions: Assumptions) -> float:
     """Return the mean stress of a loop [Pa] from its column, a known section, its name, or an assumed section."""
     if "stress" in record.columns:
         return float(np.nanmean(record["stress"]))
     named = find_named_stress(record)
-    if "force" in record.columns and (named is None or known.find_given(DIAMETER) is not None):
-        return float(np.nanmean(record["force"])) / (math.pi / 4.0 * known.find_diameter() ** 2)
+    if "force" in record.columns and (named is None or assumptions.find_given(DIAMETER) is not None):
+        return float(np.nanmean(record["force"])) / (math.pi / 4.0 * assumptions.find_diameter() ** 2)
     if named is not None:
-        known.sentences.append(f"The name of `{record.name}` is taken to say that its stress was {named / 1e6:g} MPa.")
+        assumptions.sentences.append(
+            f"The name of `{record.name}` is taken to say that its stress was {named / 1e6:g} MPa."
+        )
         return named
     raise DataError(
         f"Record `{record.name}` does not say under which stress it was taken: give a column `stress [MPa]` or "
@@ -152,18 +159,21 @@ def _find_load(record: Record, known: Assumptions) -> float:
 
 def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
     """Return law parameters from tangents, or otherwise from the middles of the strokes."""
-    found: list[Any] = []
+    points: list[Any] = []
     for one in rows:
         try:
-            found.append(find_tangent_points(one, stress=one["stress"][0]))
+            points.append(find_tangent_points(one, stress=one["stress"][0]))
         except MartensiteError:
             continue
     try:
-        guess = fit_tangents(found).guess("cosine")
+        guess = fit_tangents(points).guess("cosine")
     except InputError:
         one, middle, apart = rows[-1], float(np.mean(rows[-1]["temperature"])), 8.0
-        if found:
-            middle, apart = 0.5 * (found[-1].A_half + found[-1].M_half), 0.5 * abs(found[-1].A_half - found[-1].M_half)
+        if points:
+            middle, apart = (
+                0.5 * (points[-1].A_half + points[-1].M_half),
+                0.5 * abs(points[-1].A_half - points[-1].M_half),
+            )
         zero = middle - one["stress"][0] / SLOPE
         guess = {"A_s": zero + apart - 7.0, "A_f": zero + apart + 7.0, "M_s": zero - apart + 7.0}
         guess |= {"M_f": zero - apart - 7.0, "eps_L": float(np.ptp(one["strain"]))}

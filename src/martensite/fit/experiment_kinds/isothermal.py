@@ -61,13 +61,18 @@ class Isothermal(AbstractExperimentKind):
         why += "" if survey.is_heated else ", nor does the temperature"
         return RecognisedExperiment(self, why, shape, (load, shape))
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield laws for loops of strain at constant temperatures; the machine prescribes the strain."""
-        load, shape = found.measured
-        rows = [_read_test(one, load, shape, known) for one in records]
+        load, shape = experiment.measured
+        rows = [_read_test(one, load, shape, assumptions) for one in records]
         if len({round(one["temperature"][0]) for one in rows}) < 2:
-            _ = [known.take_slope(name, "temperature") for name in ("C_A", "C_M")]
-        length, width = known.settle("element.length", "m", 0.1), known.settle("element.diameter", "m", 1e-3)
+            _ = [assumptions.take_slope(name, "temperature") for name in ("C_A", "C_M")]
+        length, width = (
+            assumptions.settle("element.length", "m", 0.1),
+            assumptions.settle("element.diameter", "m", 1e-3),
+        )
         size, names = f'gauge_length = "{write_value(length, "m")}"', write_values("m", wide=width, long=length)
         title, xi = "Loops at constant temperature", float(_stays_drawn(rows))
         base = read_machine(title=title, control="strain", xi=xi, size=size, **names)
@@ -91,32 +96,34 @@ def _stays_drawn(rows: Sequence[Record]) -> bool:
     return left > 0.4 * reach and all(min(one["stress"][len(one) // 2 :]) < 0.1 * max(one["stress"]) for one in rows)
 
 
-def _read_test(record: Record, load: str, shape: str, known: Assumptions) -> Record:
+def _read_test(record: Record, load: str, shape: str, assumptions: Assumptions) -> Record:
     """Return the fitted rows of a tensile test with strain, stress, and its mean temperature."""
     load, shape = find_column(record, load, LOADS), find_column(record, shape, DEFORMATIONS)
-    rows = read_loop(record, shape, load, known)
+    rows = read_loop(record, shape, load, assumptions)
     if shape != "strain":
-        length = known.take("element.length", "m", 0.1, "strain and moduli are counted from it")
+        length = assumptions.take("element.length", "m", 0.1, "strain and moduli are counted from it")
         rows = with_column(rows, "strain", "1", np.asarray(rows[shape]) / length)
     if load == "force":
-        section = math.pi / 4.0 * known.find_diameter() ** 2
+        section = math.pi / 4.0 * assumptions.find_diameter() ** 2
         rows = with_column(rows, "stress", "Pa", np.asarray(rows["force"]) / section)
-    return with_column(rows, "temperature", "K", _find_temperature(rows, known))
+    return with_column(rows, "temperature", "K", _find_temperature(rows, assumptions))
 
 
-def _find_temperature(record: Record, known: Assumptions) -> float:
+def _find_temperature(record: Record, assumptions: Assumptions) -> float:
     """Return the temperature of a test [K] from its mean, its file, its name, or the assumption."""
     if "temperature" in record.columns:
         return float(np.nanmean(record["temperature"]))
-    said = known.find_said(record, TEMPERATURE_WORDS, CELSIUS)
-    if said is not None:
-        return said + 273.15
+    celsius = assumptions.find_said(record, TEMPERATURE_WORDS, CELSIUS)
+    if celsius is not None:
+        return celsius + 273.15
     named = CELSIUS.search(record.name)
     if named is not None:
-        known.sentences.append(f"The name of `{record.name}` is taken to say that it was tested at {named[1]} degC.")
+        assumptions.sentences.append(
+            f"The name of `{record.name}` is taken to say that it was tested at {named[1]} degC."
+        )
         return float(named[1]) + 273.15
     effect = "plateaus shift by some 7 MPa for every kelvin"
-    return known.take("environment.temperature", "K", units.parse_quantity(ROOM, "K"), effect)
+    return assumptions.take("environment.temperature", "K", units.parse_quantity(ROOM, "K"), effect)
 
 
 def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> Iterator[Proposal]:
@@ -170,21 +177,21 @@ def _find_halves(one: Record) -> tuple[float, float]:
     """Return the stresses half-way along loading and unloading [Pa]; NaN without such rows."""
     strain, stress = np.asarray(one["strain"]), np.asarray(one["stress"])
     middle = np.abs((strain - strain.min()) / max(float(np.ptp(strain)), 1e-12) - 0.5) < 0.1
-    found: dict[bool, list[float]] = {True: [], False: []}
+    stresses: dict[bool, list[float]] = {True: [], False: []}
     for first, last in trace_loop(strain).legs:
         part = stress[first : last + 1][middle[first : last + 1]]
-        found[bool(strain[last] > strain[first])] += part.tolist()
-    return tuple(float(np.median(found[way])) if found[way] else math.nan for way in (True, False))  # type: ignore[return-value]
+        stresses[bool(strain[last] > strain[first])] += part.tolist()
+    return tuple(float(np.median(stresses[way])) if stresses[way] else math.nan for way in (True, False))  # type: ignore[return-value]
 
 
 def _find_first_slope(rows: Sequence[Record], high: float) -> float:
     """Return the stiffness at the first loading below a plateau stress [Pa]."""
-    found: list[float] = []
+    slopes: list[float] = []
     for one in rows:
         strain, stress = np.asarray(one["strain"]), np.asarray(one["stress"])
         last = trace_loop(strain).turns[1] + 1
         part = np.flatnonzero((stress[:last] > ELASTIC[0] * high) & (stress[:last] < ELASTIC[1] * high))
         if len(part) > 2 and np.ptp(strain[part]) > 0.0:
-            found.append(float(np.polyfit(strain[part], stress[part], 1)[0]))
-    good = [slope for slope in found if 1e9 < slope < 2e11]
+            slopes.append(float(np.polyfit(strain[part], stress[part], 1)[0]))
+    good = [slope for slope in slopes if 1e9 < slope < 2e11]
     return float(np.median(good)) if good else 40e9

@@ -40,7 +40,7 @@ def with_law(base: Document, law: Document) -> Document:
     return base | {"element": base["element"] | {"law": law}}
 
 
-def read_loop(record: Record, drive: str, shown: str, known: Assumptions) -> Record:
+def read_loop(record: Record, drive: str, response: str, assumptions: Assumptions) -> Record:
     """Return the compared rows of a loop, with smoothed drive and all turning points.
 
     Of a loop with many cycles the last are used. Notes describe the changes.
@@ -48,23 +48,23 @@ def read_loop(record: Record, drive: str, shown: str, known: Assumptions) -> Rec
     Args:
         record: record in SI.
         drive: drive column of the loop.
-        shown: measured column.
-        known: receiver of the notes.
+        response: measured column.
+        assumptions: receiver of the notes.
     """
-    whole = keep_measured(record, (drive, shown))
+    whole = keep_measured(record, (drive, response))
     path = trace_loop(whole[drive])
     if path.scatter:
-        known.jitter[record.name] = path.error
-        known.sentences.append(
+        assumptions.jitter[record.name] = path.error
+        assumptions.sentences.append(
             f"`{drive}` of `{record.name}` scatters by {format_change(path.scatter, record.units[drive], 2)} from row "
             f"to row. It is smoothed along each leg, over at least {path.window} rows."
         )
     first, count = _choose_first(path)
     if first:
-        known.sentences.append(
+        assumptions.sentences.append(
             f"`{record.name}` holds {count} cycles. Cycles {count - CYCLES + 1} to {count} are fitted."
         )
-    return reduce_rows(with_column(whole, drive, record.units[drive], path.drive), path, shown, first)
+    return reduce_rows(with_column(whole, drive, record.units[drive], path.drive), path, response, first)
 
 
 def smooth_drive(record: Record, drive: str) -> Record:
@@ -83,7 +83,7 @@ def keep_measured(record: Record, needed: Sequence[str]) -> Record:
     return replace(record, columns={name: column[rows] for name, column in record.columns.items()})
 
 
-def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> Record:
+def reduce_rows(record: Record, path: LoopPath, response: str, first: int = 0) -> Record:
     """Return a record from a row on, in at most about `MOST_ROWS` rows.
 
     More rows are averaged in pieces of about equal path length; turning points are separate pieces.
@@ -92,7 +92,7 @@ def reduce_rows(record: Record, path: LoopPath, shown: str, first: int = 0) -> R
     if rows - first <= MOST_ROWS:
         edges = np.arange(first, rows + 1)
     else:
-        arc = measure_arc(path, record[shown])[first:]
+        arc = measure_arc(path, record[response])[first:]
         turns = [row + after for row in path.turns if row >= first for after in (0, 1)]
         edges = np.unique([*(first + np.searchsorted(arc, np.linspace(0.0, arc[-1], MOST_ROWS))), *turns, rows])
     means = {name: np.add.reduceat(x, edges[:-1]) / np.diff(edges) for name, x in record.columns.items()}

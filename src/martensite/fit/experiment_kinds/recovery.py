@@ -46,19 +46,21 @@ class ConstrainedRecovery(AbstractExperimentKind):
         why = f"`{load}` varies over {survey.warming:.0f} K while no shape and no drive varies"
         return RecognisedExperiment(self, why, "temperature", (load,))
 
-    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    def propose(
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
+    ) -> Iterator[Proposal]:
         """Yield Liang–Rogers at constant elongation, from martensite, with the first stress as preload."""
-        rows = [_read_recovery(one, found.measured[0], known) for one in records]
-        eps = known.take("element.law.eps_L", "1", EPS, "the width of the transformation is counted from it")
+        rows = [_read_recovery(one, experiment.measured[0], assumptions) for one in records]
+        eps = assumptions.take("element.law.eps_L", "1", EPS, "the width of the transformation is counted from it")
         first = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
         effect = "the width of the transformation is counted from it"
         stiff, soft = (
-            known.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", STIFF), ("E_M", 0.5 * STIFF))
+            assumptions.take(f"element.law.{n}", "Pa", x, effect) for n, x in (("E_A", STIFF), ("E_M", 0.5 * STIFF))
         )
         begins, apart = (float(np.mean(x)) for x in zip(*map(_find_begins, rows), strict=True))
-        width = known.settle("element.diameter", "m", 1e-3)
+        width = assumptions.settle("element.diameter", "m", 1e-3)
         size = f'preload = "{first * math.pi / 4.0 * width**2:.6g} N"'
-        names = write_values("m", wide=width, long=known.settle(LENGTH, "m", 0.1))
+        names = write_values("m", wide=width, long=assumptions.settle(LENGTH, "m", 0.1))
         base = read_machine(title="Constrained recovery", control="elongation", xi=1.0, size=size, **names)
         base["signals"] = {"command": {"kind": "constant", "level": "0 mm"}}
         slope = min(max(float(np.mean([_find_slope(one) for one in rows])), 3e6), 25e6)
@@ -82,12 +84,12 @@ class ConstrainedRecovery(AbstractExperimentKind):
         return [make_record({"temperature": 290.0 + 100.0 * loop, "stress": stress})]
 
 
-def _read_recovery(record: Record, load: str, known: Assumptions) -> Record:
+def _read_recovery(record: Record, load: str, assumptions: Assumptions) -> Record:
     """Return the fitted rows of a recovery with its stress [Pa]."""
     load = find_column(record, load, LOADS)
-    rows = read_loop(record, "temperature", load, known)
+    rows = read_loop(record, "temperature", load, assumptions)
     if load == "force":
-        section = math.pi / 4.0 * known.find_diameter() ** 2
+        section = math.pi / 4.0 * assumptions.find_diameter() ** 2
         rows = with_column(rows, "stress", "Pa", np.asarray(rows["force"]) / section)
     return rows
 

@@ -24,9 +24,9 @@ class Resistance(AbstractDrivenKind):
 
     def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
         """Return the experiment if a drive and a resistance vary, or both voltage and current do."""
-        found = super().recognise(survey)
-        if found is not None or not survey.drives:
-            return found
+        experiment = super().recognise(survey)
+        if experiment is not None or not survey.drives:
+            return experiment
         drive = survey.drives[0]
         rest = [name for name in survey.list_varying(DRIVES) if name != drive and name in ("voltage", "current")]
         if not rest:
@@ -35,11 +35,14 @@ class Resistance(AbstractDrivenKind):
         return RecognisedExperiment(self, why, drive, (rest[0],))
 
     def propose_driven(
-        self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
     ) -> Iterator[Proposal]:
         """Yield an element with start values of the resistivities, measured or computed from voltage and current."""
-        length = known.take("element.length", "m", 0.1, "resistivities absorb it")
-        begun, column = assume_law(start_driven(found, records, known, length), known, ("A_f",)), found.measured[0]
+        length = assumptions.take("element.length", "m", 0.1, "resistivities absorb it")
+        element, column = (
+            assume_law(start_driven(experiment, records, assumptions, length), assumptions, ("A_f",)),
+            experiment.measured[0],
+        )
         if column == "resistance":
             ohms = [float(f([f(r[column]) for r in records])) for f in (np.nanmin, np.nanmax)]
         else:
@@ -47,11 +50,11 @@ class Resistance(AbstractDrivenKind):
                 np.asarray(r["voltage"]) / np.where(np.abs(r["current"]) > 0.0, r["current"], np.nan) for r in records
             ]
             ohms = [float(np.nanpercentile(np.concatenate(pairs), q)) for q in (5.0, 95.0)]
-        rho = {name: x * begun.section / length for name, x in zip(("rho_A", "rho_M"), ohms, strict=True)}
+        rho = {name: x * element.section / length for name, x in zip(("rho_A", "rho_M"), ohms, strict=True)}
         mixture = {"kind": "mixture"} | {name: f"{x:.5g} ohm*m" for name, x in rho.items()}
-        document = {"element": begun.document["element"] | {"resistance": mixture}} | begun.take_weight(known)
+        document = {"element": element.document["element"] | {"resistance": mixture}} | element.take_weight(assumptions)
         more = tuple(f"{name}={0.3 * x:.5g}..{3.0 * x:.5g} ohm*m" for name, x in rho.items())
-        yield begun.make_proposal("under a weight", document, (*begun.free, *more), (column,))
+        yield element.make_proposal("under a weight", document, (*element.free, *more), (column,))
 
     def make_example(self) -> list[Record]:
         """Return pulses of the current, and a resistance that follows them."""

@@ -29,28 +29,30 @@ class StrokeTest(AbstractDrivenKind):
         return survey.loads
 
     def propose_driven(
-        self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
+        self, experiment: RecognisedExperiment, records: Sequence[Record], assumptions: Assumptions
     ) -> Iterator[Proposal]:
         """Yield a weight and a bias spring; the spring alone if force and position are measured."""
-        column = found.measured[0]
+        column = experiment.measured[0]
         output = "strain" if column == "strain" else "position"
         stroke = max(float(np.nanmax(r[column]) - np.nanmin(r[column])) for r in records)
         guess = (0.1, "without effect on strain"), (stroke / (0.8 * EPS), "the transformation strain absorbs it")
-        length = known.take("element.length", "m", *guess[output == "position"])
-        begun = assume_law(start_driven(found, records, known, length), known, ("A_f", "C_A", "C_M", "E_A", "E_M"))
-        up = (begun.lag.gain > 0.0) == (output == "position")
+        length = assumptions.take("element.length", "m", *guess[output == "position"])
+        element = assume_law(
+            start_driven(experiment, records, assumptions, length), assumptions, ("A_f", "C_A", "C_M", "E_A", "E_M")
+        )
+        up = (element.lag.gain > 0.0) == (output == "position")
         if not up:
-            known.sentences.append(f"`{column}` falls with the drive: its sign is turned.")
+            assumptions.sentences.append(f"`{column}` falls with the drive: its sign is turned.")
         columns = [output if up and column == output else f"{output}={column}*{1 if up else -1}"]
-        free, force = (*begun.free, f"eps_L={EPS / 6.0:.4g}..0.19"), SIGMA * begun.section
-        if len(found.measured) > 1:
-            spring, more = _read_spring(found, records, begun.section, known)
-            columns.append(found.measured[1])
-            yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
+        free, force = (*element.free, f"eps_L={EPS / 6.0:.4g}..0.19"), SIGMA * element.section
+        if len(experiment.measured) > 1:
+            spring, more = _read_spring(experiment, records, element.section, assumptions)
+            columns.append(experiment.measured[1])
+            yield element.make_proposal("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
             return
         travel = stroke if output == "position" else 0.03 * length
-        for name, mechanism, more in vary_loads(known, force, travel):
-            yield begun.make_proposal(name, {"mechanism": mechanism}, (*free, *more), columns, output)
+        for name, mechanism, more in vary_loads(assumptions, force, travel):
+            yield element.make_proposal(name, {"mechanism": mechanism}, (*free, *more), columns, output)
 
     def make_example(self) -> list[Record]:
         """Return pulses of the duty cycle, and a position that follows them."""
@@ -59,7 +61,7 @@ class StrokeTest(AbstractDrivenKind):
 
 
 def _read_spring(
-    kind: RecognisedExperiment, records: Sequence[Record], section: float, known: Assumptions
+    kind: RecognisedExperiment, records: Sequence[Record], section: float, assumptions: Assumptions
 ) -> tuple[Document, tuple[str, str]]:
     """Return a spring with rate and preload from measured force and position, and their bounds."""
     column, load = kind.measured
@@ -67,7 +69,7 @@ def _read_spring(
     f, good = f * (section if load == "stress" else 1.0), np.isfinite(x) & np.isfinite(f)
     slope, zero = (float(v) for v in np.polyfit(x[good], f[good], 1))
     rate, least = max(abs(slope), 1e-3), max(float(np.nanmin(f)), 1e-3)
-    known.sentences.append(
+    assumptions.sentences.append(
         f"`{load}` over `{column}` is a spring of {format_number(rate)} N/m, and {format_number(zero)} N at zero."
     )
     spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{least:.5g} N"}

@@ -39,8 +39,8 @@ class LogSurvey:
     @cached_property
     def drives(self) -> list[str]:
         """Return the varying drives, with the fewest distinct values first."""
-        found = self.list_varying(DRIVES)
-        return sorted(found, key=lambda name: (self._count_levels(name), DRIVES.index(name)))
+        names = self.list_varying(DRIVES)
+        return sorted(names, key=lambda name: (self._count_levels(name), DRIVES.index(name)))
 
     @cached_property
     def shapes(self) -> list[str]:
