@@ -68,8 +68,8 @@ class AbstractWaveform(AbstractDrive):
         if not self.stepwise or len(times) < MANY:
             return list(map(self.value, times))
         last = max(times)
-        known = takewhile(lambda segment: segment.start <= last, self.segments(min(times)))
-        return read_levels([(one.start, one.level) for one in known], times)
+        segments = takewhile(lambda segment: segment.start <= last, self.segments(min(times)))
+        return read_levels([(one.start, one.level) for one in segments], times)
 
     def edges(self, duration: float) -> list[float]:
         """Return the times of jumps and bends in (0, duration) [s], ascending."""

@@ -94,9 +94,9 @@ class RunEngine:
     def __call__(self, plan: MarchPlan) -> Marched:
         """Run a plan; raise `BudgetError` if the budget is spent."""
         ways = {"auto": self._quickest, "c": self._on_c, "floats": self._on_floats}
-        found = ways[self.runtime](plan)
-        found.used = self.used
-        return found
+        run = ways[self.runtime](plan)
+        run.used = self.used
+        return run
 
     def _quickest(self, plan: MarchPlan) -> Marched:
         """Run on floats if the run is short or no compiler is available, else in C."""
@@ -216,20 +216,20 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
     """Return the last run to a tolerance and its error bounds as fractions of the ranges of judged outputs."""
     compared = choose_samples(len(plan.times), plan.skipped)
     local = LOCAL[plan.order] * tolerance
-    found = march(replace(plan, times=[plan.times[k] for k in compared], recorded=False, tolerance=local))
-    rows, accuracy = found.rows, math.inf
+    run = march(replace(plan, times=[plan.times[k] for k in compared], recorded=False, tolerance=local))
+    rows, accuracy = run.rows, math.inf
     for turn in range(MOST_PASSES):
         local /= FINER
-        ranges = found.ranges if turn or not shares_stress(plan.compiled) else ()
-        found = march(replace(plan, tolerance=local, ranges=ranges, parted=True))
-        before, rows = rows, choose_rows(found.rows, compared)
-        found.gaps = measure_gaps(plan.compiled, before, rows)[1 if found.gap else 0 :]
-        accuracy = max(bound_error(plan.compiled, found), find_floor(plan.compiled) * tolerance)
+        ranges = run.ranges if turn or not shares_stress(plan.compiled) else ()
+        run = march(replace(plan, tolerance=local, ranges=ranges, parted=True))
+        before, rows = rows, choose_rows(run.rows, compared)
+        run.gaps = measure_gaps(plan.compiled, before, rows)[1 if run.gap else 0 :]
+        accuracy = max(bound_error(plan.compiled, run), find_floor(plan.compiled) * tolerance)
         if accuracy <= tolerance:
             break
-    errors, changes = find_doubts(plan.compiled, [found.decision], [accuracy], [found.ranges])
-    found.undecided = float(errors[0])
-    return found, max(accuracy, float(changes[0]))
+    errors, changes = find_doubts(plan.compiled, [run.decision], [accuracy], [run.ranges])
+    run.undecided = float(errors[0])
+    return run, max(accuracy, float(changes[0]))
 
 
 def find_doubts(compiled: CompiledMarch, decisions: Any, accuracy: Any, ranges: Any) -> tuple[Numbers, Numbers]:
@@ -294,11 +294,11 @@ def measure_gaps(compiled: CompiledMarch, before: Any, after: Any) -> Numbers:
     return np.abs(np.subtract(*pair))
 
 
-def bound_error(compiled: CompiledMarch, found: Marched) -> float:
+def bound_error(compiled: CompiledMarch, run: Marched) -> float:
     """Return the largest gap plus the neglected errors, as a fraction of ranges."""
-    gap, scales = found.find_largest_gap(found.gap), compiled.convergence_scales
-    ranges = [max(known, least) for known, (_, least) in zip(found.ranges, scales, strict=True)]
+    gap, scales = run.find_largest_gap(run.gap), compiled.convergence_scales
+    ranges = [max(span, least) for span, (_, least) in zip(run.ranges, scales, strict=True)]
     worst = float(np.divide(gap or math.inf, ranges).max(initial=0.0))
-    heat = max(found.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
-    total = max(ERROR_SAFETY * worst + found.ripple / heat, ERROR_SAFETY * found.residual, LEAST_ACCURACY)
+    heat = max(run.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
+    total = max(ERROR_SAFETY * worst + run.ripple / heat, ERROR_SAFETY * run.residual, LEAST_ACCURACY)
     return total if math.isfinite(total) else math.inf

@@ -255,26 +255,26 @@ class AdaptiveMarch(AbstractMarch):
             for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True)
         ]
 
-    def _feed_step(self, brought: Sequence[Moments | float], owed: Sequence[float] = ()) -> Row:
+    def _feed_step(self, drive_inputs: Sequence[Moments | float], owed: Sequence[float] = ()) -> Row:
         """Return the inputs of a step; missing heat of the previous step is added to the first half."""
-        found: list[float] = []
-        for one, heat in zip_longest(brought, owed, fillvalue=0.0):
-            found += feed_step(one, heat) if isinstance(one, Moments) else (one,)
-        return tuple(found)
+        inputs: list[float] = []
+        for one, heat in zip_longest(drive_inputs, owed, fillvalue=0.0):
+            inputs += feed_step(one, heat) if isinstance(one, Moments) else (one,)
+        return tuple(inputs)
 
     def _whole(self, halves: Sequence[Row], length: float) -> Row:
         """Return the inputs of the whole step from the inputs of its halves."""
-        found: list[float] = []
+        inputs: list[float] = []
         at = 0
         for width in self.plan.compiled.widths:
             first, last = (half[at : at + width] for half in halves)
             at += width
             if width == 1:
-                found += last
+                inputs += last
                 continue
             joined = join_halves(Moments(*first[:-1]), Moments(*last[:-1]), length)
-            found += feed_step(joined, first[-1])
-        return tuple(found)
+            inputs += feed_step(joined, first[-1])
+        return tuple(inputs)
 
     def _try_step(self, length: float, halves: Sequence[Row]) -> StepTrial:
         plan = self.plan
@@ -327,10 +327,10 @@ class AdaptiveMarch(AbstractMarch):
         Rates may decay within a fraction of a step after a drive edge, which the error estimate of the step misses.
         """
         signals, judge = self.signals(self.time + 0.5 * length), self.functions["judge"]
-        found = self.functions["rosenbrock"](*self.state, *halves[0], 0.5 * length)[: self.size]
-        pairs = zip(judge(*found, *signals), judge(*middle, *signals), strict=True)
+        half_state = self.functions["rosenbrock"](*self.state, *halves[0], 0.5 * length)[: self.size]
+        pairs = zip(judge(*half_state, *signals), judge(*middle, *signals), strict=True)
         apart = [abs(a - b) / self._scale(k) for k, (a, b) in enumerate(list(pairs)[: self.convergence_scales])]
-        return found, max(apart, default=0.0)
+        return half_state, max(apart, default=0.0)
 
     def _find_bend(self, length: float, half: Row, fine: Row) -> float:
         """Return the distance of the middle from the mean of the ends, as an error in ranges.
@@ -359,10 +359,10 @@ class AdaptiveMarch(AbstractMarch):
         return self._with_rates(state, guess)
 
     def _with_rates(self, state: Row, rates: Sequence[float]) -> Row:
-        found = list(state)
+        row = list(state)
         for place, rate in zip(self.plan.compiled.rates, rates, strict=True):
-            found[place] = rate
-        return tuple(found)
+            row[place] = rate
+        return tuple(row)
 
     def _measure(self, length: float, halves: Sequence[Row], half: Row) -> tuple[float, float]:
         """Return the largest lapse of a drive and its temperature error [K]."""
@@ -439,7 +439,7 @@ class AdaptiveMarch(AbstractMarch):
         flows, entries = self.functions["flows"], self.functions["entries"]
         one, two = trial.halves
         ends = (self.state, one), (trial.half, one), (trial.half, two), (trial.full, two)
-        rows = [flows(*state, *brought) for state, brought in ends]
+        rows = [flows(*state, *inputs) for state, inputs in ends]
         self.found.put_in += 0.25 * trial.length * sum(given for given, *_ in rows)
         for share, (_, *lost) in zip(SIMPSON, rows, strict=True):
             self.ledger.lost += share * trial.length * sum(lost)
@@ -453,7 +453,7 @@ class AdaptiveMarch(AbstractMarch):
     def _accept(self, trial: StepTrial, most: float, planned: float) -> None:
         if self.plan.recorded:
             self._keep_ledger(trial)
-        found, length, end = self.found, trial.length, self.time + trial.length
+        run, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration
         nodes = [*self.nodes, *self._reach_ends(trial)]
@@ -463,11 +463,11 @@ class AdaptiveMarch(AbstractMarch):
         self._keep_samples(end, step, nodes)
         self.taken = step
         parts = 1 if self.plan.order == 4 else 2
-        found.steps += parts
-        found.longest = max(found.longest, length / parts)
-        found.ripple = max(found.ripple, trial.ripple)
+        run.steps += parts
+        run.longest = max(run.longest, length / parts)
+        run.ripple = max(run.ripple, trial.ripple)
         missed = self.plan.tolerance * trial.error if trial.error > 1.0 else 0.0  # minimum step length
-        found.residual = max(found.residual, trial.residual) + missed
+        run.residual = max(run.residual, trial.residual) + missed
         middle = self.time + 0.5 * length
         self._watch_forks(trial, middle, end)
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
@@ -572,14 +572,14 @@ class AdaptiveMarch(AbstractMarch):
 
     def _between(self, nodes: Sequence[Node], time: float) -> Row | None:
         """Return the interpolated state; None if the polynomial overshoots its points."""
-        found = list(interpolate_state(nodes, time))
+        state = list(interpolate_state(nodes, time))
         for k, column in enumerate(zip(*(node.state for node in nodes), strict=True)):
             low, high = min(column), max(column)
             hair = ROUNDING * (abs(low) + abs(high))
-            if k not in self.plan.compiled.rates and not low - hair <= found[k] <= high + hair:
+            if k not in self.plan.compiled.rates and not low - hair <= state[k] <= high + hair:
                 return None
-            found[k] = min(max(found[k], low), high)
-        return tuple(found)
+            state[k] = min(max(state[k], low), high)
+        return tuple(state)
 
     def _step_aside(self, step: TakenStep, time: float, hair: float) -> Row:
         """Return the state after a step from the last half step, or this state within a hair [s]."""
@@ -589,11 +589,11 @@ class AdaptiveMarch(AbstractMarch):
         begin, state = (middle, trial.half) if late else (step.begin, step.state)
         if time - begin > hair:
             inputs = self._feed_step(self._collect_inputs(begin, time), () if late else step.owed)
-            found = self.functions[name](*state, *inputs, time - begin)
-            if name == "solve" and not found[self.size] <= SOLVED:  # a straight line between computed states
+            after = self.functions[name](*state, *inputs, time - begin)
+            if name == "solve" and not after[self.size] <= SOLVED:  # a straight line between computed states
                 share, ahead = (time - begin) / (0.5 * trial.length), trial.full if late else trial.half
                 return tuple(a + share * (b - a) for a, b in zip(state, ahead, strict=True))
-            state = found[: self.size]
+            state = after[: self.size]
         return state
 
     def _scale(self, k: int, value: float | None = None) -> float:
@@ -603,8 +603,8 @@ class AdaptiveMarch(AbstractMarch):
         low, high = self.low[k], self.high[k]
         if value is not None:
             low, high = min(low, value), max(high, value)
-        known = self.plan.ranges[k] if self.plan.ranges else 0.0
-        return max(high - low, known, self.plan.compiled.convergence_scales[k][1])
+        earlier_range = self.plan.ranges[k] if self.plan.ranges else 0.0
+        return max(high - low, earlier_range, self.plan.compiled.convergence_scales[k][1])
 
 
 def join_halves(first: Moments, last: Moments, length: float) -> Moments:
@@ -675,11 +675,11 @@ def find_dip(first: float, middle: float, last: float) -> float:
 
 def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:
     """Return the divided difference of the highest order."""
-    found = list(values)
+    differences = list(values)
     for order in range(1, len(times)):
         spans = [last - first for first, last in zip(times, times[order:], strict=False)]
-        found = [(b - a) / span for (a, b), span in zip(pairwise(found), spans, strict=True)]
-    return found[0]
+        differences = [(b - a) / span for (a, b), span in zip(pairwise(differences), spans, strict=True)]
+    return differences[0]
 
 
 def interpolate_state(nodes: Sequence[Node], time: float) -> Row:
@@ -692,8 +692,8 @@ def interpolate_state(nodes: Sequence[Node], time: float) -> Row:
     return tuple(sum(w * x for w, x in zip(weights, column, strict=True)) for column in columns)
 
 
-def _find_lapse(brought: Sequence[Moments | float]) -> float:
-    return max((one.lapse for one in brought if isinstance(one, Moments)), default=0.0)
+def _find_lapse(drive_inputs: Sequence[Moments | float]) -> float:
+    return max((one.lapse for one in drive_inputs if isinstance(one, Moments)), default=0.0)
 
 
 def _compute_variation(rows: Sequence[Row], k: int) -> float:

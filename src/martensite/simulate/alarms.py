@@ -128,13 +128,13 @@ def find_excursion(times: Values, margins: Values) -> Excursion | None:
 def alarms_of(system: AbstractSystem, times: Values, columns: Columns) -> list[Alarm]:
     """Return all alarms of a run, from points of its columns in SI."""
     times, columns = np.asarray(times, float), {name: np.asarray(column, float) for name, column in columns.items()}
-    found: list[Alarm] = []
+    alarms: list[Alarm] = []
     alone = len(system.actuators()) == 1 and not system.signals()
     for port, actuator in system.actuators().items():
         own = {name: columns[system.label(port, name)] for name in JUDGED if name not in SUPPLY}
         several = system.label(port, "stress") != "stress"
-        found += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own, alone)]
-    return found + _watch_supply(system, times, columns)
+        alarms += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own, alone)]
+    return alarms + _watch_supply(system, times, columns)
 
 
 def _watch_supply(system: AbstractSystem, times: Numbers, columns: Columns) -> list[Alarm]:
@@ -163,7 +163,7 @@ def _of_actuator(actuator: Actuator, times: Numbers, columns: Columns, alone: bo
     limits = actuator.element.limits
     hot = "temperature", "K", limits.temperature_limit, 273.15, "°C", 1.0
     high = "stress", "Pa", limits.stress_limit, 0.0, "MPa", 1e6
-    found = (
+    candidates = (
         _watch_above(times, columns["hottest"], "hottest", *hot),
         _watch_above(times, columns["stress"], "stress", *high),
         _watch_strain(times, columns["strain"], limits.strain_limit),
@@ -171,7 +171,7 @@ def _of_actuator(actuator: Actuator, times: Numbers, columns: Columns, alone: bo
         find_undelivered(actuator.source, times, columns["drive"], columns["resistance"]),
         _watch_first_cycle(times, columns, alone),
     )
-    return [alarm for alarm in found if alarm is not None]
+    return [alarm for alarm in candidates if alarm is not None]
 
 
 def _make_alarm(
@@ -189,7 +189,7 @@ def _watch_above(
     unit: str,
     limit: float,
     zero: float,
-    shown: str,
+    readable_unit: str,
     scale: float,
 ) -> Alarm | None:
     when = find_excursion(times, values - limit)
@@ -197,8 +197,8 @@ def _watch_above(
         return None
     worst = float(values[when.worst])
     sentence = (
-        f"Warning: {kind} reaches {(worst - zero) / scale:.4g} {shown}, above the "
-        f"`{kind}_limit` of {(limit - zero) / scale:.4g} {shown}, {when.words()}."
+        f"Warning: {kind} reaches {(worst - zero) / scale:.4g} {readable_unit}, above the "
+        f"`{kind}_limit` of {(limit - zero) / scale:.4g} {readable_unit}, {when.words()}."
     )
     return _make_alarm(times, when, (kind, quantity, unit), worst, limit, sentence)
 
@@ -270,8 +270,8 @@ def _find_return(fraction: Numbers, stress: Numbers, alone: bool) -> int | None:
     if not len(back):
         return None
     begin = int(back[0])
-    gone = fraction[begin:] < full
-    end = begin + int(gone.argmax()) if gone.any() else len(fraction)
+    departure = fraction[begin:] < full
+    end = begin + int(departure.argmax()) if departure.any() else len(fraction)
     at = begin + int(np.abs(stress[begin:end] - stress[0]).argmin())
     alike = abs(stress[at] - stress[0]) <= LOADED_ALIKE * max(abs(stress[at]), abs(stress[0]))
     return at if alone or alike else None
@@ -325,19 +325,19 @@ def _widen(name: str, column: Numbers) -> Numbers:
 
 def _describe_doubts(result: Result, columns: Columns) -> list[str]:
     """Return warnings for stresses near the validity limit of a law."""
-    found: list[str] = []
+    warnings: list[str] = []
     for port, one in result.system.actuators().items():
         law, name = one.element.law, result.system.label(port, "stress")
         if not isinstance(law, AbstractLaw) or name not in columns:
             continue
         path = (columns[result.system.label(port, one)] for one in ("stress", "temperature", *FRACTIONS))
-        found += describe_forgotten_loops(law, *path)
-        found += describe_compression(law, columns[name])
+        warnings += describe_forgotten_loops(law, *path)
+        warnings += describe_compression(law, columns[name])
         doubt = law.doubt()
         if doubt is None:
             continue
         most = float(np.abs(columns[name]).max())
         if most > DOUBT_FRACTION * doubt.stress:
             words = f"Caution: {doubt.sentence} The stress comes to {most / 1e6:.4g} MPa."
-            found.append(words)
-    return list(dict.fromkeys(found))
+            warnings.append(words)
+    return list(dict.fromkeys(warnings))

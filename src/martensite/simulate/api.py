@@ -108,20 +108,20 @@ def simulate(
     def march_again(plan: MarchPlan) -> tuple[Marched, float | None]:
         return march(Relay(engine, start, [stop for stop in relay.stops if stop < plan.times[-1]]), plan)
 
-    plan, found, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
+    plan, run, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
-    kept = relay.list_restarts([times[k] for k in compared])
+    restarts = relay.list_restarts([times[k] for k in compared])
     notes = list[str]()
-    if found.undecided:
-        name, _ = compiled.convergence_scales[compiled.forks[found.decision.place].fraction]
-        notes.append(describe_decision(found.decision, found.undecided, name.rpartition(".")[0]))
-    elif accuracy is not None and accuracy > tolerance and not found.status.failed:
+    if run.undecided:
+        name, _ = compiled.convergence_scales[compiled.forks[run.decision.place].fraction]
+        notes.append(describe_decision(run.decision, run.undecided, name.rpartition(".")[0]))
+    elif accuracy is not None and accuracy > tolerance and not run.status.failed:
         notes.append(
-            f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
+            f"Warning: the tolerance of {tolerance:.1e} was not reached in {run.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
-    context = _RunContext(waveform, RunTrace(system, engine, plan, found, relay), start, kept, notes, accuracy)
-    return _build_result(system, plan, found, context)
+    context = _RunContext(waveform, RunTrace(system, engine, plan, run, relay), start, restarts, notes, accuracy)
+    return _build_result(system, plan, run, context)
 
 
 def _in_discrete_time(
@@ -142,48 +142,48 @@ def _in_discrete_time(
     def march(plan: MarchPlan) -> Marched:
         require_budget(budget, begin, plan.times[0] / grid.times[-1])
         leg = whole.cut(plan.times[0], plan.times[-1])
-        found = _march_grid(system, compiled, leg, runtime, plan.start).require()
-        found.steps, found.longest = len(leg.lengths), leg.longest
-        return found
+        run = _march_grid(system, compiled, leg, runtime, plan.start).require()
+        run.steps, run.longest = len(leg.lengths), leg.longest
+        return run
 
     plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
-    asked = place_stops(restart_at, grid.times)
+    stops = place_stops(restart_at, grid.times)
     looks = [] if budget is None else grid.times[1 : -1 : math.ceil(len(grid.times) / LOOKS)]
-    relay = Relay(march, start, sorted({*asked, *looks}))
-    found = relay(plan)
-    if found.status is Status.OUT_OF_ENVELOPE:
-        found.rows = list(rows_inside(system, found.rows))
-    kept = relay.list_restarts(grid.times[-1:]) if found.state else []
-    kept = [one for one in kept if one.time in {*asked, grid.times[-1]}]
+    relay = Relay(march, start, sorted({*stops, *looks}))
+    run = relay(plan)
+    if run.status is Status.OUT_OF_ENVELOPE:
+        run.rows = list(rows_inside(system, run.rows))
+    restarts = relay.list_restarts(grid.times[-1:]) if run.state else []
+    restarts = [one for one in restarts if one.time in {*stops, grid.times[-1]}]
     kept_all = whole.stored is not ...
-    trace = RowsTrace(grid.times[: len(found.rows)], found.rows, len(name_outputs(system))) if kept_all else None
+    trace = RowsTrace(grid.times[: len(run.rows)], run.rows, len(name_outputs(system))) if kept_all else None
     times, stored = np.asarray(grid.times), np.asarray(whole.times)[whole.stored]
     places: list[int] = np.flatnonzero(np.isin(times, [start.time, *stored])).tolist()
     plan = replace(plan, times=times[places])
-    found = replace(found, rows=choose_rows(found.rows, places), used="C" if runtime == "c" else "floats")
+    run = replace(run, rows=choose_rows(run.rows, places), used="C" if runtime == "c" else "floats")
     notes = list[str]()
     if not kept_all and len(whole.lengths) > len(whole.times):
         notes.append(
             f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "
             f"{len(whole.times):,} stored samples."
         )
-    return _build_result(system, plan, found, _RunContext(waveform, trace, start, kept, notes))
+    return _build_result(system, plan, run, _RunContext(waveform, trace, start, restarts, notes))
 
 
 def _march_grid(
     system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str, start: Row = ()
 ) -> Marched:
     """Run on given steps; repeat a failed run on floats, which report time and place."""
-    found: Marched | None = None
+    run: Marched | None = None
     limits = envelope_of(system)
     if runtime == "c":
         from martensite.simulate.native import march_c
 
-        found = march_c(compiled, list_values(system), grid, limits, start)
-    if found is None or found.status.failed:
+        run = march_c(compiled, list_values(system), grid, limits, start)
+    if run is None or run.status.failed:
         functions, size = bind_march(system)
-        found = march_floats(functions, size, grid, Border(compiled, functions, limits), start)
-    return found
+        run = march_floats(functions, size, grid, Border(compiled, functions, limits), start)
+    return run
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
@@ -225,34 +225,34 @@ class _RunContext(NamedTuple):
     accuracy: float | None = None
 
 
-def _build_result(system: AbstractSystem, plan: MarchPlan, found: Marched, context: _RunContext) -> Result:
-    names, rows, book = name_outputs(system), found.require().rows, plan.compiled.book
+def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context: _RunContext) -> Result:
+    names, rows, book = name_outputs(system), run.require().rows, plan.compiled.book
     notes, heat, work, unknown = list[str](), None, None, list[str]()
     if plan.step is None and not system.sample_time():
-        heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None
-        work = balance_work(book, found.accounts) if book.work else None
+        heat = balance_heat(run.put_in, run.lost, run.accounts) if book.heat else None
+        work = balance_work(book, run.accounts) if book.work else None
         notes, unknown = _warn_of_residuals({"heat": heat, "work": work}, plan.tolerance), list(book.unknown)
-    if found.status is Status.OUT_OF_ENVELOPE:
-        notes.append(describe_exit(system, found.time, found.place, found.value))
+    if run.status is Status.OUT_OF_ENVELOPE:
+        notes.append(describe_exit(system, run.time, run.place, run.value))
     return Result(
         system,
         context.waveform,
         np.array(plan.times[: len(rows)], float),
         dict(zip(names, np.array(np.asarray(rows, float).T, order="C"), strict=False)),
-        found.status,
-        found.status_time,
-        found.steps,
-        found.longest,
+        run.status,
+        run.status_time,
+        run.steps,
+        run.longest,
         context.accuracy,
         notes=[*notes, *context.notes],
         judged=judge_limits,
         profiles=_part_profiles(len(names), rows),
-        runtime=found.used,
-        rejected=found.rejected,
+        runtime=run.used,
+        rejected=run.rejected,
         heat=heat,
         work=work,
         unbalanced=unknown,
-        ripple=found.ripple,
+        ripple=run.ripple,
         trace=context.trace,
         begin=partial(describe_start, context.start),
         restarts=context.restarts,

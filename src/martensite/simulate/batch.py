@@ -88,7 +88,7 @@ def simulate_batch(
     varied = _convert_varied(system, over)
     chosen = _choose_runtime(runtime)
     _find_indices(compile_march(system), outputs)
-    known = [name for name in outputs if name in system.outputs()]
+    system_outputs = [name for name in outputs if name in system.outputs()]
     course = VariantSetup(
         system,
         by_name(system, waveform),
@@ -101,7 +101,7 @@ def simulate_batch(
         tolerance=tolerance,
         devices=devices,
         chunk=chunk,
-        measures=tuple(one(of=name) for name in known for one in (Smallest, Largest)),
+        measures=tuple(one(of=name) for name in system_outputs for one in (Smallest, Largest)),
     )
     try:
         ran = course.run(varied)
@@ -152,11 +152,11 @@ def _build_result(
     )
 
 
-def _choose_runtime(asked: str) -> str:
+def _choose_runtime(runtime: str) -> str:
     """Return the runtime of a batch: `auto` is C if there is a compiler, else floats."""
-    require_known("runtime", asked, ("auto", *RUNTIMES))
-    if asked != "auto":
-        return asked
+    require_known("runtime", runtime, ("auto", *RUNTIMES))
+    if runtime != "auto":
+        return runtime
     return "floats" if find_compiler() is None else "c"
 
 
@@ -200,13 +200,13 @@ def compute_sensitivity(
         )
     seeds = np.zeros((len(compiled.paths), len(rows)))
     seeds[rows, range(len(rows))] = 1.0
-    found = march_slopes(compiled, compiled.values(system), seeds, grid, [place])
-    slopes = found.slopes[:, 0, :]
-    status = classify_step(found.residual if np.isfinite(slopes).all() else math.nan, 0.0)
+    run = march_slopes(compiled, compiled.values(system), seeds, grid, [place])
+    slopes = run.slopes[:, 0, :]
+    status = classify_step(run.residual if np.isfinite(slopes).all() else math.nan, 0.0)
     if status.failed:
         raise SolveError(f"The run failed, so it has no derivatives. {status.sentence}")
     named = {compiled.paths[row]: slopes[:, i] for i, row in enumerate(rows)}
-    return OutputSensitivity(np.linspace(0.0, duration, samples), found.rows[:, 0], named)
+    return OutputSensitivity(np.linspace(0.0, duration, samples), run.rows[:, 0], named)
 
 
 def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:

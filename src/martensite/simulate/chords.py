@@ -37,5 +37,5 @@ def bend_chords(times: Numbers, values: Numbers, joined: Flags, shares: Numbers)
     left, right = before * share, after * (1.0 - share)
     tent = np.sign(left) * np.minimum(np.abs(left), np.abs(right))
     parabola = share * (1.0 - share) * falls[:, :, 1]
-    known = np.where(late, joined[:, None, 1:], joined[:, None, :1])
-    return np.where(known & (left * right > 0.0), tent, parabola)
+    has_neighbour = np.where(late, joined[:, None, 1:], joined[:, None, :1])
+    return np.where(has_neighbour & (left * right > 0.0), tent, parabola)

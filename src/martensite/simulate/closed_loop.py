@@ -71,10 +71,10 @@ class LoopPlan:
     def waveform(self, signals: Sequence[float]) -> AbstractWaveform:
         """Return the applied signals as a waveform."""
         frequency = 1.0 / self.period
-        held = Held(values=tuple(signals), frequency=frequency)
+        staircase = Held(values=tuple(signals), frequency=frequency)
         if not self.pulses:
-            return held
-        return Carrier(duty=held, frequency=frequency, shortest=self.shortest)
+            return staircase
+        return Carrier(duty=staircase, frequency=frequency, shortest=self.shortest)
 
 
 def whole_periods(duration: float, period: float) -> int:
@@ -201,10 +201,10 @@ class _Walk:
         return self.walk.finish(self.rows, lambda k: self.times[k] if k < len(self.times) else self.left)
 
     def _period(self, time: float, memory: Any) -> Any:
-        seen = self.observe(*self.walk.state, self.switched[0])
-        found = dict(zip(self.names, seen, strict=False))  # a profile comes after
-        found |= {name: self.switched[self.names.index(name)] for name in ELECTRICAL}
-        signal, memory = self.plan.drive(time, found, memory)
+        row = self.observe(*self.walk.state, self.switched[0])
+        outputs = dict(zip(self.names, row, strict=False))  # a profile comes after
+        outputs |= {name: self.switched[self.names.index(name)] for name in ELECTRICAL}
+        signal, memory = self.plan.drive(time, outputs, memory)
         if not math.isfinite(signal):
             raise SolveError(f"The drive returned {signal} at t = {time:.6g} s.")
         self.signals.append(signal)
@@ -242,17 +242,17 @@ class _Walk:
                 break
         return before
 
-    def loop(self, found: Marched) -> LoopResult:
+    def loop(self, run: Marched) -> LoopResult:
         """Return the result, with its alarms."""
         plan, count = self.plan, len(self.times)
-        times = np.array([plan.start(k) for k in range(len(found.rows))], float)
+        times = np.array([plan.start(k) for k in range(len(run.rows))], float)
         result = Result(
             plan.system,
             plan.waveform(self.signals),
             times,
-            {name: np.array(one) for name, one in self._columns(found.rows).items()},
-            found.status,
-            found.status_time,
+            {name: np.array(one) for name, one in self._columns(run.rows).items()},
+            run.status,
+            run.status_time,
             count,
             self.longest,
             trace=self._trace(),
@@ -260,16 +260,16 @@ class _Walk:
             judged=judge_limits,
         )
         ends = self._columns(self.ends)
-        if found.status is Status.OUT_OF_ENVELOPE:
-            result = replace(result, notes=[describe_exit(plan.system, found.time, found.place, found.value)])
+        if run.status is Status.OUT_OF_ENVELOPE:
+            result = replace(result, notes=[describe_exit(plan.system, run.time, run.place, run.value)])
         return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 
     def _trace(self) -> AbstractTrace:
         """Return the outputs at both ends of all steps, with the demand of the drive."""
         rows = [row for _, row in self.passed]
-        kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
-        times, place = [time for time, _ in self.passed[: len(kept)]], self.names.index("drive")
-        table = np.array(kept)
+        inside_rows = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
+        times, place = [time for time, _ in self.passed[: len(inside_rows)]], self.names.index("drive")
+        table = np.array(inside_rows)
         if self.plan.pulses:
             periods = np.searchsorted([self.plan.start(k) for k in range(len(self.signals))], times, side="right") - 1
             table[:, place] = np.array(self.signals)[periods]

@@ -138,8 +138,8 @@ class CompiledMarch(Compiled):
         """Return whether outputs (all if None) of a function of state and signals depend on signals."""
         function = self.program.functions[name]
         places = range(len(function.outputs)) if outputs is None else outputs
-        found = [function.outputs[i] for i in places]
-        return self.program.needs(found, function.inputs[self.size :])
+        nodes = [function.outputs[i] for i in places]
+        return self.program.needs(nodes, function.inputs[self.size :])
 
     @cached_property
     def swinging(self) -> tuple[bool, ...]:
@@ -148,12 +148,12 @@ class CompiledMarch(Compiled):
 
     def states_observed(self, outputs: Sequence[int]) -> list[int]:
         """Return 1 for every state variable that affects the outputs, else 0."""
-        known = tuple(outputs)
-        if known not in self._observed:
+        key = tuple(outputs)
+        if key not in self._observed:
             function = self.program.functions["observe"]
-            found = [function.outputs[i] for i in known]
-            self._observed[known] = list(map(int, self.program.list_needed(found, function.inputs[: self.size])))
-        return self._observed[known]
+            nodes = [function.outputs[i] for i in key]
+            self._observed[key] = list(map(int, self.program.list_needed(nodes, function.inputs[: self.size])))
+        return self._observed[key]
 
     @cached_property
     def _observed(self) -> dict[tuple[int, ...], list[int]]:
@@ -280,26 +280,26 @@ class _Trace:
             self.program.add("rosenbrock", [*self.names, *inputs, "dt"], rosenbrock)
         if reports > len(REPORT):
             self.program.add("flows", [*self.names, *inputs], flows)
-        made = self.program.functions["step"]
-        residual = made.outputs[: self.size + 1]
-        self.program.functions["solve"] = replace(made, name="solve", outputs=residual)
-        self.program.functions["ripple"] = replace(made, name="ripple", outputs=made.outputs[-1:])
+        step_function = self.program.functions["step"]
+        residual = step_function.outputs[: self.size + 1]
+        self.program.functions["solve"] = replace(step_function, name="solve", outputs=residual)
+        self.program.functions["ripple"] = replace(step_function, name="ripple", outputs=step_function.outputs[-1:])
 
     def add_judge(self, outputs: Sequence[str], feeds: Sequence[bool]) -> tuple[int, ...]:
         """Add the judged outputs and the heat of fed elements; return the drives with known heat."""
         places = [self.outputs.index(name) for name in outputs]
-        known: list[int] = []
+        heat_drives: list[int] = []
 
         def judge(xp: Any, *arguments: Any) -> list[Any]:
             state = self.shape.rebuild(arguments[: self.size])
-            seen = self.system.observe(xp, state, *arguments[self.size :])
-            held = enumerate(self.system.heat_contents(xp, state))
-            found = {place: heat for place, heat in held if heat is not None and feeds[place]}
-            known[:] = found
-            return [*(seen[place] for place in places), *found.values()]
+            observations = self.system.observe(xp, state, *arguments[self.size :])
+            contents = enumerate(self.system.heat_contents(xp, state))
+            heats = {place: heat for place, heat in contents if heat is not None and feeds[place]}
+            heat_drives[:] = heats
+            return [*(observations[place] for place in places), *heats.values()]
 
         self.program.add("judge", [*self.names, *self.signals], judge)
-        return tuple(known)
+        return tuple(heat_drives)
 
     def add_entries(self) -> Book:
         """Add the function for the energies of a state under signals."""
@@ -307,12 +307,14 @@ class _Trace:
 
         def entries(xp: Any, *arguments: Any) -> list[Any]:
             state = self.shape.rebuild(arguments[: self.size])
-            found = self.system.entries(xp, state, *arguments[self.size :])
-            held = {name: one for name, one in found.held.items() if isinstance(one, Expr)}
-            accounts = [ACCOUNTS.index(name) for name, _ in found.efforts]
-            books.append(Book(tuple(map(ACCOUNTS.index, held)), tuple(accounts), found.heat, found.work, found.unknown))
-            numbers = [*held.values(), *flatten_numbers(tuple(effort for _, effort in found.efforts))]
-            return [*numbers, *([found.lost] if found.heat else [])]
+            entry = self.system.entries(xp, state, *arguments[self.size :])
+            stores = {name: one for name, one in entry.held.items() if isinstance(one, Expr)}
+            accounts = [ACCOUNTS.index(name) for name, _ in entry.efforts]
+            books.append(
+                Book(tuple(map(ACCOUNTS.index, stores)), tuple(accounts), entry.heat, entry.work, entry.unknown)
+            )
+            numbers = [*stores.values(), *flatten_numbers(tuple(effort for _, effort in entry.efforts))]
+            return [*numbers, *([entry.lost] if entry.heat else [])]
 
         self.program.add("entries", [*self.names, *self.signals], entries)
         return books[-1]
@@ -323,9 +325,9 @@ class _Trace:
         names = [name for name, _ in judged]
 
         def points(xp: Any, *state: Any) -> list[Any]:
-            found = list(self._list_points(xp, state))
-            numbers = [flatten_numbers(point._replace(forks=())) for *_, point in found]
-            rows = zip(found, numbers, strict=True)
+            point_rows = list(self._list_points(xp, state))
+            numbers = [flatten_numbers(point._replace(forks=())) for *_, point in point_rows]
+            rows = zip(point_rows, numbers, strict=True)
             places[:] = [
                 LawPoint(names.index(self.system.label(port, "martensite_fraction")), weight, len(own))
                 for (port, weight, _), own in rows
@@ -341,13 +343,13 @@ class _Trace:
         names = [name for name, _ in judged]
 
         def forks(xp: Any, *state: Any) -> list[Any]:
-            found = [(port, weight, one) for port, weight, p in self._list_points(xp, state) for one in p.forks]
+            fork_rows = [(port, weight, one) for port, weight, p in self._list_points(xp, state) for one in p.forks]
             places.clear()
-            for port, weight, _ in found:
+            for port, weight, _ in fork_rows:
                 columns = ("martensite_fraction", "temperature", "stress")
                 fraction, temperature, stress = (names.index(self.system.label(port, name)) for name in columns)
                 places.append(LawFork(fraction, temperature, stress, weight))
-            return [number for *_, one in found for number in one]
+            return [number for *_, one in fork_rows for number in one]
 
         self.program.add("forks", self.names, forks)
         return tuple(places)

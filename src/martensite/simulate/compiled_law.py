@@ -64,15 +64,15 @@ def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     law = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
-    found: list[Any] = []
+    memories: list[Any] = []
 
     def init(xp: Any, martensite: Any, oriented: Any, stress: Any, temperature: Any) -> list[Any]:
         memory = law.init(xp, Fractions(martensite, oriented), stress, temperature)
-        found.append(memory)
+        memories.append(memory)
         return _build_row(xp, law, memory, 0.0)
 
     program.add("init", ["xi", "xi_S", "sigma", "T"], init)
-    shape, size = NestedShape(found[0]), len(flatten_numbers(found[0]))
+    shape, size = NestedShape(memories[0]), len(flatten_numbers(memories[0]))
     names = [f"m{i}" for i in range(size)]
     program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
     program.add("strain_step", [*names, "eps", "T", "dt"], _strain_step(law, shape, tension_only))

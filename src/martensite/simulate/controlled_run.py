@@ -142,74 +142,74 @@ class _ControlledWalk:
             self.rows.append(row)
         dt = plan.period / plan.pieces
         for piece in range(plan.pieces):
-            brought = self._collect_inputs(time + piece * dt, dt)
-            walk.advance(brought, dt)
+            inputs = self._collect_inputs(time + piece * dt, dt)
+            walk.advance(inputs, dt)
             end = time + (piece + 1) * dt
             self.now = tuple(
-                drive.value(end) if isinstance(drive, AbstractWaveform) else held
-                for drive, held in zip(plan.drives, self.now, strict=True)
+                drive.value(end) if isinstance(drive, AbstractWaveform) else signal
+                for drive, signal in zip(plan.drives, self.now, strict=True)
             )
             self.seen = self.observe(*walk.state, *self.now)
             self.passed.append((end, self.seen))
-            if walk.stops(self.border.find_exit(walk.state, brought)):
+            if walk.stops(self.border.find_exit(walk.state, inputs)):
                 return
 
-    def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
+    def _signals(self, time: float, outputs: Mapping[str, float]) -> tuple[float, ...]:
         """Return the signals of all drives at the start of a period."""
-        found: list[float] = []
+        signals: list[float] = []
         for i, drive in enumerate(self.plan.drives):
             if isinstance(drive, AbstractWaveform):
-                found.append(drive.value(time))
+                signals.append(drive.value(time))
                 continue
-            signal, self.memories[i] = drive(time, seen, self.memories[i]) if seen else (0.0, self.memories[i])
+            signal, self.memories[i] = drive(time, outputs, self.memories[i]) if outputs else (0.0, self.memories[i])
             if not math.isfinite(signal):
                 raise SolveError(f"A controller returned {signal} at t = {time:.6g} s.")
-            found.append(signal)
-        return tuple(found)
+            signals.append(signal)
+        return tuple(signals)
 
     def _collect_inputs(self, time: float, dt: float) -> tuple[float, ...]:
         """Return the drive inputs of a step: waveforms continue, controllers hold."""
-        found: list[float] = []
-        for i, (drive, held) in enumerate(zip(self.plan.drives, self.now, strict=True)):
+        inputs: list[float] = []
+        for i, (drive, signal) in enumerate(zip(self.plan.drives, self.now, strict=True)):
             reader, heats = self.readers[i], self.widths[i] > 1
             if reader is not None:
                 end = time + dt
-                found += feed_step(reader.moments(time, end)) if heats else (reader.before(end),)
+                inputs += feed_step(reader.moments(time, end)) if heats else (reader.before(end),)
             elif isinstance(drive, AbstractWaveform):
-                found.append(drive.value(time + self.shares[i] * dt))
+                inputs.append(drive.value(time + self.shares[i] * dt))
             else:
-                found += feed_step(Moments.constant(held)) if heats else (held,)
-        return tuple(found)
+                inputs += feed_step(Moments.constant(signal)) if heats else (signal,)
+        return tuple(inputs)
 
-    def result(self, found: Marched) -> Result:
+    def result(self, run: Marched) -> Result:
         """Return the result, with its alarms."""
         plan = self.plan
-        times = np.array([k * plan.every * plan.period for k in range(len(found.rows))], float)
-        columns = dict(zip(self.names, np.array(found.rows, float).T.copy(), strict=False))
+        times = np.array([k * plan.every * plan.period for k in range(len(run.rows))], float)
+        columns = dict(zip(self.names, np.array(run.rows, float).T.copy(), strict=False))
         played: dict[str, AbstractWaveform] = {}
         drives = zip(plan.system.drives(), plan.drives, strict=True)
         for i, (declared, drive) in enumerate(drives):
-            held = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
-            played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
+            staircase = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
+            played[declared.name] = drive if isinstance(drive, AbstractWaveform) else staircase
         result = Result(
             plan.system,
             played,
             times,
             columns,
-            found.status,
-            found.status_time,
-            found.steps,
+            run.status,
+            run.status_time,
+            run.steps,
             plan.period / plan.pieces,
             trace=self._trace(),
             begin=partial(describe_start, HOME),
             judged=judge_limits,
         )
-        if found.status is Status.OUT_OF_ENVELOPE:
-            result = replace(result, notes=[describe_exit(plan.system, found.time, found.place, found.value)])
+        if run.status is Status.OUT_OF_ENVELOPE:
+            result = replace(result, notes=[describe_exit(plan.system, run.time, run.place, run.value)])
         return result
 
     def _trace(self) -> AbstractTrace:
         """Return the outputs at the ends of all steps."""
         rows = [row for _, row in self.passed]
-        kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
-        return RowsTrace([time for time, _ in self.passed[: len(kept)]], kept, len(self.names))
+        inside_rows = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
+        return RowsTrace([time for time, _ in self.passed[: len(inside_rows)]], inside_rows, len(self.names))

@@ -27,6 +27,6 @@ def add_step_rows(result: Result) -> Result:
     profiles = {
         name: [np.interp(times, samples, cell).tolist() for cell in cells] for name, cells in result.profiles.items()
     }
-    found = replace(result, times=times, columns=columns, profiles=profiles)
-    vars(found)["track"] = result.track  # computed once
-    return found
+    full_result = replace(result, times=times, columns=columns, profiles=profiles)
+    vars(full_result)["track"] = result.track  # computed once
+    return full_result

@@ -74,16 +74,16 @@ def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) 
         InputError: a name or a unit does not fit, or a temperature is prescribed by nothing.
     """
     signals = list_drive_signals(system)
-    known = _assign_drives(signals, given)
-    found: list[Kind | Constant] = []
+    assignment = _assign_drives(signals, given)
+    waveforms: list[Kind | Constant] = []
     for name, unit, *_ in signals:
-        if name not in known and unit == "K":
+        if name not in assignment and unit == "K":
             raise InputError(f"Drive `{name}` sets a temperature and needs a waveform.")
-        one = known[name] if name in known else Constant(level=0.0)
+        one = assignment[name] if name in assignment else Constant(level=0.0)
         if isinstance(one, AbstractWaveform):
             require_unit(one, unit)
-        found.append(one)
-    return found
+        waveforms.append(one)
+    return waveforms
 
 
 def grid_of(

@@ -51,19 +51,19 @@ def find_ways(result: Result) -> list[tuple[Numbers, Numbers]] | None:
 
     Straight wires pull by their own shortening −ε ℓ. Other elements need a mechanism with one linear coordinate.
     """
-    system, found = result.system, list[tuple[Numbers, Numbers]]()
+    system, ways = result.system, list[tuple[Numbers, Numbers]]()
     on_line = isinstance(system.mechanism, AbstractLoadLine)
     for port, actuator in system.actuators().items():
         force = np.asarray(result.columns[system.label(port, "force")])
         length = find_length(actuator.element)
         if on_line:
-            found.append((force, np.asarray(result.columns[result.coordinate])))
+            ways.append((force, np.asarray(result.columns[result.coordinate])))
         elif length is not None:
             strain = np.asarray(result.columns[system.label(port, "strain")])
-            found.append((force, -length * strain))
+            ways.append((force, -length * strain))
         else:
             return None
-    return found
+    return ways
 
 
 def find_length(element: AbstractElement) -> float | None:
@@ -84,26 +84,26 @@ def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) 
         done = 0.5 * (f[1:] + f[:-1]) * np.diff(x)
         work[0, 1:] += np.cumsum(np.maximum(done, 0.0))
         work[1, 1:] += np.cumsum(np.maximum(-done, 0.0))
-    held = result.system.sample_time() > 0.0
-    given, taken = _integrate_outputs(result, "power", held), _integrate_outputs(result, "heat_loss", False)
+    is_held = result.system.sample_time() > 0.0
+    given, taken = _integrate_outputs(result, "power", is_held), _integrate_outputs(result, "heat_loss", False)
     return EnergyCourses(given, taken, work[0], work[1])
 
 
-def _integrate_outputs(result: Result, name: str, held: bool) -> Numbers:
+def _integrate_outputs(result: Result, name: str, is_held: bool) -> Numbers:
     """Return the integral of an output of all elements up to every sample."""
     labels = [result.system.label(port, name) for port in result.system.actuators()]
     if not labels:
         return np.zeros(len(result.times))
     times, columns = result.list_rows(labels)
     values = np.sum([np.asarray(column) for column in columns.values()], axis=0)
-    if result.track is None or held:
-        middles = values[:-1] if held else 0.5 * (values[1:] + values[:-1])
+    if result.track is None or is_held:
+        middles = values[:-1] if is_held else 0.5 * (values[1:] + values[:-1])
         sums = np.concatenate([[0.0], np.cumsum(middles * np.diff(times))])
     else:
         weighted = result.track.weights * values
         sums = np.cumsum(weighted)
         sums[:-1] -= 0.5 * weighted[:-1]
         sums[0] = 0.0
-    found = np.interp(result.times, times, sums)
-    found[-1] = sums[-1]
-    return found
+    integral = np.interp(result.times, times, sums)
+    integral[-1] = sums[-1]
+    return integral

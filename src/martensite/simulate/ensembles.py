@@ -86,14 +86,14 @@ class Ensemble:
         verdicts = {Status.NOT_FINITE: ~np.isfinite(residual), Status.UNSOLVED: residual > solved}
         verdicts[Status.LONG_STEP] = crossing > COARSE
         status = np.select(list(verdicts.values()), list(verdicts), Status.OK).astype(np.int8)
-        gone = (left < np.inf) & (status < Status.UNSOLVED)
-        known = np.asarray(times) < np.where(gone, (1.0 - STEP_TOLERANCE) * left, np.inf)[:, None]
-        broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
-        status[gone] = Status.OUT_OF_ENVELOPE
+        outside = (left < np.inf) & (status < Status.UNSOLVED)
+        inside = np.asarray(times) < np.where(outside, (1.0 - STEP_TOLERANCE) * left, np.inf)[:, None]
+        broken = [(~np.isfinite(column) & inside).any(axis=1) for column in columns.values()]
+        status[outside] = Status.OUT_OF_ENVELOPE
         status[np.logical_or.reduce(broken)] = Status.NOT_FINITE
-        ended = np.where(status < Status.UNSOLVED, times[-1], np.where(gone, left, np.nan))
-        kept = {name: np.where(known, column, np.nan) for name, column in columns.items()}
-        return Ensemble(kept, status, ended, np.full(len(left), np.nan), np.empty((0, len(left))))
+        ended = np.where(status < Status.UNSOLVED, times[-1], np.where(outside, left, np.nan))
+        valid_columns = {name: np.where(inside, column, np.nan) for name, column in columns.items()}
+        return Ensemble(valid_columns, status, ended, np.full(len(left), np.nan), np.empty((0, len(left))))
 
     def struck_out(self, bad: Flags) -> Ensemble:
         """Return the ensemble with the data of the given runs removed."""
@@ -102,12 +102,12 @@ class Ensemble:
         numbers = np.where(bad, np.nan, self.numbers)
         return Ensemble(columns, status, np.where(bad, np.nan, self.ended), self.accuracy, numbers)
 
-    def place_runs(self, places: Any, made: Ensemble) -> None:
+    def place_runs(self, places: Any, ensemble: Ensemble) -> None:
         """Copy other runs to the given indices."""
-        for name, column in made.columns.items():
+        for name, column in ensemble.columns.items():
             self.columns[name][places] = column
-        self.status[places], self.ended[places] = made.status, made.ended
-        self.accuracy[places], self.numbers[:, places] = made.accuracy, made.numbers
+        self.status[places], self.ended[places] = ensemble.status, ensemble.ended
+        self.accuracy[places], self.numbers[:, places] = ensemble.accuracy, ensemble.numbers
 
     @staticmethod
     def concatenate(pieces: Sequence[Ensemble]) -> Ensemble:
@@ -130,56 +130,56 @@ class Measuring:
 
     def measure_track(self, track: Track, runs: int) -> Numbers:
         """Return all measures from the accepted steps, (measures, runs)."""
-        found = np.empty((len(self.measures), runs))
+        measures = np.empty((len(self.measures), runs))
         with np.errstate(all="ignore"):  # failed runs
-            for row, one, columns in zip(found, self.measures, self.columns, strict=True):
+            for row, one, columns in zip(measures, self.measures, self.columns, strict=True):
                 row[:] = one.value(tabulate_track(track, columns, runs, one.follows_curve))
-        return found
+        return measures
 
     def measure_samples(self, times: Sequence[float], table: Numbers) -> Numbers:
         """Return all measures from stored samples, (outputs, samples, runs)."""
-        found = np.empty((len(self.measures), table.shape[2]))
+        measures = np.empty((len(self.measures), table.shape[2]))
         with np.errstate(all="ignore"):
-            for row, one, columns in zip(found, self.measures, self.columns, strict=True):
+            for row, one, columns in zip(measures, self.measures, self.columns, strict=True):
                 row[:] = one.value(tabulate_samples(np.asarray(times), table[list(columns)]))
-        return found
+        return measures
 
     @property
     def totalled(self) -> bool:
         """Return whether extremes and integrals from C suffice for the measures."""
         return all(type(one) in TOTALLED for one in self.measures)
 
-    def measure_march(self, runs: Runs, made: MarchRows) -> Numbers:
+    def measure_march(self, runs: Runs, march_rows: MarchRows) -> Numbers:
         """Return all measures of runs in C, (measures, runs), from a track or from samples."""
         with np.errstate(all="ignore"):  # failed runs
             if not self.measures:
                 return np.empty((0, runs.count))
             if runs.plan.totalled:
-                return self.measure_totals(made, runs.plan.times[-1])
-            if len(made.record):
-                return self.measure_record(runs, made)
-            return self.measure_samples(runs.plan.times, np.moveaxis(made.outputs, 0, 2).swapaxes(0, 1))
+                return self.measure_totals(march_rows, runs.plan.times[-1])
+            if len(march_rows.record):
+                return self.measure_record(runs, march_rows)
+            return self.measure_samples(runs.plan.times, np.moveaxis(march_rows.outputs, 0, 2).swapaxes(0, 1))
 
-    def measure_totals(self, made: MarchRows, duration: float) -> Numbers:
+    def measure_totals(self, march_rows: MarchRows, duration: float) -> Numbers:
         """Return all measures of runs in C from their totals, (measures, runs)."""
-        runs = len(made.totals)
-        found, ones = np.empty((len(self.measures), runs)), np.ones((1, runs))
-        for row, one, columns in zip(found, self.measures, self.columns, strict=True):
-            low, high, integral = np.moveaxis(made.totals[:, :, list(columns)], 0, 2)
-            first = made.outputs[:, 0, list(columns)].T
+        runs = len(march_rows.totals)
+        measures, ones = np.empty((len(self.measures), runs)), np.ones((1, runs))
+        for row, one, columns in zip(measures, self.measures, self.columns, strict=True):
+            low, high, integral = np.moveaxis(march_rows.totals[:, :, list(columns)], 0, 2)
+            first = march_rows.outputs[:, 0, list(columns)].T
             times, weights = (np.concatenate([0.0 * ones, last * ones]) for last in (duration, 1.0))
             row[:] = one.value(RunTable(times, np.stack([first, integral], axis=1), weights, high, low))
-        return found
+        return measures
 
-    def measure_record(self, runs: Runs, made: MarchRows) -> Numbers:
+    def measure_record(self, runs: Runs, march_rows: MarchRows) -> Numbers:
         """Return all measures of runs in C from their records, (measures, runs)."""
-        order = np.argsort(made.record[:, 0].astype(np.int32), kind="stable")
-        gone = made.numbers[:, 0] == Status.OUT_OF_ENVELOPE
-        if gone.any():
-            run, part = made.record[order, 0].astype(np.intp), made.record[order, 1]
+        order = np.argsort(march_rows.record[:, 0].astype(np.int32), kind="stable")
+        outside = march_rows.numbers[:, 0] == Status.OUT_OF_ENVELOPE
+        if outside.any():
+            run, part = march_rows.record[order, 0].astype(np.intp), march_rows.record[order, 1]
             ends = np.append(run[1:] != run[:-1], True)
-            order = order[~((ends | np.append(ends[1:], False)) & gone[run] & (part != START))]
-        record = made.record[order]
+            order = order[~((ends | np.append(ends[1:], False)) & outside[run] & (part != START))]
+        record = march_rows.record[order]
         waveforms = runs.own or [runs.plan.waveforms]
         track = assemble_track(runs.plan, record, runs.outputs, observe_in_c(runs), waveforms)
         return self.measure_track(track, runs.count)
@@ -199,67 +199,69 @@ def march_in_lanes(
     plan, compiled = runs.plan, runs.plan.compiled
     judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
-    seen = [outputs.index(place) for place in judged]
+    judged_columns = [outputs.index(place) for place in judged]
     compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], tolerance=local)
     whole = replace(runs, outputs=outputs)
     before = march(replace(whole, plan=replace(some, recorded=False, totalled=False)))
     rows, numbers = before.outputs, before.numbers
-    found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
+    ensemble = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
     left = np.arange(runs.count)
     for turn in range(MOST_PASSES):
         local /= FINER
-        known = float(turn > 0 or not shares_stress(compiled)) * numbers[:, RANGES:]
-        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, known)
-        made = march(finer)
-        now = made.outputs[:, compared]
-        apart = np.abs(rows[:, :, seen] - now[:, :, seen])
-        accuracy = np.maximum(_bound_errors(compiled, apart, made), find_floor(compiled) * tolerance)
+        ranges = float(turn > 0 or not shares_stress(compiled)) * numbers[:, RANGES:]
+        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, ranges)
+        march_rows = march(finer)
+        now = march_rows.outputs[:, compared]
+        apart = np.abs(rows[:, :, judged_columns] - now[:, :, judged_columns])
+        accuracy = np.maximum(_bound_errors(compiled, apart, march_rows), find_floor(compiled) * tolerance)
         rest = accuracy > tolerance
-        decisions = made.numbers[:, DECIDED:RANGES]
-        accuracy = np.maximum(accuracy, find_doubts(compiled, decisions, accuracy, made.numbers[:, RANGES:])[1])
+        decisions = march_rows.numbers[:, DECIDED:RANGES]
+        accuracy = np.maximum(accuracy, find_doubts(compiled, decisions, accuracy, march_rows.numbers[:, RANGES:])[1])
         last = np.flatnonzero(~rest | (turn == MOST_PASSES - 1))
         measured = np.full((len(measuring.measures), len(left)), np.nan)
         if len(last):
-            measured[:, last] = measuring.measure_march(finer.choose(last, known[last]), made.choose(last))
-        found.place_runs(left, _judge_runs(made, names, accuracy, measured, plan.times))
-        left, rows, numbers = left[rest], now[rest], made.numbers[rest]
+            measured[:, last] = measuring.measure_march(finer.choose(last, ranges[last]), march_rows.choose(last))
+        ensemble.place_runs(left, _judge_runs(march_rows, names, accuracy, measured, plan.times))
+        left, rows, numbers = left[rest], now[rest], march_rows.numbers[rest]
         if not len(left):
             break
-    return found
+    return ensemble
 
 
-def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> Numbers:
+def _bound_errors(compiled: CompiledMarch, apart: Numbers, march_rows: MarchRows) -> Numbers:
     """Return error bounds of runs from the differences of two passes, (runs, samples, judged)."""
     least = np.array([least for _, least in compiled.convergence_scales])
-    scales = np.maximum(made.numbers[:, RANGES:], least)
-    known = np.isfinite(apart)
-    worst = (np.where(known, apart, 0.0).max(axis=1) / scales).max(axis=1, initial=0.0)
+    scales = np.maximum(march_rows.numbers[:, RANGES:], least)
+    finite = np.isfinite(apart)
+    worst = (np.where(finite, apart, 0.0).max(axis=1) / scales).max(axis=1, initial=0.0)
     heat = scales[:, 0] if len(least) else 1.0
-    total = np.maximum(ERROR_SAFETY * worst + made.numbers[:, RIPPLE] / heat, ERROR_SAFETY * made.numbers[:, RESIDUAL])
-    sure = np.isfinite(total) & known[:, 0].all(axis=-1)
+    total = np.maximum(
+        ERROR_SAFETY * worst + march_rows.numbers[:, RIPPLE] / heat, ERROR_SAFETY * march_rows.numbers[:, RESIDUAL]
+    )
+    sure = np.isfinite(total) & finite[:, 0].all(axis=-1)
     return np.where(sure, np.maximum(total, LEAST_ACCURACY), np.inf)
 
 
 def _judge_runs(
-    made: MarchRows, names: Sequence[str], accuracy: Numbers, measured: Numbers, times: Sequence[float]
+    march_rows: MarchRows, names: Sequence[str], accuracy: Numbers, measured: Numbers, times: Sequence[float]
 ) -> Ensemble:
     """Return the runs with a status that matches their data."""
-    outputs = made.outputs[:, :, : len(names)]
-    status = made.numbers[:, 0].astype(np.int8)
+    outputs = march_rows.outputs[:, :, : len(names)]
+    status = march_rows.numbers[:, 0].astype(np.int8)
     lost = (status < Status.UNSOLVED) & ~np.isfinite(outputs).all(axis=(1, 2))
     status[lost] = Status.NOT_FINITE
     failed = (status >= Status.UNSOLVED) & (status != Status.OUT_OF_ENVELOPE)
     columns = {name: outputs[:, :, k] for k, name in enumerate(names)}
-    ended = made.numbers[:, 1].copy()
+    ended = march_rows.numbers[:, 1].copy()
     for run in np.flatnonzero(status == Status.OUT_OF_ENVELOPE):
         ended[run] = _bound_end(ended[run], int(np.isfinite(outputs[run]).all(axis=1).sum()), times)
     return Ensemble(columns, status, ended, np.where(failed, np.nan, accuracy), measured)
 
 
-def _bound_end(ended: float, kept: int, times: Sequence[float]) -> float:
+def _bound_end(ended: float, valid_count: int, times: Sequence[float]) -> float:
     """Return the end [s] of a run that left the envelope, at most the first missing sample."""
-    return min(ended, times[min(kept, len(times) - 1)])
+    return min(ended, times[min(valid_count, len(times) - 1)])
 
 
 def march_one_by_one(
@@ -271,9 +273,9 @@ def march_one_by_one(
     measuring: Measuring,
 ) -> Ensemble:
     """Simulate runs on plain floats to a relative tolerance."""
-    found = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE, len(measuring.measures))
+    ensemble = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE, len(measuring.measures))
     places = [plan.compiled.outputs.index(name) for name in names]
-    found.ended[:] = 0.0
+    ensemble.ended[:] = 0.0
     for run, (system, waveforms) in enumerate(systems):
         own = replace(plan, waveforms=waveforms, limits=envelope_of(system))
         try:
@@ -282,15 +284,15 @@ def march_one_by_one(
         except ArithmeticError:  # a value that depends on parameters alone is not finite
             continue
         rows = np.asarray(list(rows_inside(system, one.rows)))
-        for name, column in found.columns.items():
+        for name, column in ensemble.columns.items():
             column[run, : len(rows)] = rows[:, plan.compiled.outputs.index(name)]
         if measuring.measures:
             observe = observe_on_floats(functions["observe"], places)
             track = assemble_track(replace(own, tolerance=tolerance), one.record, places, observe, [waveforms])
-            found.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
-        found.status[run], found.ended[run] = one.status, one.time
+            ensemble.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
+        ensemble.status[run], ensemble.ended[run] = one.status, one.time
         if one.status is Status.OUT_OF_ENVELOPE:
-            found.ended[run] = _bound_end(one.time, len(rows), plan.times)
+            ensemble.ended[run] = _bound_end(one.time, len(rows), plan.times)
         inside = one.status is Status.OUT_OF_ENVELOPE or not one.status.failed
-        found.accuracy[run] = accuracy if inside else np.nan
-    return found
+        ensemble.accuracy[run] = accuracy if inside else np.nan
+    return ensemble

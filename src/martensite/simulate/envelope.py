@@ -74,8 +74,8 @@ def cut_outside(system: AbstractSystem, track: Track) -> Track:
     """Return the rows of a single-run track before the first row outside."""
     envelope = Envelope(system)
     rows: list[list[float]] = track.values[:, envelope.places].tolist()
-    gone = (k for k, row in enumerate(rows) if k and envelope.limits.find_exit(row) is not None)
-    return track.cut(np.arange(len(rows)) < next(gone, len(rows)))
+    outside_rows = (k for k, row in enumerate(rows) if k and envelope.limits.find_exit(row) is not None)
+    return track.cut(np.arange(len(rows)) < next(outside_rows, len(rows)))
 
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:
@@ -90,10 +90,10 @@ def describe_bound(system: AbstractSystem, place: int, value: float) -> str:
     limits = envelope_of(system)
     bound = limits.high[place] if value > 0.0 else limits.low[place]
     unit = system.outputs()[system.label(port, name)].unit
-    shown = units.of_column(name, unit)
+    readable_unit = units.of_column(name, unit)
     where = f" of `{port}`" if len(ports) > 1 else ""
     reason = "absolute zero" if name == "hottest" and value <= 0.0 else BEYOND[name]
-    limit = f"the limit of {units.from_si(bound, shown, unit):.5g} {typeset_unit(shown)}"
-    excess = f"{units.from_si(value, shown, unit):.5g} {typeset_unit(shown)}"
+    limit = f"the limit of {units.from_si(bound, readable_unit, unit):.5g} {typeset_unit(readable_unit)}"
+    excess = f"{units.from_si(value, readable_unit, unit):.5g} {typeset_unit(readable_unit)}"
     reached = limit if value == bound else f"{excess}, beyond {limit}"
     return f"the {WORDS[name]}{where} reached {reached} ({reason})."

@@ -117,9 +117,9 @@ class WatchedFork:
 
     def _end_branch(self, now: Fork, ended: OpenDecision | None) -> None:
         """Resume the decision of the branch that begins, and open a decision of the branch that ends."""
-        known = self.left
-        resumes = known is not None and known.branch == now.branch
-        self.near = known._replace(ratio=known.bound / known.rest) if known and resumes else None
+        decision = self.left
+        resumes = decision is not None and decision.branch == now.branch
+        self.near = decision._replace(ratio=decision.bound / decision.rest) if decision and resumes else None
         self.left = ended and ended._replace(margin=0.0, entry=min(ended.margin, 0.0))
 
 
@@ -138,7 +138,7 @@ class ForkWatch:
             near = one.see(time, now, least)
             change = near.find_change(now.bound) if near else 0.0
             if near and change > least and abs(near.margin) <= abs(self.closest.margin):
-                known = self.closest
-                again = near.time == known.time and place == known.place
-                largest = max(change, known.change) if again else change
+                closest = self.closest
+                again = near.time == closest.time and place == closest.place
+                largest = max(change, closest.change) if again else change
                 self.closest = Decision(near.margin, near.time, largest, place, near.branch)

@@ -266,7 +266,7 @@ class Steps(NamedTuple):
                 columns.append([(reader.before(end),) for end in ends])
             else:
                 shape = waveform.shape(0.0, self.times[-1])
-                columns.append([(*found, 0.0) for found in shape.many(self.begins, ends)])
+                columns.append([(*moments, 0.0) for moments in shape.many(self.begins, ends)])
         rows = [tuple(chain.from_iterable(row)) for row in zip(*columns, strict=True)]
         sampled = rows_of(waveforms, self.times)
         return TimeGrid(list(self.times), sampled, self.counts, self.lengths, rows or [()] * count)
@@ -311,11 +311,11 @@ def grid_of_samples(
     for drive, waveform in enumerate(waveforms):
         signals[:, drive] = waveform.signals(instants)
     whole = every and steps <= MOST_PERIODS
-    kept = np.arange(steps + 1) if whole else ends
+    places = np.arange(steps + 1) if whole else ends
     return TimeGrid(
-        (kept * interval).tolist(),
-        signals[kept],
-        np.diff(kept).tolist(),
+        (places * interval).tolist(),
+        signals[places],
+        np.diff(places).tolist(),
         [interval] * steps,
         np.where(np.array(ahead, np.bool_), signals[1:], signals[:-1]),
         ends.tolist() if whole else ...,

@@ -45,10 +45,10 @@ def list_initial(system: AbstractSystem) -> dict[str, str]:
         raise InputError(
             f"{WHERE} sets the start of a mechanism with elements; it has no effect on a bench or a model."
         )
-    found = dict(system.mechanism.initial_numbers())
+    quantities = dict(system.mechanism.initial_numbers())
     for port in system.actuators():
-        found |= {system.label(port, name): unit for name, unit in OF_ELEMENT.items()}
-    return found
+        quantities |= {system.label(port, name): unit for name, unit in OF_ELEMENT.items()}
+    return quantities
 
 
 def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: bool = False) -> dict[str, Any]:
@@ -57,17 +57,17 @@ def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: b
     Raises:
         InputError: a name is unknown, a unit does not fit, or values conflict with a search.
     """
-    known, given = list_initial(system), dict[str, Any]()
+    choices, given = list_initial(system), dict[str, Any]()
     for name, value in table.items():
         rows = cast("Mapping[str, Any]", value).items() if isinstance(value, Mapping) else ()
         given |= {f"{name}.{key}": one for key, one in rows} or {name: value}
     if AT in given:
         require_search(given)
-        known = {AT: "", PERIOD: "s"}
+        choices = {AT: "", PERIOD: "s"}
     for name in given:
-        if name not in known:
-            raise InputError(f"{WHERE} has no `{name}`. {_suggest(system, name, [*known, AT])}")
-    return {name: one if name == AT else _convert(name, one, known[name], with_units) for name, one in given.items()}
+        if name not in choices:
+            raise InputError(f"{WHERE} has no `{name}`. {_suggest(system, name, [*choices, AT])}")
+    return {name: one if name == AT else _convert(name, one, choices[name], with_units) for name, one in given.items()}
 
 
 def require_search(given: Mapping[str, Any]) -> None:
@@ -80,11 +80,13 @@ def require_search(given: Mapping[str, Any]) -> None:
         raise InputError(f"{WHERE} has `at` and `{other}`; give either `at` or values.")
 
 
-def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
+def _suggest(system: AbstractSystem, name: str, choices: Sequence[str]) -> str:
     """Return the nearest name; a port of a machine stands for all quantities of its element."""
     port, _, own = name.rpartition(".")
     ports = [one for one in system.actuators() if system.label(one, AT) != AT]
-    return suggest_name(own, OF_ELEMENT) if port in ports else suggest_name(name, {n.partition(".")[0] for n in known})
+    return (
+        suggest_name(own, OF_ELEMENT) if port in ports else suggest_name(name, {n.partition(".")[0] for n in choices})
+    )
 
 
 def _convert(name: str, value: Any, unit: str, with_units: bool) -> float:
@@ -162,8 +164,8 @@ def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: floa
     warm = own.get("temperature", drive if imposed else one.environment.temperature)
     phases = "martensite_fraction" in own or "oriented_fraction" in own
     if isinstance(element, AbstractLumped) and element.uniform:
-        known = element.law.fractions(home.memory)
-        return element.init_in(_find_fractions(port, element, own, known) if phases else known, force, warm)
+        fractions = element.law.fractions(home.memory)
+        return element.init_in(_find_fractions(port, element, own, fractions) if phases else fractions, force, warm)
     if phases:
         raise InputError(
             f"{WHERE} Element `{element.registered_name}` is not uniform, and has no single phase state. "
@@ -172,10 +174,10 @@ def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: floa
     return element.init(floats, force, warm)
 
 
-def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float], known: Fractions) -> Fractions:
+def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float], fractions: Fractions) -> Fractions:
     """Return the given phase state; other martensite keeps its orientation."""
-    law, martensite = element.law, own.get("martensite_fraction", known.martensite)
-    share = known.oriented / known.martensite if known.martensite else 1.0
+    law, martensite = element.law, own.get("martensite_fraction", fractions.martensite)
+    share = fractions.oriented / fractions.martensite if fractions.martensite else 1.0
     oriented = own.get("oriented_fraction", martensite * share)
     if not law.twins and oriented != martensite:
         raise InputError(
@@ -184,8 +186,8 @@ def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float]
     low = 0.0 if law.tension_only else -martensite
     for name, value, least, most in (("martensite", martensite, 0.0, 1.0), ("oriented", oriented, low, martensite)):
         if not least <= value <= most:
-            told = f"must be {least:.6g} to {most:.6g}, but is {value:.6g}"
-            raise InputError(f"{WHERE} `{name}_fraction` of `{port}` {told}.")
+            complaint = f"must be {least:.6g} to {most:.6g}, but is {value:.6g}"
+            raise InputError(f"{WHERE} `{name}_fraction` of `{port}` {complaint}.")
     return Fractions(martensite, oriented)
 
 
@@ -209,8 +211,8 @@ def _check_phases(system: AbstractSystem, port: str, actuator: Actuator, state: 
 
 def _check_envelope(system: AbstractSystem, state: tuple[float, ...], drives: Sequence[float]) -> None:
     """Raise `InputError` for a state outside the envelope."""
-    seen = bind_march(system)[0]["judge"](*state, *drives)
-    gone = envelope_of(system).find_exit(seen[len(compile_march(system).convergence_scales) :])
-    if gone is not None:
-        what = describe_exit(system, 0.0, *gone).partition(": ")[2].replace(" came to ", " is ")
+    judged_outputs = bind_march(system)[0]["judge"](*state, *drives)
+    crossing = envelope_of(system).find_exit(judged_outputs[len(compile_march(system).convergence_scales) :])
+    if crossing is not None:
+        what = describe_exit(system, 0.0, *crossing).partition(": ")[2].replace(" came to ", " is ")
         raise InputError(f"{WHERE} No run starts there: {what}")

@@ -75,9 +75,10 @@ class Judgement:
 def describe_excess(alarm: Alarm) -> str:
     """Return the value and limit of an exceeded limit, without a time."""
     where = f"`{alarm.port}`: " if alarm.port else ""
-    shown = SHOWN.get(alarm.unit, alarm.unit)
+    readable_unit = SHOWN.get(alarm.unit, alarm.unit)
     worst, limit = (
-        f"{units.from_si(v, shown, alarm.unit):.4g} {typeset_unit(shown)}".strip() for v in (alarm.worst, alarm.limit)
+        f"{units.from_si(v, readable_unit, alarm.unit):.4g} {typeset_unit(readable_unit)}".strip()
+        for v in (alarm.worst, alarm.limit)
     )
     if alarm.kind == "supply":
         return f"{where}the drive asks for {worst}, but the source delivers {limit}"
@@ -98,8 +99,8 @@ def judge_columns(system: AbstractSystem, times: Sequence[float], columns: Mappi
     """Return the limits that sampled outputs, in SI, exceed."""
     envelope = Envelope(system)
     rows = zip(*(columns[name] for name in system.outputs()), strict=True)
-    gone = next(filter(None, map(envelope.find_exit, rows)), None)
-    outside = "" if gone is None else f"The envelope is left: {describe_bound(system, *gone)}"
+    crossing = next(filter(None, map(envelope.find_exit, rows)), None)
+    outside = "" if crossing is None else f"The envelope is left: {describe_bound(system, *crossing)}"
     alarms = alarms_of(system, times, columns)
     return Judgement(tuple(alarm for alarm in alarms if alarm.kind in LIMITS), outside)
 
@@ -113,5 +114,5 @@ def judge_state(system: AbstractSystem, outputs: Mapping[str, float], before: Ma
         before: outputs of the previous state, in SI; reference of the strain change.
     """
     times = (0.0, 1.0, 2.0)
-    found = judge_columns(system, times, {name: (before[name], value, value) for name, value in outputs.items()})
-    return replace(found, alarms=tuple(alarm for alarm in found.alarms if alarm.duration >= times[1]))
+    judgement = judge_columns(system, times, {name: (before[name], value, value) for name, value in outputs.items()})
+    return replace(judgement, alarms=tuple(alarm for alarm in judgement.alarms if alarm.duration >= times[1]))

@@ -118,8 +118,8 @@ class Lanes:
     def status(self) -> list[Status]:
         """Return the worst status of every batch element since the last reset."""
         lost = [bool(np.isnan(column).any()) for column in self.state.T]
-        found = [classify_step(float(r), float(s)) for r, s in self.worst.T]
-        return [Status.NOT_FINITE if n else s for n, s in zip(lost, found, strict=True)]
+        statuses = [classify_step(float(r), float(s)) for r, s in self.worst.T]
+        return [Status.NOT_FINITE if n else s for n, s in zip(lost, statuses, strict=True)]
 
     def _fill(self, table: Numbers, values: Mapping[str, Any]) -> None:
         """Write parameters by path into the rows of a table, shape (parameters, lanes)."""
@@ -173,8 +173,8 @@ class NativeLanes:
         self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]
         self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
         self._at_drives, self._at_rows = get_address(self._drives), get_address(self._rows)
-        held = (self.program.constants, self.x, self.y, self._worst)
-        self._held = tuple(map(get_address, held))
+        arrays = (self.program.constants, self.x, self.y, self._worst)
+        self._held = tuple(map(get_address, arrays))
         self._observe = self.program.bind("observe", self.x, self._rows)
 
     @property
@@ -205,9 +205,9 @@ class NativeLanes:
 
     def begin(self, signals: Numbers) -> Numbers:
         """Return the equilibrium state."""
-        found, given = np.empty((self.compiled.size, self._filled_to)), self._fill_block(signals)
-        self.program.bind("init", given, found)()
-        return found[:, : self.n].copy()
+        state, given = np.empty((self.compiled.size, self._filled_to)), self._fill_block(signals)
+        self.program.bind("init", given, state)()
+        return state[:, : self.n].copy()
 
     def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
         """Return the state and outputs after some steps; signals are broadcast."""
@@ -217,13 +217,13 @@ class NativeLanes:
         if steps == 1:
             self._spread(self._drives, signals[0])
             self._go(1, drives, rows if shown else None)
-            found = self._rows[..., :n].copy() if shown else self._rows[:0, :, :n]
-            return self._state[:, :n].copy(), found
+            outputs = self._rows[..., :n].copy() if shown else self._rows[:0, :, :n]
+            return self._state[:, :n].copy(), outputs
         spread = np.empty((steps, *self._drives.shape))
         self._spread(spread, signals)
-        found = np.empty((steps if shown else 0, *self._rows.shape[1:]))
-        self._go(steps, get_address(spread), get_address(found) if shown else None)
-        return self._state[:, :n].copy(), found[..., :n]
+        outputs = np.empty((steps if shown else 0, *self._rows.shape[1:]))
+        self._go(steps, get_address(spread), get_address(outputs) if shown else None)
+        return self._state[:, :n].copy(), outputs[..., :n]
 
     def _go(self, steps: int, drives: Any, rows: Any) -> None:
         counts = ctypes.c_long(self._filled_to), ctypes.c_long(steps)
@@ -265,9 +265,9 @@ class PlainLanes:
         after = np.empty_like(state)
         for lane, now in enumerate(state.T.tolist()):
             for k, u in enumerate(drives[:, :, lane].tolist()):
-                found = self._step(lane, [*now, *u, dt])
-                now = list(found[:size])
-                self.worst[:, lane] = np.maximum(self.worst[:, lane], found[size : size + 2])
+                numbers = self._step(lane, [*now, *u, dt])
+                now = list(numbers[:size])
+                self.worst[:, lane] = np.maximum(self.worst[:, lane], numbers[size : size + 2])
                 if shown:
                     rows[k, :, lane] = self.functions[lane]["observe"](*now, *u)
             after[:, lane] = now

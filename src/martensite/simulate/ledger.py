@@ -147,8 +147,8 @@ class HeatBalance:
     def __str__(self) -> str:
         """Return the balance in one line."""
         most = max(abs(self.put_in), abs(self.lost))
-        held = (_tell_energy(x, most) for x in (self.stored, self.sensible, self.latent))
-        stored, sensible, latent = held
+        texts = (_tell_energy(x, most) for x in (self.stored, self.sensible, self.latent))
+        stored, sensible, latent = texts
         return (
             f"Heat: {self.put_in:.4g} J input, {self.lost:.4g} J lost to the ambient, "
             f"{stored} stored ({sensible} sensible, {latent} latent); "
@@ -191,18 +191,18 @@ class WorkBalance:
     @property
     def residual(self) -> float | None:
         """Return the missing work as a fraction of the exchanged work; None if that is zero."""
-        held = self.springs + self.gravity + self.kinetic + self.magnetic
-        missing = abs(self.work - held - self.dissipated - self.outside)
-        most = max(self.exchanged, abs(held), abs(self.dissipated))
+        storage = self.springs + self.gravity + self.kinetic + self.magnetic
+        missing = abs(self.work - storage - self.dissipated - self.outside)
+        most = max(self.exchanged, abs(storage), abs(self.dissipated))
         return missing / most if most > LEAST_WORK else None
 
     def __str__(self) -> str:
         """Return the balance in one line, without zero terms."""
         most = self.exchanged
-        told = {name: _tell_energy(getattr(self, name), most) for name in vars(self)}
-        where = [f"{told[name]} {words}" for name, words in WORDS.items() if told[name] != NONE]
-        within = [] if self.elastic is None else [f"{told['elastic']} elastic in the elements"]
-        parts = ", ".join([f"{told['work']} done by the elements", *where])
+        texts = {name: _tell_energy(getattr(self, name), most) for name in vars(self)}
+        where = [f"{texts[name]} {words}" for name, words in WORDS.items() if texts[name] != NONE]
+        within = [] if self.elastic is None else [f"{texts['elastic']} elastic in the elements"]
+        parts = ", ".join([f"{texts['work']} done by the elements", *where])
         beside = ", ".join([f"{most:.3g} J exchanged", *within])
         return f"Work: {parts}; {beside}; {_describe_residual(self.residual)}"
 
@@ -220,9 +220,9 @@ def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatB
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
     """Return the work balance of a run from its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
-    known = ACCOUNTS.index("elastic") in book.held
-    found = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
-    return found if known else replace(found, elastic=None)
+    has_elastic = ACCOUNTS.index("elastic") in book.held
+    balance = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
+    return balance if has_elastic else replace(balance, elastic=None)
 
 
 def _tell_energy(value: float | None, most: float) -> str:

@@ -60,8 +60,8 @@ class Border:
 
     def find_exit(self, state: Row, inputs: Sequence[float]) -> Exit | None:
         """Return the exit of a state from the limits under step inputs; None if it is inside."""
-        seen = self.judge(*state, *(inputs[place] for place in self.places))
-        return self.limits.find_exit(seen[self.first :], finite=True)
+        judged_outputs = self.judge(*state, *(inputs[place] for place in self.places))
+        return self.limits.find_exit(judged_outputs[self.first :], finite=True)
 
 
 class FloatWalk:
@@ -88,10 +88,10 @@ class FloatWalk:
         if status > self.worst:
             self.worst, self.worst_step = status, self.steps
 
-    def stops(self, gone: Exit | None) -> bool:
+    def stops(self, crossing: Exit | None) -> bool:
         """Return whether the run leaves the envelope and must end."""
-        self.gone = gone
-        return gone is not None
+        self.gone = crossing
+        return crossing is not None
 
     def finish(self, rows: Sequence[Row], time_of: Callable[[int], float]) -> Marched:
         """Return the result from the rows and the start of a step [s].
@@ -137,18 +137,18 @@ class FixedMarch(AbstractMarch):
     def _step(self, begin: float, length: float, end: float) -> None:
         inputs = list[float]()
         for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True):
-            brought = reader.moments(begin, end) if width > 1 else reader.before(end)
-            inputs += feed_step(brought) if isinstance(brought, Moments) else (brought,)
+            drive_input = reader.moments(begin, end) if width > 1 else reader.before(end)
+            inputs += feed_step(drive_input) if isinstance(drive_input, Moments) else (drive_input,)
         after = self.functions["step"](*self.state, *inputs, length)
         residual, crossing, ripple = after[self.size :]
-        found, self.state = self.found, after[: self.size]
+        run, self.state = self.found, after[: self.size]
         self.record_piece(WHOLE, begin, end, inputs, self.state)
-        found.steps += 1
-        found.longest, found.ripple = max(found.longest, length), max(found.ripple, ripple)
-        found.residual = max(found.residual, residual)
+        run.steps += 1
+        run.longest, run.ripple = max(run.longest, length), max(run.ripple, ripple)
+        run.residual = max(run.residual, residual)
         status = classify_step(residual, crossing)
-        if status > found.status:
-            found.status, found.time = status, begin
+        if status > run.status:
+            run.status, run.time = status, begin
         self.time = begin
         self.see(self.functions["judge"](*self.state, *self.signals(end, before=True)))
 

@@ -202,25 +202,25 @@ class AbstractMarch:
 
     def run(self, watch: Callable[[float], None] | None = None) -> Marched:
         """Run to the end or a failure; call `watch` with the completed fraction."""
-        found = self.found
+        run = self.found
         try:
-            while self.time < self.duration and not found.status.failed:
+            while self.time < self.duration and not run.status.failed:
                 self.advance()
                 if watch is not None:
                     watch((self.time - self.plan.times[0]) / (self.duration - self.plan.times[0]))
         except ArithmeticError:  # division by zero or overflow
-            found.status = Status.NOT_FINITE
-        if found.status.failed or found.status is Status.OK:
-            found.time = self.time
-        found.ranges = tuple(b - a for a, b in zip(self.low, self.high, strict=True))
-        found.state, found.extremes = self.state, (tuple(self.low), tuple(self.high))
-        return found
+            run.status = Status.NOT_FINITE
+        if run.status.failed or run.status is Status.OK:
+            run.time = self.time
+        run.ranges = tuple(b - a for a, b in zip(self.low, self.high, strict=True))
+        run.state, run.extremes = self.state, (tuple(self.low), tuple(self.high))
+        return run
 
     def signals(self, time: float, before: bool = False) -> Row:
         """Return the drive signals at a time [s], or just before it."""
         return tuple(r.before(time) if before else r.value(time) for r in self.readers)
 
-    def record_piece(self, part: int, begin: float, end: float, brought: Sequence[float], state: Row) -> None:
+    def record_piece(self, part: int, begin: float, end: float, inputs: Sequence[float], state: Row) -> None:
         """Record a piece of an accepted step with its drive inputs and final state."""
         if not self.plan.recorded:
             return
@@ -229,22 +229,22 @@ class AbstractMarch:
             after = reader.level(begin)
             before = after if part == START else reader.level(end, before=True)
             wide = width > 1 and part != START
-            row += [after, before, *(brought[at : at + 5] if wide else (after, after * after, after, after, 0.0))]
+            row += [after, before, *(inputs[at : at + 5] if wide else (after, after * after, after, after, 0.0))]
             at += width
         self.found.record.append((*row, *state))
 
-    def see(self, seen: Row) -> None:
+    def see(self, judged_outputs: Row) -> None:
         """Update the ranges with judged outputs at the end of a step."""
-        self.seen = seen
+        self.seen = judged_outputs
         for k in range(self.convergence_scales):
-            self.low[k], self.high[k] = min(self.low[k], seen[k]), max(self.high[k], seen[k])
+            self.low[k], self.high[k] = min(self.low[k], judged_outputs[k]), max(self.high[k], judged_outputs[k])
         self.check_envelope()
 
     def check_envelope(self) -> None:
         """Stop at an exit from the envelope."""
-        found, limits = self.found, self.plan.limits
-        gone = limits.find_exit(self.seen[self.convergence_scales :])
-        if gone is not None and not found.status.failed:
-            finite = math.isfinite(gone.value)
-            found.status = Status.OUT_OF_ENVELOPE if finite else Status.NOT_FINITE
-            found.place, found.value = gone
+        run, limits = self.found, self.plan.limits
+        crossing = limits.find_exit(self.seen[self.convergence_scales :])
+        if crossing is not None and not run.status.failed:
+            finite = math.isfinite(crossing.value)
+            run.status = Status.OUT_OF_ENVELOPE if finite else Status.NOT_FINITE
+            run.place, run.value = crossing

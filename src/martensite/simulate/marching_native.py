@@ -123,24 +123,24 @@ class MarchRows:
         own = at[self.record[:, 0].astype(np.intp)]
         record = np.concatenate([own[:, None], self.record[:, 1:]], axis=1)[own >= 0]
         totals = self.totals[places] if len(self.totals) else self.totals
-        kept = (getattr(self, name)[places] for name in ("states", "extremes"))
-        return MarchRows(self.outputs[places], self.numbers[places], record, totals, *kept)
+        others = (getattr(self, name)[places] for name in ("states", "extremes"))
+        return MarchRows(self.outputs[places], self.numbers[places], record, totals, *others)
 
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """Return one run."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, *more = numbers
         accounts, ranges = tuple(numbers[11:DECIDED]), tuple(numbers[RANGES:])
-        rows, found = self.outputs[run], Status(int(status))
-        reached = bisect_right(times, end) if found.failed else len(times)
-        if not found.failed and not np.isfinite(rows[:reached]).all():
-            found = Status.NOT_FINITE
-        made = Marched(rows[:reached], ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
-        made.accounts, made.record = accounts, self.record
-        made.decision = read_decision(numbers[DECIDED:RANGES])
+        rows, verdict = self.outputs[run], Status(int(status))
+        reached = bisect_right(times, end) if verdict.failed else len(times)
+        if not verdict.failed and not np.isfinite(rows[:reached]).all():
+            verdict = Status.NOT_FINITE
+        march = Marched(rows[:reached], ranges, verdict, end, int(place), value, int(steps), int(rejected), *more[:5])
+        march.accounts, march.record = accounts, self.record
+        march.decision = read_decision(numbers[DECIDED:RANGES])
         low, high = self.extremes[run].tolist()
-        made.state, made.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
-        return made
+        march.state, march.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
+        return march
 
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
@@ -182,8 +182,8 @@ class MarchArrays:
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, RANGES + judged))
         width = record_width(compiled.drives, sum(compiled.states_observed(runs.outputs)))
-        known = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.count - 1)
-        self.record = np.empty((max(FIRST_RECORD, 2 * known) if plan.recorded else 0, width))
+        steps = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.count - 1)
+        self.record = np.empty((max(FIRST_RECORD, 2 * steps) if plan.recorded else 0, width))
         self.totals = np.full((runs.count, 3, len(runs.outputs)), np.nan) if plan.totalled else np.empty(0)
         self.states = spread(plan.start or 0.0, (runs.count, compiled.size))
         self.extremes = np.empty((runs.count, 2, judged))
@@ -306,11 +306,11 @@ def observe_in_c(runs: Runs) -> Observe:
 
     def observe(states: Numbers, signals: Numbers, run: NDArray[np.intp]) -> Numbers:
         rows = np.ascontiguousarray(np.concatenate([states, signals], axis=1))
-        found = np.empty((len(rows), len(outputs)))
+        output_rows = np.empty((len(rows), len(outputs)))
         counts = np.bincount(run, minlength=count).astype(np.int_)
-        arrays = (counts, np.ascontiguousarray(table), rows, found)
+        arrays = (counts, np.ascontiguousarray(table), rows, output_rows)
         library.observe_rows(ctypes.c_long(count), *(ctypes.c_void_p(_get_address(one)) for one in arrays))
-        return found
+        return output_rows
 
     return observe
 

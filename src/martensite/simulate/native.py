@@ -111,20 +111,20 @@ def spread_limits(limits: Any, runs: int) -> Any:
 
 def spread_column(values: Sequence[Any], runs: int) -> Any:
     """Return the parameters of all runs, (parameters, runs), from scalars or arrays."""
-    found = np.empty((len(values), runs))
+    table = np.empty((len(values), runs))
     if all(type(value) is float for value in values):
-        found.T[...] = values
-        return found
+        table.T[...] = values
+        return table
     for row, value in enumerate(values):
-        found[row] = value
-    return found
+        table[row] = value
+    return table
 
 
 def spread(values: Any, shape: tuple[int, ...]) -> Any:
     """Return a new array of a shape, filled with values."""
-    found = np.empty(shape)
-    found[...] = values
-    return found
+    array = np.empty(shape)
+    array[...] = values
+    return array
 
 
 def march_c(

@@ -99,9 +99,9 @@ def _tabulate_segments(segments: Iterable[Segment]) -> Numbers:
 
 def list_drives(plan: MarchPlan) -> list[Numbers | None]:
     """Return the segments of every drive up to the end, cached for all passes; None if too many."""
-    end, kept = plan.times[-1], plan.drives
-    if end not in kept:
-        kept.clear()  # another leg of the run
+    end, cache = plan.times[-1], plan.drives
+    if end not in cache:
+        cache.clear()  # another leg of the run
         rows = (list(islice(_list_segments(one, end), WHOLE + 1)) for one in plan.waveforms)
-        kept[end] = [_tabulate_segments(row) if len(row) <= WHOLE else None for row in rows]
-    return kept[end]
+        cache[end] = [_tabulate_segments(row) if len(row) <= WHOLE else None for row in rows]
+    return cache[end]

@@ -104,9 +104,9 @@ def find_operating_level(
         ParameterError: no signal between the bounds reaches the level.
         SolveError: the system does not reach a steady state.
     """
-    rest, known = _RestingLanes(system, drive, others, direction, high), list(system.outputs())
-    require_known("output", output, known)
-    place, ends = known.index(output), (low, high)
+    rest, names = _RestingLanes(system, drive, others, direction, high), list(system.outputs())
+    require_known("output", output, names)
+    place, ends = names.index(output), (low, high)
     for number in range(ROUNDS):
         row = np.linspace(*ends, SIGNALS)
         lanes = rest.settle(row)
@@ -171,13 +171,13 @@ class _RestingLanes:
         if failed.failed:
             raise SolveError(f"The plant failed before its steady state. {failed.sentence}")
         signals = self.signals(row)
-        seen = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
+        outputs = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
         return SteadyPoint(
             self.system,
             tuple(signals[:, lane].tolist()),
             self.drive,
             lanes.state[:, lane].copy(),
-            dict(zip(lanes.names, seen, strict=True)),
+            dict(zip(lanes.names, outputs, strict=True)),
             self.direction,
         )
 
@@ -195,8 +195,8 @@ def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, set
     dt = system.sample_time() or longest_step(system)
     last, stretch = lanes.observe(signals)[places], STRETCH
     for _ in range(doublings):
-        held = np.broadcast_to(signals, (stretch, *signals.shape))
-        lanes.advance(held, dt, shown=False)
+        signal_rows = np.broadcast_to(signals, (stretch, *signals.shape))
+        lanes.advance(signal_rows, dt, shown=False)
         now = lanes.observe(signals)[places]
         if np.max(np.abs(now - last) / sizes, initial=0.0) <= settled:
             return

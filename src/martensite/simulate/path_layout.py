@@ -92,13 +92,13 @@ class Guide:
 
     def marks_at(self, stress: float) -> Marks:
         """Return the transformation temperatures at a stress [K]."""
-        found = find_isobar(self.law, stress)
-        if any(math.isnan(value) for value in found):
+        marks = find_isobar(self.law, stress)
+        if any(math.isnan(value) for value in marks):
             raise ParameterError(
                 f"The law `{self.law.registered_name}` does not transform fully between 100 K and "
                 f"800 K at {stress / 1e6:.4g} MPa; choose other parameters or your own path."
             )
-        return found
+        return marks
 
     @cached_property
     def cold_state(self) -> tuple[float, Fractions]:
@@ -121,15 +121,15 @@ class Guide:
 
     def top(self, temperature: float, fractions: Fractions) -> LoadingPoint:
         """Return the point at which loading completes the transformation."""
-        found = find_loaded(self.law, round(temperature, 6), fractions)
-        if found is None or found.stress < 1e6:
-            found = find_loaded(self.law, round(temperature, 6), AUSTENITE)
-        if found is None:
+        point = find_loaded(self.law, round(temperature, 6), fractions)
+        if point is None or point.stress < 1e6:
+            point = find_loaded(self.law, round(temperature, 6), AUSTENITE)
+        if point is None:
             raise ParameterError(
                 f"The law `{self.law.registered_name}` is not transformed by 3 GPa at "
                 f"{temperature - ZERO:.4g} degC; choose another temperature."
             )
-        return found
+        return point
 
     def rest(self, temperature: float, fractions: Fractions) -> float:
         """Return the strain without load [-]."""

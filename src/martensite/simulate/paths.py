@@ -69,19 +69,19 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
         UnknownNameError: no path has that name.
         ParameterError: the law lacks a required transformation.
     """
-    found = find_path(name)
+    path = find_path(name)
     chosen = choices or Choices()
     idle = next(
         (
             n
             for n in ("temperatures", "stresses", "strain")
-            if n not in found.uses and getattr(chosen, n) not in ((), None)
+            if n not in path.uses and getattr(chosen, n) not in ((), None)
         ),
         None,
     )
     if idle is not None:
-        raise ParameterError(f"The path `{name}` takes no {idle}; its settings are {', '.join(found.uses)}.")
-    return found.lay(Guide(law, chosen))
+        raise ParameterError(f"The path `{name}` takes no {idle}; its settings are {', '.join(path.uses)}.")
+    return path.lay(Guide(law, chosen))
 
 
 # ---------------------------------------------------------------- the paths

@@ -223,30 +223,30 @@ def _check_path(
 
 def _fill_sections(legs: Sequence[PathLeg], steps: int, temperature: float) -> list[PathSection]:
     """Return the legs with all values that are known before the simulation."""
-    found: list[PathSection] = []
+    sections: list[PathSection] = []
     control, first = "stress", temperature
     for leg in legs:
         control = leg.control or leg.hold or control
         last = first if leg.temperature is None else leg.temperature
         target = leg.strain if control == "strain" else leg.stress
-        found.append(PathSection(control, target, first, last, leg.duration, leg.steps or steps))
+        sections.append(PathSection(control, target, first, last, leg.duration, leg.steps or steps))
         first = last
-    return found
+    return sections
 
 
 def _refine_steps(drive: PathDriver, tolerance: float | None) -> tuple[PointTrack, float | None]:
     """Halve the steps to the tolerance; return the finest run and its last change."""
-    finer, found = 1, march_point(drive, 1)
+    finer, track = 1, march_point(drive, 1)
     if tolerance is None:
-        return found, None
+        return track, None
     accuracy = math.inf
-    while accuracy > tolerance or found.status.failed:
+    while accuracy > tolerance or track.status.failed:
         if finer > 1 and 2 * finer * drive.samples > MOST_STEPS:
             break
         finer *= 2
         fine = march_point(drive, finer)
-        found, accuracy = fine, _compare_tracks(found, fine)
-    return found, accuracy
+        track, accuracy = fine, _compare_tracks(track, fine)
+    return track, accuracy
 
 
 def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:

@@ -201,16 +201,16 @@ class NativeRider:
         row, results = len(ROW), size + len(ROW)
         constants = {"INPUTS": max(size + 3, 4), "RESULTS": results, "SIZE": size, "ROW": row, "STEP": f"k_{step}"}
         added = read_source("simulate", "ride.c", constants)
-        made = CompiledProgram(self._compiled.program, ("init", step), self._table, added)
-        return self._programs.setdefault(step, made)
+        program = CompiledProgram(self._compiled.program, ("init", step), self._table, added)
+        return self._programs.setdefault(step, program)
 
     def start(self, *numbers: float) -> tuple[float, ...]:
         """Return the memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         import numpy as np
 
-        found, given = np.empty(self._compiled.size + len(ROW)), np.array(numbers, float)
-        self._load("stress_step").bind("init", given, found)()
-        return tuple(found.tolist())
+        memory_row, given = np.empty(self._compiled.size + len(ROW)), np.array(numbers, float)
+        self._load("stress_step").bind("init", given, memory_row)()
+        return tuple(memory_row.tolist())
 
     def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
         """Run a section with the given number of steps between samples."""
@@ -223,5 +223,5 @@ class NativeRider:
         program = self._load(f"{section.control}_step")
         arrays = (program.constants, line, state, rows, worst, where)
         call_compiled(program.library.ride, section.samples, finer, *arrays)
-        found = [tuple(row) for row in rows.tolist()]
-        return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))
+        samples = [tuple(row) for row in rows.tolist()]
+        return Ridden((*state.tolist(), *samples[-1]), samples, float(worst[0]), int(where[0]))

@@ -73,12 +73,12 @@ def observe_on_floats(function: Callable[..., tuple[float, ...]], outputs: Seque
 def tabulate_tones(rows: Sequence[Sequence[AbstractWaveform]]) -> Numbers:
     """Return amplitude, angular frequency and phase of all tones, (runs or 1, drives, tones, 3), padded with 0."""
     most = max((len(wave.tones()) for row in rows for wave in row), default=0)
-    found = np.zeros((len(rows), max((len(row) for row in rows), default=0), most, 3))
+    table = np.zeros((len(rows), max((len(row) for row in rows), default=0), most, 3))
     for run, row in enumerate(rows):
         for drive, wave in enumerate(row):
             for place, tone in enumerate(wave.tones()):
-                found[run, drive, place] = tone
-    return found
+                table[run, drive, place] = tone
+    return table
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,20 +131,20 @@ class _Pieces:
 
     def find_turns(self) -> Flags:
         """Return for every piece whether a drive with tones has a turning point in it."""
-        found, every = np.zeros(len(self.run), np.bool_), np.arange(len(self.run))
+        turns, every = np.zeros(len(self.run), np.bool_), np.arange(len(self.run))
         for drive in range(self.drives if self.tones.size else 0):
             first, last = (self.differentiate(every, np.full(len(every), end), drive)[0] for end in (0.0, 1.0))
-            found |= first * last < 0.0
-        return found & ~self.begins
+            turns |= first * last < 0.0
+        return turns & ~self.begins
 
     def refine_turns(self, pieces: Places, share: Numbers, drive: int) -> Numbers:
         """Return turning points of a drive with tones in pieces, by Newton's method from nearby positions."""
-        near, found = 1.0 / (LOOKED_AT - 1), share
+        near, turns = 1.0 / (LOOKED_AT - 1), share
         for _ in range(NEWTON if self.tones.size else 0):
-            rise, bend = self.differentiate(pieces, found, drive)
+            rise, bend = self.differentiate(pieces, turns, drive)
             step = np.divide(-rise, bend, where=bend != 0.0, out=np.zeros_like(rise))
-            found = np.clip(found + step, share - near, share + near)
-        return found
+            turns = np.clip(turns + step, share - near, share + near)
+        return turns
 
     def read_signals(self, pieces: Places, share: Numbers) -> Numbers:
         """Return the signals at positions within pieces without jumps, (rows, drives)."""
@@ -193,10 +193,10 @@ class _Pieces:
     def place_states(self, pieces: Places, share: Numbers) -> Numbers:
         """Return the states at positions within pieces, by a parabola through the nodes of a step with halves."""
         at_start = (share == 0.0) & ~self.begins[pieces]
-        found = self.end_states[pieces - at_start]
+        states = self.end_states[pieces - at_start]
         inner = np.flatnonzero((share > 0.0) & (share < 1.0))
         if not len(inner):
-            return found
+            return states
         own, share, last = pieces[inner], share[inner], len(self.part) - 1
         first, second = (self.part[own] == part for part in (FIRST, SECOND))
         nodes = [self.end_states[k] for k in (own - 1 - second, own - second, np.minimum(own + first, last))]
@@ -204,8 +204,8 @@ class _Pieces:
         curve = nodes[1] + 0.5 * x * (nodes[2] - nodes[0]) + 0.5 * x * x * (nodes[2] - 2.0 * nodes[1] + nodes[0])
         curve = np.clip(curve, np.minimum.reduce(nodes), np.maximum.reduce(nodes))
         line = nodes[0] + share[:, None] * (nodes[1] - nodes[0])
-        found[inner] = np.where((first | second)[:, None], curve, line)
-        return found
+        states[inner] = np.where((first | second)[:, None], curve, line)
+        return states
 
     def list_levels(self, places: Places) -> _Rows:
         """Return rows at the levels of switching drives within pieces."""
@@ -241,7 +241,7 @@ class _Pieces:
         count, nodes = len(places), len(LOBATTO)
         piece, share = np.repeat(places, nodes), np.tile(LOBATTO, count)
         weight = np.tile(LOBATTO_WEIGHTS, count) * self.length[piece]
-        found = [_Rows(piece, share, share, weight, self.read_signals(piece, share))]
+        rows = [_Rows(piece, share, share, weight, self.read_signals(piece, share))]
         looked = np.linspace(0.0, 1.0, LOOKED_AT)
         wide = np.repeat(places, LOOKED_AT)
         signals = self.read_signals(wide, np.tile(looked, count)).reshape(count, LOOKED_AT, self.drives)
@@ -255,8 +255,8 @@ class _Pieces:
                 at = looked[top[inner]] - 0.5 * (c - a) / bend * looked[1]
                 own = places[inner]
                 at = self.refine_turns(own, at, drive)
-                found.append(_Rows(own, at, at, np.zeros(len(own)), self.read_signals(own, at)))
-        return found
+                rows.append(_Rows(own, at, at, np.zeros(len(own)), self.read_signals(own, at)))
+        return rows
 
     def list_inner(self, piece: Places, share: Numbers) -> InnerRows:
         """Return the rows within steps with halves, from piece and position of all rows."""

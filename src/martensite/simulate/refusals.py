@@ -19,17 +19,17 @@ from martensite.base.parameters import Parametrised
 def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArray[np.bool_]:
     """Return which of `count` runs are refused; values are by path, (runs,), in SI."""
     leaves = {leaf.path: leaf for leaf in part.leaves()}
-    found = np.zeros(count, np.bool_)
+    refusal = np.zeros(count, np.bool_)
     for path, column in values.items():
         declared = leaves[path].declared
         low = column <= declared.low if declared.open_low else column < declared.low
-        found |= low | (column > declared.high) | ~np.isfinite(column)
+        refusal |= low | (column > declared.high) | ~np.isfinite(column)
     for prefix, one in _list_checking(part, ""):
         own = {path[len(prefix) :]: v for path, v in values.items() if path.startswith(prefix)}
         if own:
-            rows = np.flatnonzero(~found)
-            found[rows] = _check_objects(one, {path: v[rows] for path, v in own.items()})
-    return found
+            rows = np.flatnonzero(~refusal)
+            refusal[rows] = _check_objects(one, {path: v[rows] for path, v in own.items()})
+    return refusal
 
 
 def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
@@ -47,12 +47,12 @@ def _check_objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
     """
     twin = part.rebuilt(dict.fromkeys(values, 0.0))
     places = [(_find_holder(twin, path).__dict__, path.rpartition(".")[2]) for path in values]
-    found: list[bool] = []
+    refusal: list[bool] = []
     for numbers in zip(*(column.tolist() for column in values.values()), strict=True):
-        for (held, name), number in zip(places, numbers, strict=True):
-            held[name] = number
-        found.append(_is_refused(twin))
-    return found
+        for (attributes, name), number in zip(places, numbers, strict=True):
+            attributes[name] = number
+        refusal.append(_is_refused(twin))
+    return refusal
 
 
 def _find_holder(part: Parametrised, path: str) -> Parametrised:

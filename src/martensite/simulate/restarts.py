@@ -99,15 +99,15 @@ def list_samples(duration: float, samples: int, begin: float) -> tuple[float, ..
     return (begin, *whole[bisect_left(whole, begin + SAME * duration) :])
 
 
-def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
+def place_stops(restart_times: Sequence[float], times: Sequence[float]) -> list[float]:
     """Return the requested future restarts [s], matched to samples within rounding.
 
     Raises:
         InputError: a time is outside of the run.
     """
-    found: list[float] = []
+    stops: list[float] = []
     hair = SAME * times[-1]
-    for time in sorted(asked):
+    for time in sorted(restart_times):
         if not 0.0 < time < times[-1] - hair:
             raise InputError(
                 f"A restart at {time:.6g} s is not within the run, which ends at {times[-1]:.6g} s; "
@@ -116,21 +116,21 @@ def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
         if time <= times[0] + hair:
             continue
         near = times[bisect_left(times, time - hair)]
-        found.append(near if near - time <= hair else time)
-    return sorted(set(found))
+        stops.append(near if near - time <= hair else time)
+    return sorted(set(stops))
 
 
-def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
+def find_restart(restarts: Sequence[Restart], at: float | None = None) -> Restart:
     """Return the restart at a time [s]; by default the last.
 
     Raises:
         InputError: no restart exists at that time; the message names the nearest time.
     """
-    if not known:
+    if not restarts:
         raise InputError("That run saved no state: it failed, was a batch, or had external controllers.")
     if at is None:
-        return known[-1]
-    nearest = min(known, key=lambda one: abs(one.time - at))
+        return restarts[-1]
+    nearest = min(restarts, key=lambda one: abs(one.time - at))
     if abs(nearest.time - at) > 1e-9 * max(abs(at), nearest.time):
         raise InputError(
             f"No state was saved at {at:.6g} s; the nearest is at {nearest.time:.6g} s. "
@@ -216,8 +216,8 @@ class Relay:
 
     def _begin(self, number: int) -> PassState | None:
         """Return the start of a pass or of the finest existing pass; None at the default start."""
-        known = self.begin.passes
-        return known[min(number, len(known) - 1)] if known else None
+        passes = self.begin.passes
+        return passes[min(number, len(passes) - 1)] if passes else None
 
     def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
         """Return the restarts for the compared times [s]; empty for an incomplete run."""
@@ -228,7 +228,7 @@ class Relay:
 
     def _keep(self, leg: int, time: float, compared: Sequence[float]) -> list[PassState]:
         """Return the states of all complete passes at the end of a leg [s]."""
-        found = list[PassState]()
+        states = list[PassState]()
         for number, (whole, legs) in enumerate(self.made):
             if whole.status.failed:
                 continue
@@ -236,20 +236,20 @@ class Relay:
             parts, (low, high) = legs[: leg + 1], legs[leg].extremes
             gap = whole.find_largest_gap(before.gap, bisect_right(compared[-len(whole.gaps) :], time))
             worst = [max([getattr(before, n), *(getattr(p, n) for p in parts)]) for n in ("ripple", "residual")]
-            found.append(PassState(legs[leg].state, low, high, gap, *worst))
-        return found
+            states.append(PassState(legs[leg].state, low, high, gap, *worst))
+        return states
 
 
 def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list[float], bool]]:
     """Return the samples of every leg [s], both ends included, and flags for ends at samples."""
     if not stops:
         return [(list(times), True)]
-    found = list[tuple[list[float], bool]]()
+    legs = list[tuple[list[float], bool]]()
     for begin, end in pairwise([times[0], *stops, times[-1]]):
         inside = list(times[bisect_left(times, begin) : bisect_left(times, end)])
         inside = inside if inside and inside[0] == begin else [begin, *inside]
-        found.append(([*inside, end], times[bisect_left(times, end)] == end))
-    return found
+        legs.append(([*inside, end], times[bisect_left(times, end)] == end))
+    return legs
 
 
 def join_rows(parts: Sequence[Any]) -> Any:

@@ -330,8 +330,8 @@ class Result:
     @cached_property
     def outputs(self) -> dict[str, Output]:
         """Return the label and unit of every column; for a batch, of requested columns only."""
-        known = self.system.outputs() | self.beside
-        return known if self.variants is None else {name: known[name] for name in self.columns}
+        outputs = self.system.outputs() | self.beside
+        return outputs if self.variants is None else {name: outputs[name] for name in self.columns}
 
     def unit(self, name: str) -> str:
         """Return the SI unit of a column."""
@@ -384,8 +384,8 @@ class Result:
 
     def balances(self) -> list[str]:
         """Return the balances of heat and work, one line each, and reasons for missing balances."""
-        known = [str(one) for one in (self.heat, self.work) if one is not None]
-        return known + self.unbalanced
+        sentences = [str(one) for one in (self.heat, self.work) if one is not None]
+        return sentences + self.unbalanced
 
 
 LINES = 6

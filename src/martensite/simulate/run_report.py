@@ -21,9 +21,9 @@ HEADINGS = ("quantity", "min", "max", "unit", "column")
 
 def summarise_result(result: Result) -> Summary:
     """Return the ranges of all columns, balances, remarks and warnings of a result, with its values."""
-    told = [Sentence(one) for one in (result.start, *result.balances(), *_list_remarks(result)) if one]
+    sentences = [Sentence(one) for one in (result.start, *result.balances(), *_list_remarks(result)) if one]
     warned = [Sentence(one, "caution") for one in result.warnings]
-    return Summary("", [tabulate_ranges(result), *told, *warned], _collect_values(result), _describe_end(result))
+    return Summary("", [tabulate_ranges(result), *sentences, *warned], _collect_values(result), _describe_end(result))
 
 
 def describe_result(result: Result) -> str:
@@ -83,8 +83,8 @@ def _describe_end(result: Result) -> str:
 def _describe_variants(result: Result, variants: Variants) -> str:
     """Return the endings and accuracy of the runs of a batch."""
     bounds: list[float] = [] if variants.accuracy is None else variants.accuracy.tolist()
-    known = [one for one in bounds if not math.isnan(one)]
-    error = f"at most {max(known):.1e} of each range" if known else "not estimated"
+    estimates = [one for one in bounds if not math.isnan(one)]
+    error = f"at most {max(estimates):.1e} of each range" if estimates else "not estimated"
     return (
         f"{len(variants)} variants of {result.times[-1]:.6g} s over "
         f"{', '.join(variants.over)}: {variants.count_endings()}; numerical error: {error}"
@@ -95,9 +95,9 @@ def _list_remarks(result: Result) -> list[str]:
     """Return remarks on user-defined parts, in sentences."""
     remedies = {"conforms": ".", NOT_TRIED: "; run `martensite conform FILE`."}
     return [
-        f"Part `{name}` is not from this package; its conformance: {found}"
-        f"{remedies.get(found, '; what it computes cannot be trusted.')}"
-        for name, found in result.conformance.items()
+        f"Part `{name}` is not from this package; its conformance: {verdict}"
+        f"{remedies.get(verdict, '; what it computes cannot be trusted.')}"
+        for name, verdict in result.conformance.items()
     ]
 
 
@@ -124,11 +124,13 @@ def tabulate_ranges(result: Result) -> DataTable:
 
 def _write_row(result: Result, name: str) -> tuple[str, ...]:
     unit = result.unit(name)
-    shown = units.of_column(name, unit)
+    readable_unit = units.of_column(name, unit)
     low, high = result.find_range(name)
     zero = ROUNDING * max(abs(low), abs(high))
-    ends = (show_quantity(0.0 if abs(end) < zero else end, unit, 4, shown).partition(" ")[0] for end in (low, high))
-    return (result.outputs[name].long_name, *ends, typeset_unit(shown), name)
+    ends = (
+        show_quantity(0.0 if abs(end) < zero else end, unit, 4, readable_unit).partition(" ")[0] for end in (low, high)
+    )
+    return (result.outputs[name].long_name, *ends, typeset_unit(readable_unit), name)
 
 
 def _repeats_temperature(result: Result, name: str) -> bool:

@@ -52,7 +52,7 @@ class _Search:
     def find_equilibrium(self) -> Restart:
         """Return the equilibrium under the first values of the drives."""
         waves = by_name(self.system, self.waveform)
-        held = {name: Constant(level=one.value(0.0)) for name, one in waves.items()}
+        constants = {name: Constant(level=one.value(0.0)) for name, one in waves.items()}
         step = longest_step(self.system)
         length = REST * step if step < float("inf") else 1.0
 
@@ -64,7 +64,7 @@ class _Search:
         while len(moved) <= MOST_RESTS and not min(moved[:-RESTLESS], default=float("inf")) < 2.0 * min(
             moved[-RESTLESS:]
         ):
-            start, by = self._march(held, length, start, rests)
+            start, by = self._march(constants, length, start, rests)
             if by <= self.tolerance:
                 return start
             moved.append(by)
@@ -112,11 +112,11 @@ class _Search:
 
     def _worst(self, result: Result, measure: Callable[[Any], float], least_only: bool = False) -> float:
         """Return the largest measure of a judged column, relative to its range or smallest relevant range."""
-        found = [0.0]
+        ratios = [0.0]
         for name, least in self.system.convergence_scales().items():
             column = result.columns[name]
-            found.append(measure(column) / (least if least_only else max(least, max(column) - min(column))))
-        return max(found)
+            ratios.append(measure(column) / (least if least_only else max(least, max(column) - min(column))))
+        return max(ratios)
 
 
 def require_periodic(name: str, waveform: AbstractWaveform, period: float) -> None:

@@ -24,33 +24,33 @@ SHARES = (0.999, 0.99, 0.9)
 
 
 def end_at_envelope(
-    system: AbstractSystem, plan: MarchPlan, found: Marched, accuracy: float | None, remarch: Remarch
+    system: AbstractSystem, plan: MarchPlan, run: Marched, accuracy: float | None, remarch: Remarch
 ) -> tuple[MarchPlan, Marched, float | None]:
     """Return the plan, run and accuracy up to the exit from the envelope.
 
     Args:
         system: simulated system.
         plan: plan of the run.
-        found: the run; a run that stays inside is returned unchanged.
+        run: the run; a run that stays inside is returned unchanged.
         accuracy: accuracy of the run, None without an estimate.
         remarch: function that simulates another plan of the same system.
     """
-    if found.status is not Status.OUT_OF_ENVELOPE:
-        return plan, found, accuracy
-    inside = list(rows_inside(system, found.rows))
-    kept = list(plan.times[: len(inside)])
-    far = min([found.time, *plan.times[len(inside) : len(inside) + 1]])
-    crossing = _find_crossing(system, plan, kept, far, remarch) if far > kept[-1] else kept[-1]
-    ends = [[*kept, kept[-1] + share * (crossing - kept[-1])] for share in SHARES if crossing > kept[-1]]
-    for times in [*ends, kept]:
+    if run.status is not Status.OUT_OF_ENVELOPE:
+        return plan, run, accuracy
+    inside = list(rows_inside(system, run.rows))
+    samples = list(plan.times[: len(inside)])
+    far = min([run.time, *plan.times[len(inside) : len(inside) + 1]])
+    crossing = _find_crossing(system, plan, samples, far, remarch) if far > samples[-1] else samples[-1]
+    ends = [[*samples, samples[-1] + share * (crossing - samples[-1])] for share in SHARES if crossing > samples[-1]]
+    for times in [*ends, samples]:
         again = _try_run(remarch, plan, times)
         if again is None or len(list(rows_inside(system, again[0].rows))) < len(times):
             continue
         stopped = replace(
-            again[0], status=Status.OUT_OF_ENVELOPE, time=times[-1], place=found.place, value=_bound(plan, found)
+            again[0], status=Status.OUT_OF_ENVELOPE, time=times[-1], place=run.place, value=_bound(plan, run)
         )
         return replace(plan, times=times), stopped, again[1]
-    return replace(plan, times=kept), replace(found, rows=inside, time=kept[-1]), accuracy
+    return replace(plan, times=samples), replace(run, rows=inside, time=samples[-1]), accuracy
 
 
 def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Marched, float | None] | None:
@@ -66,16 +66,18 @@ def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Mar
         return None
 
 
-def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], far: float, remarch: Remarch) -> float:
+def _find_crossing(
+    system: AbstractSystem, plan: MarchPlan, samples: list[float], far: float, remarch: Remarch
+) -> float:
     """Return the exit time [s] between the last sample inside and a time outside."""
-    between = [kept[-1] + (far - kept[-1]) * k / PARTS for k in range(1, PARTS + 1)]
-    again = _try_run(remarch, plan, [*kept, *between])
-    rows: list[Row] = [] if again is None else [tuple(row) for row in again[0].rows[len(kept) - 1 :]]
-    envelope, begin = Envelope(system), kept[-1]
+    between = [samples[-1] + (far - samples[-1]) * k / PARTS for k in range(1, PARTS + 1)]
+    again = _try_run(remarch, plan, [*samples, *between])
+    rows: list[Row] = [] if again is None else [tuple(row) for row in again[0].rows[len(samples) - 1 :]]
+    envelope, begin = Envelope(system), samples[-1]
     for before, after, end in zip(rows, rows[1:], between, strict=False):
-        gone = envelope.find_exit(after)
-        if gone is not None:
-            return begin + _share_inside(envelope, before, after, gone.place) * (end - begin)
+        crossing = envelope.find_exit(after)
+        if crossing is not None:
+            return begin + _share_inside(envelope, before, after, crossing.place) * (end - begin)
         begin = end
     return begin
 
@@ -87,7 +89,7 @@ def _share_inside(envelope: Envelope, before: Row, after: Row, place: int) -> fl
     return min(max((bound - first) / (last - first), 0.0), 1.0) if last != first else 0.0
 
 
-def _bound(plan: MarchPlan, found: Marched) -> float:
+def _bound(plan: MarchPlan, run: Marched) -> float:
     """Return the exceeded bound of a run."""
-    high = found.value > plan.limits.low[found.place]
-    return (plan.limits.high if high else plan.limits.low)[found.place]
+    high = run.value > plan.limits.low[run.place]
+    return (plan.limits.high if high else plan.limits.low)[run.place]

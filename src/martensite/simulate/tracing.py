@@ -105,11 +105,11 @@ class RunTrace(AbstractTrace):
         """Return the outputs of the last pass."""
         return self._observe(self.found)
 
-    def _observe(self, found: Marched) -> Track:
+    def _observe(self, run: Marched) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
-        observe = self.engine.observe(plan, outputs, found.used)
-        track = assemble_track(plan, found.record, outputs, observe, [plan.waveforms])
-        return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
+        observe = self.engine.observe(plan, outputs, run.used)
+        track = assemble_track(plan, run.record, outputs, observe, [plan.waveforms])
+        return cut_outside(self.system, track) if run.status is Status.OUT_OF_ENVELOPE else track
 
     @cached_property
     def _earlier(self) -> Track:
@@ -132,16 +132,16 @@ class RunTrace(AbstractTrace):
         value = float(one.value(own)[0])
         apart = abs(value - float(one.value(other)[0]))
         thinned = [own.thin(first) for first in (0, 1)] if one.follows_curve else []
-        drawn = max((abs(value - float(one.value(few)[0])) for few in thinned), default=0.0)
+        curve_error = max((abs(value - float(one.value(few)[0])) for few in thinned), default=0.0)
         bent = tabulate_track(track.bend(), places, 1, one.follows_curve)
-        drawn = max(drawn, abs(value - float(one.value(bent)[0])))
+        curve_error = max(curve_error, abs(value - float(one.value(bent)[0])))
         kelvin = np.array([self.system.outputs()[name].unit == "K" for name in names], float)
         off = one.spread(own, self._allow_values(one, own, other, bent))
         if one.averages:
             read = np.abs(one.derivatives(own)[:, :, 0])
             weights = np.where(own.weights[:, 0] > 0.0, own.weights[:, 0], np.inf)
-            drawn = float((read / weights).max(axis=1) @ track.choose(places).bound_quadrature())
-        total = max(ERROR_SAFETY * apart, off, drawn, ROUNDING * abs(value)) + one.spread(
+            curve_error = float((read / weights).max(axis=1) @ track.choose(places).bound_quadrature())
+        total = max(ERROR_SAFETY * apart, off, curve_error, ROUNDING * abs(value)) + one.spread(
             own, self.found.ripple * kelvin
         )
         return total if np.isfinite(total) else None

@@ -103,11 +103,11 @@ class Track:
     def cut(self, end: Flags) -> Track:
         """Return the track without some rows and their steps."""
         places = np.cumsum(end) - 1
-        kept = end[self.steps.rows].all(axis=1)
-        rows = places[self.steps.rows[kept]]
-        steps = StepRows(rows, self.steps.joined[kept], self.steps.plain[kept])
-        kept = self.run[end], self.times[end], self.values[end], self.weights[end]
-        return Track(*kept, steps, self.swinging, self.tolerance, self.bent)
+        selection = end[self.steps.rows].all(axis=1)
+        rows = places[self.steps.rows[selection]]
+        steps = StepRows(rows, self.steps.joined[selection], self.steps.plain[selection])
+        selection = self.run[end], self.times[end], self.values[end], self.weights[end]
+        return Track(*selection, steps, self.swinging, self.tolerance, self.bent)
 
     def choose(self, columns: Sequence[int]) -> Track:
         """Return the track with selected outputs."""
@@ -189,8 +189,8 @@ class Track:
         top = b - np.divide(rise * rise, 8.0 * bend, where=turns, out=np.zeros_like(b))
         most = np.maximum(np.maximum(a, b), c)
         hope = most + np.abs(bend) if self.bent else np.where(turns, 2.0 * top - most, -np.inf)
-        found = [self._refine_peaks(k, sign, hope[:, k], own, least[:, k]) for k in range(hope.shape[1])]
-        return Peaks(*(np.concatenate(column) for column in zip(*found, strict=True)))
+        peaks = [self._refine_peaks(k, sign, hope[:, k], own, least[:, k]) for k in range(hope.shape[1])]
+        return Peaks(*(np.concatenate(column) for column in zip(*peaks, strict=True)))
 
     def _refine_peaks(self, column: int, sign: float, hope: Numbers, own: Places, least: Numbers) -> Peaks:
         """Return the highest peak of a column above `least` in every run, from step estimates."""
@@ -228,19 +228,19 @@ class Track:
         late = (shares > 0.5)[:, :, None]
         share = (2.0 * shares - (shares > 0.5))[:, :, None]
         ends, begins = (np.where(late, values[:, None, k + 1], values[:, None, k]) for k in (1, 0))
-        found = begins + share * (ends - begins) if otherwise is None else otherwise
+        samples = begins + share * (ends - begins) if otherwise is None else otherwise
         if self.bent:
-            found = found + (plain[:, None] | ~swinging)[:, None] * self._bend(some, shares, table)
+            samples = samples + (plain[:, None] | ~swinging)[:, None] * self._bend(some, shares, table)
         extent = SMOOTH * self.tolerance * np.ptp(table, axis=0)
         for ahead in (False, True):
-            stencil, known = self._find_stencil(some, ahead)
-            if known.any():
+            stencil, full = self._find_stencil(some, ahead)
+            if full.any():
                 curve, fourth = interpolate_nodes(self.times[stencil], table[stencil], at, times)
                 bend = np.abs(values[:, 0] - 2.0 * values[:, 1] + values[:, 2])
-                good = known[:, None] & (fourth <= np.maximum(extent, CONVERGING * bend)) & (plain[:, None] | ~swinging)
+                good = full[:, None] & (fourth <= np.maximum(extent, CONVERGING * bend)) & (plain[:, None] | ~swinging)
                 low, high = (values.min(axis=1) - bend)[:, None], (values.max(axis=1) + bend)[:, None]
-                found = np.where(good[:, None, :] & (low <= curve) & (curve <= high), curve, found)
-        return found
+                samples = np.where(good[:, None, :] & (low <= curve) & (curve <= high), curve, samples)
+        return samples
 
     def _bend(self, some: Places, shares: Numbers, table: Numbers) -> Numbers:
         """Return the largest distance of columns from straight lines, (steps, places, columns)."""
@@ -264,10 +264,10 @@ class Track:
         times = self.times[self.steps.rows]
         worst = np.zeros((len(some), len(self.swinging)))
         for ahead in (False, True):
-            stencil, known = self._find_stencil(some, ahead)
+            stencil, full = self._find_stencil(some, ahead)
             nodes = self.times[stencil], self.values[stencil]
             fourth = interpolate_nodes(*nodes, times[:, :1], times)[1]
-            worst = np.maximum(worst, np.where(known[:, None] & np.isfinite(fourth), fourth, 0.0))
+            worst = np.maximum(worst, np.where(full[:, None] & np.isfinite(fourth), fourth, 0.0))
         worst[:, self.swinging] *= self.steps.plain[:, None]
         lengths = times[:, 2] - times[:, 0]
         return np.einsum("s,sc->c", QUADRATURE * lengths, worst)
@@ -278,9 +278,9 @@ class Track:
         other = np.clip(some + 1 if ahead else some - 1, 0, last)
         rows, more = self.steps.rows[some], self.steps.rows[other]
         ratio = np.log(np.divide(*(self.times[one[:, 2]] - self.times[one[:, 0]] for one in (rows, more))))
-        known = self.steps.joined[other if ahead else some] & (other != some) & (np.abs(ratio) < math.log(UNEVEN))
+        full = self.steps.joined[other if ahead else some] & (other != some) & (np.abs(ratio) < math.log(UNEVEN))
         stencil = np.concatenate([rows, more[:, 1:]] if ahead else [more[:, :2], rows], axis=1)
-        return np.where(known[:, None], stencil, rows[:, [0, 0, 0, 1, 2]]), known
+        return np.where(full[:, None], stencil, rows[:, [0, 0, 0, 1, 2]]), full
 
 
 def interpolate_nodes(nodes: Numbers, values: Numbers, at: Numbers, step: Numbers) -> tuple[Numbers, Numbers]:
@@ -302,13 +302,13 @@ def interpolate_nodes(nodes: Numbers, values: Numbers, at: Numbers, step: Number
             spans = (nodes[:, order:] - nodes[:, : 5 - order])[:, :, None]
             table = [(table[k + 1] - table[k]) / spans[:, k] for k in range(5 - order)]
             terms.append(table[0])
-        found = terms[4][:, None, :]
+        curve = terms[4][:, None, :]
         for order in (3, 2, 1, 0):
-            found = terms[order][:, None, :] + (at - nodes[:, order : order + 1])[:, :, None] * found
+            curve = terms[order][:, None, :] + (at - nodes[:, order : order + 1])[:, :, None] * curve
         quarters = step[:, :1] + np.array([0.25, 0.75]) * (step[:, 2:] - step[:, :1])
         reached = np.abs(np.prod(quarters[:, :, None] - nodes[:, None, :4], axis=2)).max(axis=1)
         fourth = np.abs(terms[4]) * reached[:, None]
-    return found, np.where(np.isfinite(fourth), fourth, np.inf)
+    return curve, np.where(np.isfinite(fourth), fourth, np.inf)
 
 
 def track_rows(times: Sequence[float], rows: Sequence[Sequence[float]], outputs: int) -> Track:

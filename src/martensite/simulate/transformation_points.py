@@ -86,15 +86,15 @@ class Explorer:
         self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, tests: Sequence[Test]
     ) -> tuple[list[Passed | None], State]:
         """Return the first fulfilments of the tests on a sweep, and the memory at its end."""
-        found: list[Passed | None] = [None] * len(tests)
+        fulfilments: list[Passed | None] = [None] * len(tests)
         for k in range(PIECES):
             shares = k / PIECES, (k + 1) / PIECES
             after, row = self._step(state, begin, end, duration, shares)
             for i, test in enumerate(tests):
-                if found[i] is None and test(row):
-                    found[i] = self._closer(state, begin, end, duration, shares, test, DEPTH)
+                if fulfilments[i] is None and test(row):
+                    fulfilments[i] = self._closer(state, begin, end, duration, shares, test, DEPTH)
             state = after
-        return found, state
+        return fulfilments, state
 
     def _step(
         self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, shares: tuple[float, float]
@@ -168,7 +168,7 @@ def find_loaded(
     begin, end = PlanePoint(0.0, temperature), PlanePoint(STRONGEST, temperature)
     counted = ORIENTED if fractions.martensite > 0.5 else MARTENSITE
     state = explorer.start(fractions, begin)
-    (found,), _ = explorer.sweep(state, begin, end, STRONGEST / LOADING, (lambda row: row[counted] >= share,))
-    if found is None:
+    (fulfilment,), _ = explorer.sweep(state, begin, end, STRONGEST / LOADING, (lambda row: row[counted] >= share,))
+    if fulfilment is None:
         return None
-    return LoadingPoint(found.share * STRONGEST, found.row[STRAIN])
+    return LoadingPoint(fulfilment.share * STRONGEST, fulfilment.row[STRAIN])

@@ -40,19 +40,19 @@ def find_step(
     meant = simulate(system, waveform, duration, tolerance=HALVED * tolerance, samples=samples)
     step, apart = first_step(system, duration, 2), math.inf
     for _ in range(HALVINGS):
-        found = simulate(system, waveform, duration, step=step, samples=samples)
-        apart = _compare_runs(system, found, meant)
+        run = simulate(system, waveform, duration, step=step, samples=samples)
+        apart = _compare_runs(system, run, meant)
         if apart <= tolerance:
             break
         step *= HALVED
     return EqualStep(step, apart)
 
 
-def _compare_runs(system: AbstractSystem, found: Result, meant: Result) -> float:
+def _compare_runs(system: AbstractSystem, run: Result, meant: Result) -> float:
     """Return the largest difference of the judged outputs, as a fraction of their ranges."""
     shares: list[float] = []
     for name, least in system.convergence_scales().items():
-        count = min(len(found.times), len(meant.times))
-        apart = np.abs(found[name][:count] - meant[name][:count]).max()
+        count = min(len(run.times), len(meant.times))
+        apart = np.abs(run[name][:count] - meant[name][:count]).max()
         shares.append(float(apart) / max(meant.range(name), least))
     return max(shares, default=0.0)

@@ -138,14 +138,14 @@ class VariantSetup:
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
     ) -> Ensemble:
         """Return runs with step size control, without refused runs."""
-        found = Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED, len(self.measures))
+        ensemble = Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED, len(self.measures))
         good = np.flatnonzero(~refusal[rows])
         if not len(good):
-            return found
+            return ensemble
         march = self._ensemble_on_floats if self.runtime == "floats" else self._ensemble_in_c
-        made = march({path: column[rows[good]] for path, column in values.items()}, signals, rows[good])
-        found.place_runs(good, made)
-        return found
+        good_runs = march({path: column[rows[good]] for path, column in values.items()}, signals, rows[good])
+        ensemble.place_runs(good, good_runs)
+        return ensemble
 
     def _ensemble_in_c(self, values: Values, signals: Mapping[str, Values], rows: Places) -> Ensemble:
         own = [self._order_waveforms(signals, row) for row in rows] if signals else None
@@ -204,8 +204,8 @@ class VariantSetup:
         if not varied:
             return None
         tables = [{path: float(values[path][k]) for path in varied} for k in range(count)]
-        found = [envelope_of(self.system.rebuilt(table)) for table in tables]
-        return np.moveaxis(np.array(found, float), 0, 2)
+        limits = [envelope_of(self.system.rebuilt(table)) for table in tables]
+        return np.moveaxis(np.array(limits, float), 0, 2)
 
     # ---------------------------------------------------------------- runs on given steps
 
@@ -234,8 +234,8 @@ class VariantSetup:
         numbers = self.measuring.measure_samples(grid.times, rowed.swapaxes(1, 2))
         named = {n: c[:, grid.stored] for n, c in zip(self.outputs, rowed, strict=True)}
         solved = SOLVED_TO[self.precision]
-        found = Ensemble.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times, solved)
-        return replace(found, numbers=numbers).struck_out(bad)
+        ensemble = Ensemble.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times, solved)
+        return replace(ensemble, numbers=numbers).struck_out(bad)
 
     @property
     def controlled(self) -> bool:
@@ -291,14 +291,14 @@ class VariantSetup:
             try:
                 functions, size = bind_march(system)
                 border = Border(self.compiled, functions, envelope_of(system))
-                found = march_floats(functions, size, grid if isinstance(grid, TimeGrid) else grid.lane(run), border)
+                march = march_floats(functions, size, grid if isinstance(grid, TimeGrid) else grid.lane(run), border)
             except ArithmeticError:  # a value that depends on parameters alone is not finite
                 reports[:, run] = BROKEN
                 continue
-            reports[:, run] = REPORTS.get(found.status, BROKEN)
-            if found.status is Status.OUT_OF_ENVELOPE:
-                left[run] = found.time
-            rows = np.asarray(found.rows)[:, list(self.places)].T
+            reports[:, run] = REPORTS.get(march.status, BROKEN)
+            if march.status is Status.OUT_OF_ENVELOPE:
+                left[run] = march.time
+            rows = np.asarray(march.rows)[:, list(self.places)].T
             columns[:, run, : rows.shape[1]] = rows
         return list(columns), reports, left
 
@@ -306,13 +306,13 @@ class VariantSetup:
         """Return common steps, or individual steps for varied waveforms."""
         if not signals:
             return self._common
-        known: dict[tuple[float, ...], TimeGrid] = {}
+        cache: dict[tuple[float, ...], TimeGrid] = {}
         grids: list[TimeGrid] = []
         for row in rows:
             key = tuple(float(v[row]) for t in signals.values() for v in t.values())
-            if key not in known:
-                known[key] = self._make_grid(self._waveforms(signals, row))
-            grids.append(known[key])
+            if key not in cache:
+                cache[key] = self._make_grid(self._waveforms(signals, row))
+            grids.append(cache[key])
         return lane_grid(grids)
 
     @cached_property
@@ -352,10 +352,10 @@ class VariantSetup:
         return {**self.waveforms, **varied}
 
     def _list_refused(self, signals: Mapping[str, Values], count: int) -> Flags:
-        found = np.zeros(count, np.bool_)
+        refusal = np.zeros(count, np.bool_)
         for name, table in signals.items():
-            found |= find_refused(self.waveforms[name], table, count)
-        return found
+            refusal |= find_refused(self.waveforms[name], table, count)
+        return refusal
 
 
 def _load_cuda() -> Any:

@@ -142,9 +142,9 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """Return the pairs of signals of a drive with relevant product: two levels, or -1 for u_0."""
         layout = self.layout()
         own = self.system.drives()
-        found = [(-1, k) for k in range(len(layout))]
-        found += [(j, k) for k in range(len(layout)) for j in range(k) if layout[j] == layout[k]]
-        return [pair for pair in found if not own[layout[pair[1]]].at_end]
+        pairs = [(-1, k) for k in range(len(layout))]
+        pairs += [(j, k) for k in range(len(layout)) for j in range(k) if layout[j] == layout[k]]
+        return [pair for pair in pairs if not own[layout[pair[1]]].at_end]
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """Return the initial state under the summed signals."""
@@ -158,8 +158,8 @@ class WaveformLevelSystem(AbstractSystem, init=False):
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
         """Return the heat contents of the system; levels have no heat."""
-        known = self.system.heat_contents(xp, state)
-        return known + [None] * (len(self.drives()) - len(known))
+        contents = self.system.heat_contents(xp, state)
+        return contents + [None] * (len(self.drives()) - len(contents))
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Return all outputs."""
@@ -169,10 +169,10 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """Return u = u_0 + Σ q φ of every drive of the system."""
         places, numbers = self.layout(), list(self.levels.__dict__.values())
         count = len(self.system.drives())
-        found = list(drives[:count])
+        signals = list(drives[:count])
         for place, level, shape in zip(places, numbers, drives[count:], strict=False):
-            found[place] = found[place] + level * shape
-        return found
+            signals[place] = signals[place] + level * shape
+        return signals
 
     def _sum_drives(self, xp: Namespace, place: int, drives: Sequence[Any]) -> Scalar | Feed:
         """Return the input of a drive of the system, as the sum of its parts.
@@ -221,31 +221,31 @@ class WaveformLevels:
 
     def with_levels(self, levels: Sequence[Level]) -> WaveformLevels:
         """Return the waveforms with these levels as parameters; `ParameterError` if a signal is not affine."""
-        found = WaveformLevels(self.system, self.waveforms, self.duration, tuple(levels))
-        for drive in found.own:
-            found.require_affine(drive)
-        return found
+        waveforms = WaveformLevels(self.system, self.waveforms, self.duration, tuple(levels))
+        for drive in waveforms.own:
+            waveforms.require_affine(drive)
+        return waveforms
 
     def available(self) -> list[Level]:
         """Return all possible levels: declared levels, and the peak of each waveform."""
         units = {drive.name: drive.unit for drive in self.system.drives()}
-        found: list[Level] = []
+        levels: list[Level] = []
         for name, wave in self.own.items():
-            found += [
+            levels += [
                 Level(name, leaf.path, float(leaf.value)) for leaf in wave.leaves() if leaf.declared.unit == DRIVE
             ]
             peak = self._peak(wave)
             if units[name] != "K" and peak > 0.0:
-                found.append(Level(name, PEAK, peak))
-        return found
+                levels.append(Level(name, PEAK, peak))
+        return levels
 
     def level(self, drive: str, name: str) -> Level:
         """Return a level of a drive by name; raise `ParameterError` if the name is unknown."""
-        known = {(level.drive, level.name): level for level in self.available()}
-        if (drive, name) not in known:
-            names = [level for owner, level in known if owner == drive]
+        levels = {(level.drive, level.name): level for level in self.available()}
+        if (drive, name) not in levels:
+            names = [level for owner, level in levels if owner == drive]
             raise ParameterError(f"The waveform of `{drive}` has no level `{name}`. {suggest_name(name, names)}")
-        return known[drive, name]
+        return levels[drive, name]
 
     @cached_property
     def whole(self) -> AbstractSystem:
@@ -270,12 +270,12 @@ class WaveformLevels:
             return self.own
         rests = {drive: self._rest(drive) for drive in self.own}
         shapes = {f"q{k}": self._shape(level) for k, level in enumerate(self.levels)}
-        found: dict[str, AbstractWaveform] = {**rests, **shapes}
+        waveforms: dict[str, AbstractWaveform] = {**rests, **shapes}
         whole = self.whole
         for j, k in whole.pairs() if isinstance(whole, WaveformLevelSystem) else ():
             first = rests[self.levels[k].drive] if j < 0 else shapes[f"q{j}"]
-            found[pair_name(j, k)] = Combined(terms=((1.0, first), (1.0, shapes[f"q{k}"])))
-        return found
+            waveforms[pair_name(j, k)] = Combined(terms=((1.0, first), (1.0, shapes[f"q{k}"])))
+        return waveforms
 
     def at(self, drive: str, values: Mapping[str, float]) -> AbstractWaveform:
         """Return the waveform of a drive at other levels by name, unchecked."""
@@ -301,8 +301,8 @@ class WaveformLevels:
         shapes = [(moved[level.name], self._shape(level)) for level in mine]
         for time in self._times(self.own[drive]):
             signal = there.value(time)
-            said = rest.value(time) + math.fsum(q * shape.value(time) for q, shape in shapes)
-            if abs(signal - said) > AFFINE * (1.0 + abs(signal)):
+            affine_signal = rest.value(time) + math.fsum(q * shape.value(time) for q, shape in shapes)
+            if abs(signal - affine_signal) > AFFINE * (1.0 + abs(signal)):
                 raise ParameterError(
                     f"The signal of `{drive}` is not affine in its "
                     f"{', '.join(f'`{level.name}`' for level in mine)}, which cannot be free."

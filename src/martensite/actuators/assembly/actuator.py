@@ -83,8 +83,8 @@ class Actuator(Parametrised):
         """Return each output, by name, under a force [N] and a drive signal."""
         condition = self.element.condition(xp, state, force, self.environment)
         current = self.source.current(xp, drive, condition.resistance)
-        seen = Observation(drive, force, current, condition)
-        return {name: OBSERVABLES[name].compute(seen) for name in self.own_outputs()}
+        observation = Observation(drive, force, current, condition)
+        return {name: OBSERVABLES[name].compute(observation) for name in self.own_outputs()}
 
     def own_outputs(self) -> dict[str, Output]:
         """Return the outputs of element and drive."""

@@ -194,7 +194,9 @@ class AbstractAssembly(AbstractSystem):
         return self.mechanism.outputs() | driven
 
     @abstractmethod
-    def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
+    def arrange_outputs(
+        self, actuator_outputs: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
+    ) -> dict[str, Scalar]:
         """Return the outputs of actuators and mechanism, by name, in the order of `outputs`."""
 
     @override

@@ -20,7 +20,7 @@ def measure_lengths(system: AbstractSystem, columns: Mapping[str, Course]) -> di
 
 
 def record_lengths(
-    system: AbstractSystem, columns: Mapping[str, Course], drawn: AbstractSystem, strains: Mapping[str, float]
+    system: AbstractSystem, columns: Mapping[str, Course], recorded_system: AbstractSystem, strains: Mapping[str, float]
 ) -> dict[str, float]:
     """Return the initial lengths as functions of recorded parameters.
 
@@ -30,12 +30,12 @@ def record_lengths(
     Args:
         system: simulated system.
         columns: columns of the run.
-        drawn: the same system with recorded parameters.
+        recorded_system: the same system with recorded parameters.
         strains: recorded first strain by port.
     """
     lengths: dict[str, float] = {}
     for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True):
-        natural = _find_natural_length(drawn.actuators()[port].element)
+        natural = _find_natural_length(recorded_system.actuators()[port].element)
         strain = columns[system.label(port, "strain")][0]
         share = elongation / _find_natural_length(one.element)
         lengths[port] = natural * (1.0 + (share / strain * strains[port] if strain else share))

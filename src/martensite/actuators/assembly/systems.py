@@ -62,8 +62,10 @@ class System(Actuator, AbstractAssembly):
         return f"{names} on {load}, driven by {self.source.registered_name}"
 
     @override
-    def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        (one,) = seen
+    def arrange_outputs(
+        self, actuator_outputs: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
+    ) -> dict[str, Scalar]:
+        (one,) = actuator_outputs
         return _insert_mechanism(one, mechanism)
 
     @override
@@ -175,8 +177,10 @@ class Machine(AbstractAssembly):
         return f"{self.mechanism.registered_name} with {words or 'no elements'}"
 
     @override
-    def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        rows = zip(self.actuators(), seen, strict=True)
+    def arrange_outputs(
+        self, actuator_outputs: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
+    ) -> dict[str, Scalar]:
+        rows = zip(self.actuators(), actuator_outputs, strict=True)
         own = {self.label(port, name): value for port, one in rows for name, value in one.items()}
         return mechanism | own
 

@@ -122,11 +122,11 @@ def _move_held(
     solved = solve_linear(matrix, [*_add_products(sides, columns, pulls), *slopes])
     free, yields = solved[: len(sides)], solved[len(sides) :]
     compliance = [[multiply_inner(slope, soft) for soft in yields] for slope in slopes]
-    asked = [
+    gaps = [
         [t - multiply_inner(slope, x) for t, slope in zip(target, slopes, strict=True)]
         for target, x in zip(targets, free, strict=True)
     ]
-    changes = _solve_masked(xp, compliance, flags, asked)
+    changes = _solve_masked(xp, compliance, flags, gaps)
     return _add_products(free, list(zip(*yields, strict=True)), changes), changes
 
 

@@ -151,8 +151,8 @@ class CondensedStep:
     def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
         """Return the state after linearisation, responses of all elements, and correction of the position."""
         linear = self._linear(xp, scheme, before)
-        found, states, report = self._answers(xp, _build_lines(xp, linear, before.tangents), before.states)
-        tangents = _renew_points(xp, before, found, linear.elongations)
+        responses, states, report = self._answers(xp, _build_lines(xp, linear, before.tangents), before.states)
+        tangents = _renew_points(xp, before, responses, linear.elongations)
         change, reactions, unsettled = _compute_correction(xp, linear, tangents)
         sizes = (c.size for c in self.mechanism.coordinates())
         moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
@@ -168,13 +168,13 @@ class CondensedStep:
         tangents: list[Tangent] = []
         paths = self.mechanism.contraction(xp, self.memory.course.position)
         rows = zip(self.loads, self.memory.stiffness, self.memory.home, paths, strict=True)
-        for (element, state, _), known, home, path in rows:
+        for (element, state, _), last_stiffness, home, path in rows:
             force = element.force(state)
             spring = element.tangent(xp, state, force)
             most = 1.0 / spring.compliance
             elongation = spring.free + spring.compliance * force
             slack = _compute_slack_stiffness(xp, most, home - path, elongation)
-            taut = xp.where(known > 0.0, xp.minimum(known, most), most)
+            taut = xp.where(last_stiffness > 0.0, xp.minimum(last_stiffness, most), most)
             stiffness = xp.where(force > 0.0, taut, slack)
             tangents.append(Tangent(force, elongation, stiffness))
         return tangents
@@ -256,14 +256,14 @@ def _renew_points(xp: Namespace, before: _Turn, tangents: Sequence[Tangent], elo
     new, turned = list[Tangent](), before.turned > 0.0
     for last, now, path in zip(before.tangents, tangents, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
-        kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
+        fallback = xp.where(taut, xp.minimum(last.stiffness, most), most)
         apart = now.elongation - last.elongation
         if before.reactions:  # an element held still shows no secant and may be released with any stiffness
-            held = find_largest(xp, before.reactions) > 0.0
-            kept = xp.where(xp.both(held, xp.abs(apart) < STILL), most, kept)
-        known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
-        secant = (now.force - last.force) / xp.where(known, apart, 1.0)
-        slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
+            is_held = find_largest(xp, before.reactions) > 0.0
+            fallback = xp.where(xp.both(is_held, xp.abs(apart) < STILL), most, fallback)
+        has_secant = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
+        secant = (now.force - last.force) / xp.where(has_secant, apart, 1.0)
+        slope = xp.where(has_secant, xp.clip(secant, FLOOR * most, most), fallback)
         slack = _compute_slack_stiffness(xp, most, path, now.elongation)
         new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
     return new

@@ -183,8 +183,8 @@ class Finger(grasp.AbstractGrasp):
         by = self.arm * angle
         if self.spring == "fixed":
             by = self._spring_length(xp, angle) - self.height
-        drawn = self.extension + by
-        spring = 0.5 * self.stiffness * drawn * drawn
+        elongation = self.extension + by
+        spring = 0.5 * self.stiffness * elongation * elongation
         stop = self._stop_energy(xp, angle)
         _, lifted = self._weigh(xp, angle)
         return MechanicalEnergy(springs=spring + stop, gravity=lifted, kinetic=0.5 * self.inertia * rate * rate)

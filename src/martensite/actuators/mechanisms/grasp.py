@@ -114,13 +114,13 @@ class AbstractGrasp(AbstractMultibody, init=False):
 
     @override
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        forces, seen = super().observe(xp, memory, loads, signals)
+        forces, outputs = super().observe(xp, memory, loads, signals)
         if self.contact == "springs":
-            return forces, seen
+            return forces, outputs
         angles = memory.course.position
         moments, pushed = memory.reactions[: len(angles)], memory.reactions[len(angles) :]
         sides = [xp.where(q - self.lowest > self.stop_gap(xp, q), -1.0, 1.0) for q in angles]
-        values = [*seen, *(m * side for m, side in zip(moments, sides, strict=True))]
+        values = [*outputs, *(m * side for m, side in zip(moments, sides, strict=True))]
         if self.contact == "stops":
             return forces, values
         gaps, places = zip(*self.locate_contacts(xp, angles), strict=True)

@@ -198,8 +198,8 @@ def _override_signal(
 
 def _hold_integrals(one: AbstractController, xp: Namespace, before: Column, after: Column, beyond: Scalar) -> Column:
     """Return the memory without the growth of integrals in the direction of the limited part `beyond`."""
-    held = list(after)
+    memory = list(after)
     for place in one.integrals:
         gained = after[place] - before[place]
-        held[place] = xp.where(gained * beyond > 0.0, before[place], after[place])
-    return held
+        memory[place] = xp.where(gained * beyond > 0.0, before[place], after[place])
+    return memory

@@ -32,8 +32,8 @@ class OnOff(AbstractController):
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         value, (before,) = readings[self.measured], memory
-        kept = xp.where(value < reference, before, 0.0)
-        on = xp.where(value < reference - self.band, 1.0, kept)
+        band_state = xp.where(value < reference, before, 0.0)
+        on = xp.where(value < reference - self.band, 1.0, band_state)
         return xp.where(on > 0.5, self.high, self.low), (on,)
 
 

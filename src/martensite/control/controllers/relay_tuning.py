@@ -195,8 +195,8 @@ class RelayTuning(AbstractController):
     ) -> tuple[TuningMemory, Scalar]:
         """Return the test after a sample, and the mean signal of the counted cycles."""
         one = before.cycle
-        kept = xp.where(away < self.hysteresis, one.on, 0.0)
-        on = xp.where(away < -self.hysteresis, 1.0, kept)
+        band_state = xp.where(away < self.hysteresis, one.on, 0.0)
+        on = xp.where(away < -self.hysteresis, 1.0, band_state)
         turned = xp.both(on > 0.5, one.on < 0.5)
         lowest, highest = xp.minimum(away, one.lowest), xp.maximum(away, one.highest)
         whole = RelayCycle(on, one.length + dt, one.heated + dt * one.on, lowest, highest)

@@ -71,9 +71,9 @@ class SlidingMode(AbstractController, SignalLimits):
         part = self._switching_function(xp, self._surface(error, rate, integral) / self.layer)
         wanted = self._equivalent_signal(before.mean, reference) + self.gain * part
         signal = xp.clip(wanted, self.low, self.high)
-        held = self.hold_integral(xp, wanted, self.gain * error, before.integral, integral)
+        new_integral = self.hold_integral(xp, wanted, self.gain * error, before.integral, integral)
         mean = lag_rate(xp, before.mean, signal * dt, self.lag, dt)
-        return signal, SlidingMemory(error, rate, held, mean)
+        return signal, SlidingMemory(error, rate, new_integral, mean)
 
     def _surface(self, error: Scalar, rate: Scalar, integral: Scalar) -> Scalar:
         if self.integral == "without":

@@ -61,8 +61,8 @@ class StateFeedback(AbstractController, SignalLimits):
         rows = zip(self.named, self.gains.numbers, self.at.numbers, strict=True)
         for name, gain, value in rows:
             wanted = wanted - gain * (readings[name] - value)
-        held = self.hold_integral(xp, wanted, self.Ki * added, memory[0], integral)
-        return xp.clip(wanted, self.low, self.high), (held,)
+        new_integral = self.hold_integral(xp, wanted, self.Ki * added, memory[0], integral)
+        return xp.clip(wanted, self.low, self.high), (new_integral,)
 
 
 class NumberedGains(Parametrised):

@@ -52,8 +52,8 @@ class AbstractFault(Parametrised):
         """Return the signal that arrives at the source of a drive."""
         return signal
 
-    def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
-        """Return the reading of a sensor with the fault; `held` is the last reading."""
+    def reading(self, xp: Namespace, sensor: str, reading: Scalar, last_reading: Scalar, active: Flag) -> Scalar:
+        """Return the reading of a sensor with the fault; `last_reading` is the last reading."""
         return reading
 
     def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:

@@ -37,7 +37,7 @@ class Drift(AbstractSensorFault):
         since = xp.maximum(time - self.start, 0.0)
         return self.rebuilt({"bias": self.bias + self.rate * since})
 
-    def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
+    def reading(self, xp: Namespace, sensor: str, reading: Scalar, last_reading: Scalar, active: Flag) -> Scalar:
         off = xp.where(active, self.bias, 0.0)
         return reading + off if sensor == self.sensor else reading
 
@@ -54,8 +54,8 @@ class DropOut(AbstractSensorFault):
 class Stuck(AbstractSensorFault):
     """A sensor that repeats its last reading as a new one."""
 
-    def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
-        return xp.where(active, held, reading) if sensor == self.sensor else reading
+    def reading(self, xp: Namespace, sensor: str, reading: Scalar, last_reading: Scalar, active: Flag) -> Scalar:
+        return xp.where(active, last_reading, reading) if sensor == self.sensor else reading
 
 
 @FAULTS.register("noise-burst")

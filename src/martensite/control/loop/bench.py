@@ -95,7 +95,7 @@ class Bench(AbstractSystemAround, init=False):
         state = plant.init(xp, *idle.values())
         readings = period.collect_truth(self, xp, plant, state, idle)
         rows = zip(self.sensors.members().values(), given.numbers, self.layout()[1:], strict=True)
-        sensors = tuple(one.rest(xp, readings, noise, kept) for one, (noise, _), kept in rows)
+        sensors = tuple(one.rest(xp, readings, noise, count) for one, (noise, _), count in rows)
         readings = period.collect_readings(self, sensors, readings)
         observers, controllers, supervisor, _ = period.begin_loop(self, xp, readings, given)
         return BenchState(0.0, state, sensors, observers, controllers, supervisor)
@@ -120,7 +120,7 @@ class Bench(AbstractSystemAround, init=False):
         allowed = period.apply_supervisor(self, xp, state, given)
         signals = period.deliver_signals(self, xp, state.time, allowed.signals)
         plant = period.apply_faults(self, xp, state.time)
-        seen = plant.observe(xp, state.plant, *signals.values())
+        outputs = plant.observe(xp, state.plant, *signals.values())
         readings = [one.reading for one in state.sensors]
         estimates = [value for one in state.observers for value in one.estimates]
         controllers = [one.wanted for one in state.controllers]
@@ -128,17 +128,17 @@ class Bench(AbstractSystemAround, init=False):
         own = period.collect_controller_outputs(self, xp, state.controllers).values()
         alarm = [] if self.supervisor is None else [allowed.alarm]
         shaped = period.collect_shaped(self, state.controllers)
-        return [*seen, *readings, *estimates, *loops, *shaped, *own, *alarm]
+        return [*outputs, *readings, *estimates, *loops, *shaped, *own, *alarm]
 
 
 def check_bench(bench: Bench) -> None:
     """Raise `ParameterError` for a name that does not exist where it is used."""
     truths, drives = names.list_truths(bench), [drive.name for drive in bench.plant.drives()]
     for name, mounted in bench.sensors.members().items():
-        for seen in mounted.sees():
-            if seen not in truths:
+        for truth in mounted.sees():
+            if truth not in truths:
                 raise ParameterError(
-                    f"Sensor `{name}` looks at `{seen}`, which the plant does not have. {suggest_name(seen, truths)}"
+                    f"Sensor `{name}` looks at `{truth}`, which the plant does not have. {suggest_name(truth, truths)}"
                 )
     for name in bench.controllers.members():
         if name not in drives:

@@ -106,13 +106,13 @@ class MountedSensor(Parametrised):
         elapsed = before.elapsed + period
         due = xp.both(self.sensor.valid(xp, signals), elapsed >= self.sample_time - PERIOD_TOLERANCE * period)
         fresh = disturbed.fresh(xp, due)
-        held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
+        sample, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
         travel = disturbed.travel(xp, xp.clip(late, -WORST, WORST) * self.jitter + self.delay)
         travel = xp.where(fresh, travel, before.travels[0])
-        past, ages = (held, *before.past[:-1]), (elapsed, *before.ages[:-1])
+        past, ages = (sample, *before.past[:-1]), (elapsed, *before.ages[:-1])
         travels = (travel, *before.travels[:-1])
         reading, age = _find_arrived(xp, past, ages, travels, period)
-        return Sensed(tuple(inner), held, elapsed, past, ages, travels, reading, age)
+        return Sensed(tuple(inner), sample, elapsed, past, ages, travels, reading, age)
 
 
 def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar) -> tuple[Scalar, Scalar]:
@@ -132,10 +132,10 @@ class Disturbed:
     def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
         self.name, self.faults = name, faults
 
-    def reading(self, xp: Namespace, reading: Scalar, held: Scalar, noise: Scalar) -> Scalar:
+    def reading(self, xp: Namespace, reading: Scalar, last_reading: Scalar, noise: Scalar) -> Scalar:
         """Return the reading after every fault; `noise` is its normal number."""
         for fault, active in self.faults:
-            reading = fault.reading(xp, self.name, reading, held, active)
+            reading = fault.reading(xp, self.name, reading, last_reading, active)
             reading = fault.disturb(xp, self.name, reading, noise, active)
         return reading
 

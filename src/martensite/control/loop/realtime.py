@@ -280,10 +280,10 @@ def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
         split, end = 2 * len(names), len(signals) - len(free)
         after = split + len(references)
         others = dict(zip(free, numbers[end:], strict=True))
-        known = dict(zip(signals[:split], numbers[:split], strict=True))
+        readings = dict(zip(signals[:split], numbers[:split], strict=True))
         middle = end - len(hands)
         by_hand = period.sort_hands(bench, iter(numbers[middle:end]))
-        return known, Inputs(tuple(numbers[split:after]), tuple(numbers[after:middle]), by_hand, others, ())
+        return readings, Inputs(tuple(numbers[split:after]), tuple(numbers[after:middle]), by_hand, others, ())
 
     def begin(xp: Any, *numbers: Any) -> list[Any]:
         loop = _begin_sample(bench, xp, *sorted_out(numbers))

@@ -85,7 +85,7 @@ def simulate_bench(
     """
     played: dict[str, Any] = {**(waveforms or {}), **reference_waveforms(bench)}
     played |= (noise := noise_waveforms(bench, duration, seed))
-    drawn = seed if noise else None
+    noise_seed = seed if noise else None
     if outside:
         if budget is not None:
             raise InputError("A run whose controllers run outside has no budget.")
@@ -95,7 +95,7 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         result = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return warn_of_loops(replace(_with_loops(result, bench, outside), seed=drawn), bench, duration)
+        return warn_of_loops(replace(_with_loops(result, bench, outside), seed=noise_seed), bench, duration)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     result = simulate(
@@ -108,7 +108,7 @@ def simulate_bench(
         start=start,
         restart_at=restart_at,
     )
-    return warn_of_loops(replace(result, seed=drawn), bench, duration)
+    return warn_of_loops(replace(result, seed=noise_seed), bench, duration)
 
 
 def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:

@@ -80,8 +80,8 @@ def check_loop(bench: Bench, duration: float, *, waveforms: Mapping[str, Abstrac
     if len(members) > 1:
         untested["coupling"] = "each loop was tested alone, with the other controllers off"
     wrong = {one.where for one in findings if one.test == "sign"}  # whose margins follow from it
-    shown = [one for one in findings if one.test != "margins" or one.where not in wrong]
-    return LoopReport(tuple(sorted(shown, key=lambda one: not one.fault)), tuple(tested), untested, tuple(margins))
+    relevant = [one for one in findings if one.test != "margins" or one.where not in wrong]
+    return LoopReport(tuple(sorted(relevant, key=lambda one: not one.fault)), tuple(tested), untested, tuple(margins))
 
 
 def _collect_tests(margins: list[Mapping[str, Any]]) -> dict[str, LoopTest]:

@@ -61,14 +61,14 @@ def choose_points(case: LoopCase, count: int = POINTS) -> tuple[list[SteadyPoint
     end = min(max(low, float(cooled.min()) + 0.5 * inner), start)
     rows = ((case.heating, way * heated, high), (cooling, cooled, start))
     chosen = [
-        (curve, sorted({int(np.argmin(np.abs(seen - at))) for at in np.linspace(bottom, top, count)}))
-        for (curve, seen, top), bottom in zip(rows, (low, end), strict=True)
+        (curve, sorted({int(np.argmin(np.abs(readings - at))) for at in np.linspace(bottom, top, count)}))
+        for (curve, readings, top), bottom in zip(rows, (low, end), strict=True)
     ]
     return [curve.point(k) for curve, places in chosen for k in places], turn
 
 
-def _find_nearest(curve: RestCurve, seen: Numbers, level: float) -> SteadyPoint:
-    return curve.point(int(np.argmin(np.abs(seen - level))))
+def _find_nearest(curve: RestCurve, readings: Numbers, level: float) -> SteadyPoint:
+    return curve.point(int(np.argmin(np.abs(readings - level))))
 
 
 def find_validity(case: LoopCase, one: LinearLoop) -> tuple[float, float]:

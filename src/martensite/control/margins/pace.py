@@ -45,12 +45,12 @@ def check_pace(case: LoopCase) -> Iterator[LoopFinding]:
     for off, (times, _), (words, remedy) in zip((best - wanted, wanted - best), (falling, rising), WAYS, strict=True):
         fraction = float(np.mean(off > BEHIND * span))
         if fraction > MOSTLY:
-            said = (
+            sentence = (
                 f"The reference {words}: under the best signals the reading is more than {write_percent(BEHIND)} of "
                 f"its span behind for {write_percent(fraction)} of the time, and by up to "
                 f"{write_difference(float(off.max()), unit, 3)}; the whole way takes {times[-1]:.3g} s at least."
             )
-            yield case.find("pace", "references", (said, remedy), (fraction, MOSTLY, "1"))
+            yield case.find("pace", "references", (sentence, remedy), (fraction, MOSTLY, "1"))
 
 
 def find_truth(case: LoopCase) -> str:

@@ -179,5 +179,5 @@ class Calibration(Parametrised):
         mean = xp.where(at[COLD], now.martensite, now.mean + step / (lag + dt) * (reading - now.mean))
         change = xp.abs(mean - now.martensite) / xp.maximum(xp.abs(now.martensite), TINY)
         pulsed = xp.where(at[PULSE], xp.maximum(now.pulsed, change), now.pulsed)
-        begun = xp.either(change > self.enough * now.pulsed, now.late > 0.0)
-        return now._replace(mean=mean, pulsed=pulsed, late=xp.where(xp.both(at[HEAT], begun), now.late + dt, 0.0))
+        has_begun = xp.either(change > self.enough * now.pulsed, now.late > 0.0)
+        return now._replace(mean=mean, pulsed=pulsed, late=xp.where(xp.both(at[HEAT], has_begun), now.late + dt, 0.0))

@@ -146,12 +146,12 @@ class ModelBank(ExtendedKalman):
 
     def _filters(self, xp: Namespace) -> list[AbstractFilter]:
         """Return the filter of every model with its present parameters; the first is the bank itself."""
-        made: Mapping[str, ExtendedKalman] = self.__dict__["_members"]
+        members: Mapping[str, ExtendedKalman] = self.__dict__["_members"]
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         models, filters = self._list_models(xp), list[AbstractFilter]()
-        for name, one in made.items():
-            kept = {key: value for key, value in one.__dict__.items() if key == "drifting" or key.startswith("_")}
-            filters.append((one if filters else self).rebuilt({**settings, **kept, "model": models[name]}))
+        for name, one in members.items():
+            extras = {key: value for key, value in one.__dict__.items() if key == "drifting" or key.startswith("_")}
+            filters.append((one if filters else self).rebuilt({**settings, **extras, "model": models[name]}))
         return filters
 
     def estimates(self) -> dict[str, Output]:

@@ -106,9 +106,9 @@ def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
 
 def _fit_line(t: Numbers, y: Numbers, step: float) -> Integrating:
     way = float(y[np.argmax(np.abs(y))])
-    gone = y / way
-    last = max(int(np.argmax(gone >= 0.5)), 1)
-    first = min(int(np.argmax(gone >= 0.1)), last - 1)
+    progress = y / way
+    last = max(int(np.argmax(progress >= 0.5)), 1)
+    first = min(int(np.argmax(progress >= 0.1)), last - 1)
     rows: Sequence[int] = range(max(first - 1, 0), last + 1)
     slope, start = np.polyfit(t[rows], y[rows], 1)
     return Integrating(float(slope) / step, max(-float(start) / float(slope), 0.0))

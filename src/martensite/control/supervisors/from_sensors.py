@@ -77,12 +77,12 @@ def find_known_limit(bench: Bench, kind: str, check: Mapping[str, Any]) -> float
     plant, several = bench.plant, len(bench.plant.actuators()) > 1
     reading = str(check.get("reading", ""))
     mounted = bench.sensors.members().get(reading)
-    seen = reading.removeprefix(ESTIMATED) if mounted is None else mounted.sees()[0]
+    quantity = reading.removeprefix(ESTIMATED) if mounted is None else mounted.sees()[0]
     for port, one in plant.actuators().items():
         limits, limit = one.element.limits, None
-        if kind == "overheat" and seen in {plant.label(port, output) for output in TEMPERATURES}:
+        if kind == "overheat" and quantity in {plant.label(port, output) for output in TEMPERATURES}:
             limit = limits.temperature_limit
-        if kind == "over-stress" and seen == plant.label(port, "stress"):
+        if kind == "over-stress" and quantity == plant.label(port, "stress"):
             limit = limits.stress_limit
         if kind == "thermal-bound" and (not several or check.get("drive") == plant.drive_at(port)):
             limit = limits.temperature_limit
@@ -117,15 +117,15 @@ def _find_interval(mounted: MountedSensor, period: float) -> float:
 def _build_limit_checks(
     bench: Bench, name: str, mounted: MountedSensor, limit: float | None, band: float
 ) -> Iterator[tuple[str, AbstractCheck]]:
-    plant, seen = bench.plant, mounted.sees()[0]
+    plant, quantity = bench.plant, mounted.sees()[0]
     several = len(plant.actuators()) > 1
     for port, one in plant.actuators().items():
         drives = (plant.drive_at(port),) if several else ()
         stress = one.element.limits
         hottest = stress.temperature_limit if limit is None else limit
         hot = mounted.sensor.unit in (None, "K") and math.isfinite(hottest)
-        if hot and seen in {plant.label(port, output) for output in TEMPERATURES}:
+        if hot and quantity in {plant.label(port, output) for output in TEMPERATURES}:
             yield "hot", Overheat(reading=name, limit=hottest, band=band, drives=drives)
         strong = mounted.sensor.unit in (None, "Pa") and math.isfinite(stress.stress_limit)
-        if strong and seen == plant.label(port, "stress"):
+        if strong and quantity == plant.label(port, "stress"):
             yield "stress", OverStress(reading=name, limit=stress.stress_limit, drives=drives)

@@ -180,8 +180,8 @@ def compare_gains(
     )
 
 
-def _is_finite(seen: Seen) -> bool:
-    return bool(np.isfinite(seen.output[0]).all())
+def _is_finite(outputs: Seen) -> bool:
+    return bool(np.isfinite(outputs.output[0]).all())
 
 
 def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:

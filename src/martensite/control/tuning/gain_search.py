@@ -129,16 +129,16 @@ class GainCosts:
     def compute_costs(self, numbers: Mapping[str, Any], points: int) -> Numbers:
         """Return the costs, shape (points,), of parameters by path on all plants, run as one batch."""
         spread = {path: np.repeat(column, self.count) for path, column in numbers.items()}
-        drawn = {path: np.tile(column, points) for path, column in self.drawn.items()}
-        outputs = self.loop.run(self.loop.table({**drawn, **spread}, points * self.count))
+        plant_values = {path: np.tile(column, points) for path, column in self.drawn.items()}
+        outputs = self.loop.run(self.loop.table({**plant_values, **spread}, points * self.count))
         self.evaluations += points * self.count
         costs = np.minimum(self.cost(outputs), FAILED_COST).reshape(points, self.count)
         return np.array([self.cost.goal.over_plants(row)[0] for row in costs])
 
     def differentiate(self, z: Numbers) -> PointSlopes:
         """Return the cost at a place and its derivatives, over the plants for derivatives."""
-        drawn = {path: column[: self.followed] for path, column in self.drawn.items()}
-        table = self.loop.table({**drawn, **self.numbers(z)}, self.followed)
+        plant_values = {path: column[: self.followed] for path, column in self.drawn.items()}
+        table = self.loop.table({**plant_values, **self.numbers(z)}, self.followed)
         costs, slopes = np.zeros(len(table)), np.zeros((len(table), len(z)))
         fractions = (z / self.widths).tolist()
         inner = np.array([one.slope(u) for one, u in zip(self.free, fractions, strict=True)])

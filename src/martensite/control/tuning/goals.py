@@ -67,19 +67,19 @@ class TuningGoal:
 class Course:
     """A reference with the scales of the cost from a first run."""
 
-    def __init__(self, seen: Seen, period: float) -> None:
+    def __init__(self, outputs: Seen, period: float) -> None:
         """Take the scales from a run, arrays of shape (samples,).
 
         Raises:
             ParameterError: the reference stays where the output begins.
         """
-        reference, start = seen.reference, float(seen.output[0])
+        reference, start = outputs.reference, float(outputs.output[0])
         self.span = float(max(reference.max(), start) - min(reference.min(), start))
         if not self.span > 0.0:
             raise ParameterError("The reference stands where the output begins: nothing to tune.")
         self.period = period
-        self.power = max(float(seen.power.mean()), 1e-12)
-        self.signal = max(float(np.ptp(seen.signal)), 1e-12)
+        self.power = max(float(outputs.power.mean()), 1e-12)
+        self.signal = max(float(np.ptp(outputs.signal)), 1e-12)
         self.change = np.diff(reference, prepend=start)
         self.steps = np.abs(self.change) > STEP * self.span
         self.steps[0] = True
@@ -107,30 +107,30 @@ class Cost:
     def __init__(self, goal: TuningGoal, course: Course) -> None:
         self.goal, self.course = goal, course
 
-    def __call__(self, seen: Seen) -> Numbers:
+    def __call__(self, outputs: Seen) -> Numbers:
         """Return the costs of runs, shape (runs, samples) -> (runs,); infinite for a failed run."""
         with np.errstate(invalid="ignore"):
-            costs = np.asarray(self.parts(seen)[0])
+            costs = np.asarray(self.parts(outputs)[0])
         return np.where(np.isfinite(costs), costs, np.inf)
 
-    def slope(self, seen: Seen, slopes: Seen) -> Numbers:
+    def slope(self, outputs: Seen, slopes: Seen) -> Numbers:
         """Return the derivatives of the cost of a run, from slopes of its outputs of shape (samples, parameters)."""
-        _, output, signal, power = self.parts(seen)
+        _, output, signal, power = self.parts(outputs)
         return output @ slopes.output + signal @ slopes.signal + power @ slopes.power
 
-    def parts(self, seen: Seen) -> tuple[Any, Numbers, Numbers, Numbers]:
+    def parts(self, outputs: Seen) -> tuple[Any, Numbers, Numbers, Numbers]:
         """Return the costs, and their derivatives by output, signal and power at every sample."""
         goal, course = self.goal, self.course
-        error, by_output = self._error(seen.output - seen.reference)
-        beyond, more = self._overshoot(seen.output - seen.reference)
-        moved, by_signal = _smooth_size(np.diff(seen.signal) / course.signal)
+        error, by_output = self._error(outputs.output - outputs.reference)
+        beyond, more = self._overshoot(outputs.output - outputs.reference)
+        moved, by_signal = _smooth_size(np.diff(outputs.signal) / course.signal)
         count = max(moved.shape[-1], 1)
-        energy = seen.power.mean(-1) / course.power
+        energy = outputs.power.mean(-1) / course.power
         activity = moved.sum(-1) / count
         cost = error + goal.overshoot * beyond + goal.energy * energy + goal.activity * activity
         ends = np.zeros((*by_signal.shape[:-1], 1))
         by_signal = np.concatenate([ends, by_signal], -1) - np.concatenate([by_signal, ends], -1)
-        by_power = np.full_like(seen.power, goal.energy / course.power / seen.power.shape[-1])
+        by_power = np.full_like(outputs.power, goal.energy / course.power / outputs.power.shape[-1])
         by_signal = by_signal * (goal.activity / course.signal / count)
         return cost, by_output + goal.overshoot * more, by_signal, by_power
 

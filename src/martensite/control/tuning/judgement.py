@@ -68,8 +68,8 @@ class TuningJudgement:
 
     def describe(self) -> str:
         """Describe both errors and the plants, such as `rms 0.3 mm instead of 0.7 mm on 16 plants, better on 15`."""
-        shown, factor = choose_difference_unit(self.unit)
-        unit = typeset_unit(UNITS[self.measure].format(shown))
+        readable_unit, factor = choose_difference_unit(self.unit)
+        unit = typeset_unit(UNITS[self.measure].format(readable_unit))
         before, after = (f"{x / factor:.3g} {unit}" if np.isfinite(x) else "a run that fails" for x in self.errors)
         better = int((self.after < self.before).sum())
         where = f"{len(self.after)} plants, better on {better}" if self.drawn else "the plant of the scenario"
@@ -126,16 +126,16 @@ def judge_loops(
 
 
 def _run_plants(one: JudgedLoop, plants: Plants | None) -> Seen:
-    drawn = {} if plants is None else plants.values
-    return one.runs.run(one.runs.table({**drawn, **one.values}, 1 if plants is None else plants.count))
+    plant_values = {} if plants is None else plants.values
+    return one.runs.run(one.runs.table({**plant_values, **one.values}, 1 if plants is None else plants.count))
 
 
-def _measure_errors(seen: Seen, course: Course | None, measure: str, period: float) -> Numbers:
-    off = np.abs(seen.reference - seen.output)
+def _measure_errors(outputs: Seen, course: Course | None, measure: str, period: float) -> Numbers:
+    off = np.abs(outputs.reference - outputs.output)
     if course is None:
         return np.full(len(off), np.inf)
     if measure == "itae":
-        errors = np.asarray(compute_itae(seen, course))
+        errors = np.asarray(compute_itae(outputs, course))
     else:
         errors = off[:, 1:].sum(-1) * period if measure == "iae" else np.sqrt((off**2).mean(-1))
     return np.where(np.isfinite(errors), errors, np.inf)

@@ -72,9 +72,9 @@ def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[
 
 
 def _measure_step(before: float, after: float, output: Numbers, interval: float) -> StepResponse:
-    gone = (output - before) / (after - before)
-    risen = np.flatnonzero(gone >= RISE)
-    outside = np.flatnonzero(np.abs(gone - 1.0) > BAND)
+    progress = (output - before) / (after - before)
+    risen = np.flatnonzero(progress >= RISE)
+    outside = np.flatnonzero(np.abs(progress - 1.0) > BAND)
     last = int(outside[-1]) + 1 if len(outside) else 0
     tail = output[len(output) - max(round(LAST * len(output)), 1) :]
     return StepResponse(
@@ -82,7 +82,7 @@ def _measure_step(before: float, after: float, output: Numbers, interval: float)
         after,
         rise=float(risen[0]) * interval if len(risen) else math.inf,
         settling=last * interval if last < len(output) else math.inf,
-        overshoot=max(float(gone.max()) - 1.0, 0.0),
+        overshoot=max(float(progress.max()) - 1.0, 0.0),
         error=after - float(tail.mean()),
     )
 
@@ -124,26 +124,26 @@ UNITS = {
 """Unit of every measure; {} is the unit of the controlled output."""
 
 
-def measure_loop(seen: Seen, course: Course) -> Measures:
+def measure_loop(outputs: Seen, course: Course) -> Measures:
     """Return the measures of one run, arrays of shape (samples,)."""
-    e = seen.reference - seen.output
+    e = outputs.reference - outputs.output
     period, after = course.period, np.abs(e[1:])
     iae = float(after.sum() * period)
     return Measures(
-        itae=compute_itae(seen, course),
+        itae=compute_itae(outputs, course),
         iae=iae,
         rms=float(np.sqrt((e**2).mean())),
         overshoot=max(float((-e * course.way).max()), 0.0) / course.span + 0.0,
         settling=_measure_settling(e, course),
-        energy=float(seen.power[:-1].sum() * period),
-        activity=float(np.abs(np.diff(seen.signal)).mean()),
-        hottest=float(seen.hottest.max()),
+        energy=float(outputs.power[:-1].sum() * period),
+        activity=float(np.abs(np.diff(outputs.signal)).mean()),
+        hottest=float(outputs.hottest.max()),
     )
 
 
-def compute_itae(seen: Seen, course: Course) -> Any:
+def compute_itae(outputs: Seen, course: Course) -> Any:
     """Return ∫ t |e| dt of runs, shape (..., samples) -> (...,); NaN for a failed run."""
-    itae = np.abs(seen.reference - seen.output) @ course.clock * course.period
+    itae = np.abs(outputs.reference - outputs.output) @ course.clock * course.period
     return float(itae) if np.ndim(itae) == 0 else itae
 
 

@@ -60,8 +60,8 @@ class Mosfet(AbstractSwitch):
     @override
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
         left = drive - self.dead_time * frequency
-        made = xp.where(left < self.smallest_pulse * frequency, 0.0, xp.maximum(left, 0.0))
-        return xp.where(drive < 1.0, made, 1.0)
+        pulse_share = xp.where(left < self.smallest_pulse * frequency, 0.0, xp.maximum(left, 0.0))
+        return xp.where(drive < 1.0, pulse_share, 1.0)
 
     @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -107,8 +107,8 @@ class HBridge(AbstractSwitch):
     @override
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
         wanted = self._let_through(xp, drive)
-        made = xp.maximum(wanted - 2.0 * self.dead_time * frequency, 0.0)
-        return xp.where(wanted < 1.0, made, 1.0)
+        pulse_share = xp.maximum(wanted - 2.0 * self.dead_time * frequency, 0.0)
+        return xp.where(wanted < 1.0, pulse_share, 1.0)
 
     @override
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:

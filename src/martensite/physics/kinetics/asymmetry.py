@@ -96,11 +96,11 @@ def limit_against(xp: Namespace, present: Fractions, against: Scalar) -> Scalar:
     return xp.clip(against, xp.maximum(-present.oriented, 0.0), 0.5 * (present.martensite - present.oriented))
 
 
-def _forget_history(xp: Namespace, plain: Any, forget: Flag, kept: Any, present: Fractions) -> Any:
+def _forget_history(xp: Namespace, plain: Any, forget: Flag, inner_memory: Any, present: Fractions) -> Any:
     """Return the memory of the tension law, without history where `forget`."""
-    fresh = plain.init(xp, present, kept.stress, kept.temperature)
-    pairs = zip(flatten_numbers(fresh), flatten_numbers(kept), strict=True)
-    return NestedShape(kept).rebuild([xp.where(forget, a, b) for a, b in pairs])
+    fresh = plain.init(xp, present, inner_memory.stress, inner_memory.temperature)
+    pairs = zip(flatten_numbers(fresh), flatten_numbers(inner_memory), strict=True)
+    return NestedShape(inner_memory).rebuild([xp.where(forget, a, b) for a, b in pairs])
 
 
 def _turn_side(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar) -> SidedMemory:
@@ -108,9 +108,9 @@ def _turn_side(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar) -> 
     middle = memory.stress + stress
     side = xp.where(middle > 0.0, 1.0, xp.where(middle < 0.0, -1.0, memory.side))
     turns, present = side * memory.side < 0.0, _see_fractions(memory.present, side * memory.side)
-    kept = memory.inner._replace(stress=side * memory.stress)
-    forget = xp.both(turns, xp.negate(kept.branch > 0.0)) if law.keeps_forward else turns
-    inner = _forget_history(xp, law.on_side(xp, side), forget, kept, present)
+    inner_memory = memory.inner._replace(stress=side * memory.stress)
+    forget = xp.both(turns, xp.negate(inner_memory.branch > 0.0)) if law.keeps_forward else turns
+    inner = _forget_history(xp, law.on_side(xp, side), forget, inner_memory, present)
     reach = xp.where(turns, UNSET, memory.reach)
     against = limit_against(xp, present, memory.against + xp.where(turns, memory.present.oriented, 0.0))
     return SidedMemory(inner, present, against, side, reach, memory.stress, memory.temperature)
@@ -164,12 +164,12 @@ def _follow_parts(
     most, against, austenite = 1.0 - lost, memory.against - lost, 1.0 - xi
     first = compare_parts_left(xp, 1.0 - after.oriented, 1.0 - before.oriented)
     rest = compare_parts_left(xp, 1.0 - after.martensite, 1.0 - before.martensite, first)
-    kept, back = compare_parts_left(xp, after.martensite, before.martensite), after.martensite < before.martensite
+    factor, back = compare_parts_left(xp, after.martensite, before.martensite), after.martensite < before.martensite
     ahead = xp.either(after.martensite > before.martensite, after.oriented > before.oriented)
     along, astray = (xp.where(ahead, (1.0 - first) * xp.maximum(x, 0.0), 0.0) for x in (share, -share))
     grown = n + along * (most - n) - astray * (most + n) + twinned * austenite * (first - rest)
-    n = xp.where(back, (n + against) * kept - against, xp.where(ahead, grown, n))
-    whole = xp.where(back, (xi - lost - against) * kept + against + lost, xp.where(ahead, 1.0 - austenite * rest, xi))
+    n = xp.where(back, (n + against) * factor - against, xp.where(ahead, grown, n))
+    whole = xp.where(back, (xi - lost - against) * factor + against + lost, xp.where(ahead, 1.0 - austenite * rest, xi))
     xi, n = whole - lost * both, n + share * lost * (1.0 - alone)
     fractions = Fractions(xi, xp.clip(n, -xi, xi))
     return fractions, limit_against(xp, fractions, against * (1.0 - along) + astray * (most - against))

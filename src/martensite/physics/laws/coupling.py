@@ -69,9 +69,9 @@ def advance_memory(
     end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.steep)
     if not law.one_way:
         end = _polish_fractions(xp, answer, end)
-    found = answer(xp, end)
+    response = answer(xp, end)
     stress, temperature = settle(xp, end)
-    residual = find_largest(xp, [xp.abs(a - b) for a, b in zip(end, found, strict=True)])
+    residual = find_largest(xp, [xp.abs(a - b) for a, b in zip(end, response, strict=True)])
     after = law.commit(xp, memory, move, end, stress, temperature, dt)
     return after, StepReport(residual, law.crossing(xp, memory, move, *trial))
 
@@ -142,11 +142,11 @@ def _polish_fractions(
         tried = move(before, length)
         newton, residual = _compute_newton_step(xp, answer, tried)
         better = residual < least
-        kept = [xp.where(better, new, old) for new, old in zip((*tried, *newton), before, strict=True)]
+        best_numbers = [xp.where(better, new, old) for new, old in zip((*tried, *newton), before, strict=True)]
         left, length = xp.where(better, residual, least), xp.where(better, 1.0, 0.25 * length)
-        far = sum_column([xp.abs(step) for step in kept[size:]]) > SMALL
+        far = sum_column([xp.abs(step) for step in best_numbers[size:]]) > SMALL
         more = xp.both(left > POLISHED, xp.both(far, length > SMALL))
-        return (xp.where(more, 1.0, 0.0), *kept, length, left)
+        return (xp.where(more, 1.0, 0.0), *best_numbers, length, left)
 
     begin = 1.0, *start, *[0.0 for _ in start], 1.0, float("inf")
     unfinished, *numbers, length, _ = xp.iterate(MOST_STEPS, turn, *begin)

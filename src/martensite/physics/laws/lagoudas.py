@@ -126,8 +126,8 @@ class Lagoudas(AbstractSurfaceLaw):
         if self.reorients:  # martensite that reverts from the other orientation and forms again is new
             move = move._replace(fraction=xp.where(move.ratio < 0.0, left, move.fraction))
         gained = self._integrate_strain(xp, scale, move, way, xp.maximum(fraction, move.fraction))
-        kept = move.ratio * xp.minimum(fraction, move.fraction)
-        return Fractions(fraction, kept + gained / self.H_sat)
+        remainder = move.ratio * xp.minimum(fraction, move.fraction)
+        return Fractions(fraction, remainder + gained / self.H_sat)
 
     def _integrate_strain(
         self, xp: Namespace, scale: WorkScale, move: LagoudasProcess, way: StraightPath, fraction: Scalar
@@ -197,8 +197,8 @@ class Lagoudas(AbstractSurfaceLaw):
         """Advance along a straight leg, cut wherever a process may turn inside it."""
         here = memory.stress, memory.temperature
         there = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
-        found = self.follow(xp, there, *here, 0.0)
-        memory = self.commit(xp, memory, there, found, *here, 0.0)
+        fractions = self.follow(xp, there, *here, 0.0)
+        memory = self.commit(xp, memory, there, fractions, *here, 0.0)
         way = there.way(stress, temperature)
         turn = way.at(self.forward_peak(xp, self.scale(xp), way))
         memory, _ = self._advance(xp, memory, *turn, dt)

@@ -217,14 +217,14 @@ class _Stages:
         xp, coupling = self.xp, self.coupling
         at = self._state(POINTS[k], before)
         stress = coupling.stress(xp, at)
-        asked, gained, moved = self._ask_groups(k, stress, at[2], before)
+        response, gained, moved = self._ask_groups(k, stress, at[2], before)
         power, slope = coupling.power(xp, at)
         heat = power + (TIMES[k] - 0.5) * self.dt * slope
         heat = heat + coupling.latent(xp, stress, at[2]) * moved
         heat = heat + SLOPES[k] * self.dt * self.slope
         own = _weigh_numbers(CARRIED[k], [one.temperature for one in before])
         heat = heat + coupling.capacity * self.per_step * own
-        (m, o), (by_m, by_o, _) = asked.mean(), self.by_state
+        (m, o), (by_m, by_o, _) = response.mean(), self.by_state
         stress = self.yields * (by_m * m + by_o * o)
         m, o = m + self.of_stress[0] * stress, o + self.of_stress[1] * stress
         heat = heat + self.by_heat[0] * m + self.by_heat[1] * o
@@ -236,7 +236,7 @@ class _Stages:
             return [a + b * stress + c * change for a, b, c in zip(row[:2], row[2:4], row[4:], strict=True)]
 
         linear = self.linear
-        groups = _map_rows(xp, group, *asked, *linear.by_stress, *linear.by_temperature)
+        groups = _map_rows(xp, group, *response, *linear.by_stress, *linear.by_temperature)
         m, o = m + self.both[0] * change, o + self.both[1] * change
         return _Stage(_Columns(*groups), m, o, change)
 

@@ -129,6 +129,6 @@ class Wear(Parametrised):
     def _grow(self, xp: Namespace, worn: Worn, more: Scalar) -> Scalar:
         """Return the residual strain `more` cycles later."""
         load = xp.maximum(worn.stress, 0.0) / self.reference_stress
-        begun, slope = self._decades(xp, worn.cycles), self.residual_strain_per_decade * load
-        settled = xp.maximum(self.residual_strain * load + slope * begun - worn.residual, 0.0) * self._settle(xp, more)
-        return worn.residual + settled + slope * (self._decades(xp, worn.cycles + more) - begun)
+        decade, slope = self._decades(xp, worn.cycles), self.residual_strain_per_decade * load
+        settled = xp.maximum(self.residual_strain * load + slope * decade - worn.residual, 0.0) * self._settle(xp, more)
+        return worn.residual + settled + slope * (self._decades(xp, worn.cycles + more) - decade)

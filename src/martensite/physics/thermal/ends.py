@@ -59,5 +59,5 @@ class ClampedEnds(AbstractEnds):
         b = xp.maximum(0.5 * healing * shape.length, PARABOLA_LIMIT)
         heat = xp.tanh(b)
         contact = 2.0 * b * along / (shape.length * self.contact)
-        kept = 1.0 - heat / (b * (1.0 + contact * heat))
-        return 4.0 * along / shape.length * b * b / kept
+        remainder = 1.0 - heat / (b * (1.0 + contact * heat))
+        return 4.0 * along / shape.length * b * b / remainder

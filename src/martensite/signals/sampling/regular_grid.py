@@ -62,12 +62,12 @@ def from_record(
         raise DataError(f"Times of record `{record.name}` must increase, {where}.")
     u, y, first, remarks = _fill_held_inputs(record.name, columns, inputs, outputs)
     grid = _find_grid(times[first:], interval)
-    made, more = _on_grid(times[first:], u[first:], y[first:], grid)
+    tables, more = _on_grid(times[first:], u[first:], y[first:], grid)
     sampled = Sampled(
         name=record.name,
         interval=grid.interval,
-        inputs=made[0],
-        outputs=made[1],
+        inputs=tables[0],
+        outputs=tables[1],
         input_names=tuple(inputs),
         output_names=tuple(outputs),
         units=spelled,

@@ -74,13 +74,13 @@ class AbstractMeasure(Parametrised):
         """
         names = system.outputs()
         wanted = self.of or next(iter(system.mechanism.outputs()))
-        found = find_paths(wanted, names)
-        if not found:
+        matches = find_paths(wanted, names)
+        if not matches:
             raise ParameterError(
                 f"`{self.registered_name}` looks at `{wanted}`, which is no output of this system. "
                 f"{suggest_name(wanted, names)}"
             )
-        return tuple(found)
+        return tuple(matches)
 
     def unit_in(self, system: AbstractSystem) -> str:
         """Return the SI unit of the measure for a system."""
@@ -96,12 +96,12 @@ def parse_measure(words: str) -> AbstractMeasure:
     Raises:
         ParameterError: the measure is unknown, or an option is wrong.
     """
-    found = _CALL.match(words)
-    if found is None:
+    call = _CALL.match(words)
+    if call is None:
         raise ParameterError(
             f"`{words}` is no measure; write a name, such as `stroke`, or a name and an output, such as `max(stress)`."
         )
-    return MEASURES[found[1]](**_parse_options(found[2] or ""))
+    return MEASURES[call[1]](**_parse_options(call[2] or ""))
 
 
 def _parse_options(words: str) -> dict[str, Any]:

@@ -79,8 +79,8 @@ class FallTime(RiseTime):
 
     def _cross(self, table: RunTable, way: ColumnCrossings) -> Crossing:
         """Return the first crossing after the turn."""
-        found: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
-        return Crossing(table.times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
+        crossings: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
+        return Crossing(table.times, way, np.where(crossings.any(axis=1), crossings.argmax(axis=1), -1))
 
 
 @MEASURES.register("reach-time")
@@ -101,9 +101,9 @@ class ReachTime(AbstractMeasure):
 
     def derivatives(self, table: RunTable) -> Numbers:
         """Return the derivatives of the last crossing; 0 without a crossing."""
-        found = self._crossing(table)
-        longest = np.arange(len(table.values))[:, None] == found.time.argmax(axis=0)
-        return found.slopes() * longest[:, None, :]
+        crossing = self._crossing(table)
+        longest = np.arange(len(table.values))[:, None] == crossing.time.argmax(axis=0)
+        return crossing.slopes() * longest[:, None, :]
 
     def spread(self, table: RunTable, off: Numbers) -> float:
         """Return the error bound of the crossing."""
@@ -131,34 +131,34 @@ class PeakTime(AbstractMeasure):
         """Return the derivatives by the farthest row and its neighbours; 0 for a peak at a run end."""
         when, place, slopes = self._find_peaks(table)
         longest = np.arange(len(table.values))[:, None] == when.argmax(axis=0)
-        found = np.zeros(table.values.shape)
+        derivatives = np.zeros(table.values.shape)
         for k, slope in enumerate(slopes):
-            _add_sample(found, place + k - 1, slope * longest)
-        return found
+            _add_sample(derivatives, place + k - 1, slope * longest)
+        return derivatives
 
     def spread(self, table: RunTable, off: Numbers) -> float:
         """Return the distance of the peak from all times with a possibly larger change.
 
         Between two candidate rows the change follows a parabola with its turning point at the first.
         """
-        gone = np.abs(table.values - table.values[:, :1])[:, :, 0]
-        level = gone.max(axis=1, keepdims=True) - 2.0 * off[:, None]
-        when, times, near = self._find_peaks(table)[0][:, 0], table.times[:, 0], gone >= level
+        change = np.abs(table.values - table.values[:, :1])[:, :, 0]
+        level = change.max(axis=1, keepdims=True) - 2.0 * off[:, None]
+        when, times, near = self._find_peaks(table)[0][:, 0], table.times[:, 0], change >= level
         farthest = np.where(near, np.abs(times - when[:, None]), 0.0).max(axis=1)
         for inner, outer in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
             ends = near[:, inner] & ~near[:, outer]
-            fall = np.where(ends, gone[:, inner] - gone[:, outer], 1.0)
-            share = np.sqrt(np.clip((gone[:, inner] - level) / fall, 0.0, 1.0))
+            fall = np.where(ends, change[:, inner] - change[:, outer], 1.0)
+            share = np.sqrt(np.clip((change[:, inner] - level) / fall, 0.0, 1.0))
             reached = times[inner] + share * (times[outer] - times[inner])
             farthest = np.maximum(farthest, np.where(ends, np.abs(reached - when[:, None]), 0.0).max(axis=1))
         return float(farthest.max())
 
     def _find_peaks(self, table: RunTable) -> tuple[Numbers, Places, list[Numbers]]:
         """Return time, inner row and derivatives by three rows of the peak, by column and run."""
-        seen, times = table.values, np.broadcast_to(table.times, table.values.shape)
-        turn: Places = np.abs(seen - seen[:, :1]).argmax(axis=1)
-        place = np.clip(turn, 1, seen.shape[1] - 2)
-        before, here, after = (_take_sample(seen, place + k) for k in (-1, 0, 1))
+        values, times = table.values, np.broadcast_to(table.times, table.values.shape)
+        turn: Places = np.abs(values - values[:, :1]).argmax(axis=1)
+        place = np.clip(turn, 1, values.shape[1] - 2)
+        before, here, after = (_take_sample(values, place + k) for k in (-1, 0, 1))
         begin, middle, end = (_take_sample(times, place + k) for k in (-1, 0, 1))
         first, second = middle - begin, end - middle
         smooth = (first > 0.0) & (second > 0.0)
@@ -175,9 +175,9 @@ class PeakTime(AbstractMeasure):
 
 def cross_outwards(table: RunTable, way: ColumnCrossings) -> Crossing:
     """Return the last crossing before the turn."""
-    found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
-    last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
-    return Crossing(table.times, way, np.where(found.any(axis=1), last, -1))
+    crossings: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
+    last: Places = crossings.shape[1] - 1 - crossings[:, ::-1].argmax(axis=1)
+    return Crossing(table.times, way, np.where(crossings.any(axis=1), last, -1))
 
 
 def measure_spread(cross: Callable[[ColumnCrossings], Crossing], table: RunTable, share: float, off: Numbers) -> float:
@@ -191,9 +191,9 @@ def measure_spread(cross: Callable[[ColumnCrossings], Crossing], table: RunTable
     """
     here = ColumnCrossings(table.values, share)
     meant, ends = cross(here), here.find_turns(2.0 * off)
-    found = [cross(here.shift(turn, level * off)) for turn in ends for level in (-2.0, 2.0)]
+    crossings = [cross(here.shift(turn, level * off)) for turn in ends for level in (-2.0, 2.0)]
     with np.errstate(invalid="ignore"):
-        apart = np.abs(np.stack([one.time[:, 0] for one in found]) - meant.time[:, 0])
+        apart = np.abs(np.stack([one.time[:, 0] for one in crossings]) - meant.time[:, 0])
     return float(np.where(np.isnan(apart), np.inf, apart).max())
 
 
@@ -213,29 +213,29 @@ class Crossing:
 
     def slopes(self) -> Numbers:
         """Return the derivatives of the time by every sample; 0 without a crossing."""
-        way, found = self.way, np.zeros(self.way.beyond.shape)
+        way, derivatives = self.way, np.zeros(self.way.beyond.shape)
         level = -(self.by_begin + self.by_end)
-        _add_sample(found, self.place, self.by_begin)
-        _add_sample(found, self.place + 1, self.by_end)
-        _add_sample(found, np.zeros_like(way.turn), level * (1.0 - way.share))
-        _add_sample(found, way.turn, level * way.share)
-        return found * np.where(self.missing, 0.0, way.sign)[:, None]
+        _add_sample(derivatives, self.place, self.by_begin)
+        _add_sample(derivatives, self.place + 1, self.by_end)
+        _add_sample(derivatives, np.zeros_like(way.turn), level * (1.0 - way.share))
+        _add_sample(derivatives, way.turn, level * way.share)
+        return derivatives * np.where(self.missing, 0.0, way.sign)[:, None]
 
 
 class ColumnCrossings:
     """Changes by column and run, and distances of samples from a fraction of the change."""
 
-    def __init__(self, seen: Numbers, share: float) -> None:
-        gone = seen - seen[:, :1]
+    def __init__(self, values: Numbers, share: float) -> None:
+        change = values - values[:, :1]
         self.share = share
-        self.turn: Places = np.abs(gone).argmax(axis=1)
-        furthest = _take_sample(gone, self.turn)
-        least: Numbers = LEAST_WAY[0] + LEAST_WAY[1] * np.abs(seen).max(axis=1)
+        self.turn: Places = np.abs(change).argmax(axis=1)
+        furthest = _take_sample(change, self.turn)
+        least: Numbers = LEAST_WAY[0] + LEAST_WAY[1] * np.abs(values).max(axis=1)
         self.none: Flags = np.abs(furthest) <= least
         """True if the path leads nowhere."""
         self.sign = np.where(furthest >= 0.0, 1.0, -1.0)
-        self.beyond = (gone - share * furthest[:, None]) * self.sign[:, None]
-        intervals = np.arange(seen.shape[1] - 1, dtype=np.intp)[None, :, None]
+        self.beyond = (change - share * furthest[:, None]) * self.sign[:, None]
+        intervals = np.arange(values.shape[1] - 1, dtype=np.intp)[None, :, None]
         self.out: Flags = intervals < self.turn[:, None, :]
         """True if an interval is before the turn."""
 
@@ -248,9 +248,9 @@ class ColumnCrossings:
     def shift(self, turn: Places, off: Numbers) -> ColumnCrossings:
         """Return the change with another turn, to a level that is farther by `off`, (columns,)."""
         intervals = np.arange(self.out.shape[1], dtype=np.intp)[None, :, None]
-        found = copy(self)
-        found.turn, found.out, found.beyond = turn, intervals < turn[:, None, :], self.beyond - off[:, None, None]
-        return found
+        twin = copy(self)
+        twin.turn, twin.out, twin.beyond = turn, intervals < turn[:, None, :], self.beyond - off[:, None, None]
+        return twin
 
 
 def _take_sample(samples: Numbers, place: Places) -> Numbers:

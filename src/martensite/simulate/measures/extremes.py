@@ -59,14 +59,14 @@ class Stroke(Largest):
 
     def derivatives(self, table: RunTable) -> Numbers:
         """Return 1 at the largest and −1 at the smallest row of the column that varies most."""
-        seen = table.values
-        found = np.zeros(seen.shape)
-        runs = np.arange(seen.shape[2], dtype=np.intp)
-        widest = np.ptp(seen, axis=1).argmax(axis=0)
-        column = seen[widest, :, runs]
-        found[widest, column.argmax(axis=1), runs] += 1.0
-        found[widest, column.argmin(axis=1), runs] -= 1.0
-        return found
+        values = table.values
+        derivatives = np.zeros(values.shape)
+        runs = np.arange(values.shape[2], dtype=np.intp)
+        widest = np.ptp(values, axis=1).argmax(axis=0)
+        column = values[widest, :, runs]
+        derivatives[widest, column.argmax(axis=1), runs] += 1.0
+        derivatives[widest, column.argmin(axis=1), runs] -= 1.0
+        return derivatives
 
 
 @MEASURES.register("change")
@@ -81,24 +81,24 @@ class Change(Stroke):
 
     def derivatives(self, table: RunTable) -> Numbers:
         """Return 1 at the farthest row and −1 at the first."""
-        seen = table.values
-        found, runs = np.zeros(seen.shape), np.arange(seen.shape[2], dtype=np.intp)
-        most = np.abs(seen - seen[:, :1]).max(axis=1).argmax(axis=0)
-        found[most, np.abs(self._choose_column(seen)).argmax(axis=0), runs] += 1.0
-        found[most, 0, runs] -= 1.0
-        return found
+        values = table.values
+        derivatives, runs = np.zeros(values.shape), np.arange(values.shape[2], dtype=np.intp)
+        most = np.abs(values - values[:, :1]).max(axis=1).argmax(axis=0)
+        derivatives[most, np.abs(self._choose_column(values)).argmax(axis=0), runs] += 1.0
+        derivatives[most, 0, runs] -= 1.0
+        return derivatives
 
-    def _choose_column(self, seen: Numbers) -> Numbers:
+    def _choose_column(self, values: Numbers) -> Numbers:
         """Return the change of the column that changes most, (rows, runs)."""
-        gone = seen - seen[:, :1]
-        return gone[np.abs(gone).max(axis=1).argmax(axis=0), :, np.arange(seen.shape[2], dtype=np.intp)].T
+        change = values - values[:, :1]
+        return change[np.abs(change).max(axis=1).argmax(axis=0), :, np.arange(values.shape[2], dtype=np.intp)].T
 
 
-def _mark_row(seen: Numbers, place: Callable[..., Any]) -> Numbers:
+def _mark_row(values: Numbers, place: Callable[..., Any]) -> Numbers:
     """Return 1 at one value of every run, else 0."""
-    found = np.zeros(seen.shape).reshape(-1, seen.shape[2])
-    found[place(seen.reshape(found.shape), axis=0), np.arange(seen.shape[2])] = 1.0
-    return found.reshape(seen.shape)
+    marks = np.zeros(values.shape).reshape(-1, values.shape[2])
+    marks[place(values.reshape(marks.shape), axis=0), np.arange(values.shape[2])] = 1.0
+    return marks.reshape(values.shape)
 
 
 @MEASURES.register("at")
@@ -136,9 +136,9 @@ class At(AbstractMeasure):
         runs = np.arange(times.shape[1], dtype=np.intp)
         begin, length = times[before, runs], np.diff(times, axis=0)[before, runs]
         share = np.clip(np.where(length > 0.0, (when - begin) / np.where(length > 0.0, length, 1.0), 1.0), 0.0, 1.0)
-        found = np.zeros(times.shape)
-        found[before, runs], found[before + 1, runs] = 1.0 - share, share
-        return found
+        weights = np.zeros(times.shape)
+        weights[before, runs], weights[before + 1, runs] = 1.0 - share, share
+        return weights
 
 
 @MEASURES.register("final")

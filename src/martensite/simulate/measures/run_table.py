@@ -39,14 +39,14 @@ class RunTable:
         Args:
             first: 0 to omit the rows 0, 2, 4, …, 1 to omit the rows 1, 3, 5, ….
         """
-        times, kept = self.times[:, 0], np.arange(len(self.times)) % 2 != first
+        times, mask = self.times[:, 0], np.arange(len(self.times)) % 2 != first
         jumps = np.diff(times) == 0.0
-        kept[0] = kept[-1] = True
-        kept[:-1] |= jumps
-        kept[1:] |= jumps
-        kept[self.values[:, :, 0].argmax(axis=1)] = kept[self.values[:, :, 0].argmin(axis=1)] = True
+        mask[0] = mask[-1] = True
+        mask[:-1] |= jumps
+        mask[1:] |= jumps
+        mask[self.values[:, :, 0].argmax(axis=1)] = mask[self.values[:, :, 0].argmin(axis=1)] = True
         ends = (None if one is None else one[:, :1] for one in (self.highest, self.lowest))
-        return RunTable(self.times[kept, :1], self.values[:, kept, :1], self.weights[kept, :1], *ends)
+        return RunTable(self.times[mask, :1], self.values[:, mask, :1], self.weights[mask, :1], *ends)
 
     def find_highest(self) -> Numbers:
         """Return the maximum of every column, (columns, runs)."""
@@ -91,7 +91,7 @@ def tabulate_track(track: Track, columns: Sequence[int], runs: int, curve: bool)
 
 def find_extremes(track: Track, runs: int) -> tuple[Numbers, Numbers]:
     """Return the maximum and minimum of every output in every run, (outputs, runs); NaN without rows."""
-    found = list[Numbers]()
+    extremes = list[Numbers]()
     for sign in (1.0, -1.0):
         most = np.full((runs, track.values.shape[1]), -np.inf)
         if len(track.run):
@@ -99,5 +99,5 @@ def find_extremes(track: Track, runs: int) -> tuple[Numbers, Numbers]:
             most[track.run[starts]] = np.maximum.reduceat(sign * track.values, starts, axis=0)
         peaks = track.find_peaks(sign)
         np.maximum.at(most, (peaks.run, peaks.column), sign * peaks.value)
-        found.append(np.where(np.isinf(most), np.nan, sign * most).T)
-    return found[0], found[1]
+        extremes.append(np.where(np.isinf(most), np.nan, sign * most).T)
+    return extremes[0], extremes[1]

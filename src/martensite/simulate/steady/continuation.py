@@ -112,29 +112,29 @@ def correct_point(
     """
     point, last = np.array(guess, float), np.inf
     for number in range(1, ITERATIONS + 1):
-        found = equations.linearise(point)
-        if not (np.isfinite(found.residual).all() and np.isfinite(found.jacobian).all()):
+        linear = equations.linearise(point)
+        if not (np.isfinite(linear.residual).all() and np.isfinite(linear.jacobian).all()):
             break
-        units = found.sizes if sizes is None else sizes
+        units = linear.sizes if sizes is None else sizes
         aside = normal @ ((point - guess) / units)
-        matrix = np.vstack([found.jacobian * units, normal])
-        change = np.linalg.lstsq(matrix, -np.append(found.residual, aside), rcond=RANK)[0]
+        matrix = np.vstack([linear.jacobian * units, normal])
+        change = np.linalg.lstsq(matrix, -np.append(linear.residual, aside), rcond=RANK)[0]
         point = point + change * units
         length = float(np.linalg.norm(change))
         if length <= SETTLED or (length <= GOOD and length > 0.3 * last):
-            return point, found, number
+            return point, linear, number
         if length > 1e3:
             break
         last = length
     raise SolveError("Newton's method finds no solution near the guess.")
 
 
-def find_tangent(found: Linearised, along: Numbers) -> Numbers:
+def find_tangent(linear: Linearised, along: Numbers) -> Numbers:
     """Return the unit tangent of the curve at a point, in the direction of `along`.
 
     Of all directions with constant residual, the nearest to `along` is used.
     """
-    scaled = found.jacobian * found.sizes
+    scaled = linear.jacobian * linear.sizes
     _, singular, rows = np.linalg.svd(scaled, full_matrices=True)
     rank = int(np.sum(singular > RANK * singular[0]))
     rank = min(rank, len(rows) - 1)
@@ -160,15 +160,15 @@ class Curve:
         """
         normal = np.zeros(len(guess))
         normal[-1] = np.copysign(1.0, direction)
-        point, found, _ = correct_point(self.equations, guess, normal)
-        return CurvePoint(point, find_tangent(found, normal), found.sizes)
+        point, linear, _ = correct_point(self.equations, guess, normal)
+        return CurvePoint(point, find_tangent(linear, normal), linear.sizes)
 
     def step(self, begin: CurvePoint, length: float) -> tuple[CurvePoint, int]:
         """Return the point at a length along the curve, and the number of Newton steps."""
         guess = begin.unknowns + length * begin.tangent * begin.sizes
-        point, found, number = correct_point(self.equations, guess, begin.tangent, begin.sizes)
-        along = begin.tangent * begin.sizes / found.sizes
-        return CurvePoint(point, find_tangent(found, along), found.sizes), number
+        point, linear, number = correct_point(self.equations, guess, begin.tangent, begin.sizes)
+        along = begin.tangent * begin.sizes / linear.sizes
+        return CurvePoint(point, find_tangent(linear, along), linear.sizes), number
 
     def follow(self, begin: CurvePoint, low: float, high: float) -> Iterator[CurvePoint]:
         """Yield the points from a solution to the bounds of the parameter, with folds.
@@ -213,8 +213,8 @@ class Curve:
         near = self.locate(here, there, lambda one: one.parameter - bound, length_of(here, there))
         guess, normal = near.unknowns.copy(), np.zeros(len(near.unknowns))
         guess[-1], normal[-1] = bound, 1.0
-        point, found, _ = correct_point(self.equations, guess, normal)
-        return CurvePoint(point, find_tangent(found, near.tangent), found.sizes)
+        point, linear, _ = correct_point(self.equations, guess, normal)
+        return CurvePoint(point, find_tangent(linear, near.tangent), linear.sizes)
 
     def locate(
         self,
@@ -225,16 +225,16 @@ class Curve:
         fold: bool = False,
     ) -> CurvePoint:
         """Return the point between two points at which a function is 0."""
-        known = {0.0: here, length: there}
+        points = {0.0: here, length: there}
 
         def value(at: float) -> float:
-            if at not in known:
-                known[at] = self.step(here, at)[0]
-            return function(known[at])
+            if at not in points:
+                points[at] = self.step(here, at)[0]
+            return function(points[at])
 
         root = find_root(value, 0.0, length, relative=1e-14)
         value(root)
-        one = known[root]
+        one = points[root]
         return CurvePoint(one.unknowns, one.tangent, one.sizes, fold)
 
 

@@ -144,10 +144,10 @@ def _follow_folds(
     halves = list[list[CurvePoint]]()
     for direction in (-1.0, 1.0):
         folds = FoldEquations(equations)
-        begun = Curve(folds, how).begin(find_fold(folds, guess, second), direction)
+        start = Curve(folds, how).begin(find_fold(folds, guess, second), direction)
         half = list[CurvePoint]()
         try:
-            half.extend(Curve(folds, how).follow(begun, low, high))
+            half.extend(Curve(folds, how).follow(start, low, high))
         except SolveError:
             if not half:
                 raise
@@ -199,13 +199,13 @@ def trace_folds(
         one.system, motion.signals, [curve.varied, varied], rotor=motion.rotor, steps=motion.steps, grid=motion.grid
     )
     both.angle = motion.angle
-    found = _follow_folds(both, points[place].unknowns, now, low, high, how)
-    seen = [both.observe(point)[1] for point in found.unknowns]
-    require_same_heat(both, {name: np.array([one[name].mean() for one in seen]) for name in seen[0]})
+    boundary = _follow_folds(both, points[place].unknowns, now, low, high, how)
+    outputs = [both.observe(point)[1] for point in boundary.unknowns]
+    require_same_heat(both, {name: np.array([one[name].mean() for one in outputs]) for name in outputs[0]})
     return FoldCurve(
         (curve.varied.name, varied.name),
         (curve.varied.unit, varied.unit),
-        found.unknowns[:, -2],
-        found.unknowns[:, -1],
-        found.fold,
+        boundary.unknowns[:, -2],
+        boundary.unknowns[:, -1],
+        boundary.fold,
     )

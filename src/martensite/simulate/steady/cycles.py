@@ -160,9 +160,9 @@ class Shooting:
         before = self._see(state)
         if self._changed(before, self._see(end)):
             return False
-        found = motion.linearise(state)
-        change = np.linalg.lstsq(found.jacobian * found.sizes, -found.residual, rcond=1e-10)[0] * found.sizes
-        change[np.abs(change) <= ROUNDING * found.sizes] = 0.0
+        linear = motion.linearise(state)
+        change = np.linalg.lstsq(linear.jacobian * linear.sizes, -linear.residual, rcond=1e-10)[0] * linear.sizes
+        change[np.abs(change) <= ROUNDING * linear.sizes] = 0.0
         there = self._see(state + change)
         reach = [abs(there[name] - before[name]) / most for name, most in self.leaps.items()]
         trial = state + change / max(1.0, *reach, 1.0)

@@ -31,14 +31,14 @@ class FoldEquations:
 
     def linearise(self, point: Numbers) -> Linearised:
         """Return F and σ with their derivatives."""
-        found = self.equations.linearise(point)
-        matrix = (found.jacobian * found.sizes)[:, :-2]
+        linear = self.equations.linearise(point)
+        matrix = (linear.jacobian * linear.sizes)[:, :-2]
         right, left = self._pair = self._find_pair(matrix)
-        nudge = NUDGE * np.append(right, [0.0, 0.0]) * found.sizes
+        nudge = NUDGE * np.append(right, [0.0, 0.0]) * linear.sizes
         ahead, behind = (self.equations.linearise(point + sign * nudge).jacobian for sign in (1.0, -1.0))
         change = left @ (ahead - behind) / (2.0 * NUDGE)
-        residual = np.append(found.residual, left @ matrix @ right)
-        return Linearised(residual, np.vstack([found.jacobian, change]), found.sizes)
+        residual = np.append(linear.residual, left @ matrix @ right)
+        return Linearised(residual, np.vstack([linear.jacobian, change]), linear.sizes)
 
     def _find_pair(self, matrix: Numbers) -> tuple[Numbers, Numbers]:
         """Return v and w of the singular value nearest to the previous one, or of the smallest."""

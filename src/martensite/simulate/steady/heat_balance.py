@@ -126,10 +126,10 @@ def _find_actuator(subject: Scenario | AbstractSystem | Actuator, port: str | No
     """Return the element in its environment."""
     if not isinstance(subject, Actuator):
         system = subject if isinstance(subject, AbstractSystem) else subject.system
-        known = system.actuators()
-        if not known:
+        actuators = system.actuators()
+        if not actuators:
             raise InputError("This system has no element that could be heated.")
         if port is not None:
-            require_known("port", port, list(known))
-        return known[port or next(iter(known))]
+            require_known("port", port, list(actuators))
+        return actuators[port or next(iter(actuators))]
     return subject

@@ -220,9 +220,9 @@ class PeriodicMotion:
         matrix = slopes[:, :n]
         if k is None:
             return judge_stability(matrix)
-        kept = np.arange(n) != k
+        others = np.arange(n) != k
         matrix = matrix - np.outer(slopes[:, n], matrix[k]) / slopes[k, n]
-        return judge_stability(matrix[np.ix_(kept, kept)])
+        return judge_stability(matrix[np.ix_(others, others)])
 
     def observe(self, point: Numbers) -> tuple[Numbers, dict[str, Numbers]]:
         """Return the times [s] and outputs of a period."""
@@ -242,9 +242,9 @@ def find_inert(matrix: Numbers) -> Numbers:
 def judge_stability(matrix: Numbers) -> Stability:
     """Return the multipliers of d(state after)/d(state before), with neutral ones separate."""
     inert = find_inert(matrix)
-    found = np.linalg.eigvals(matrix[np.ix_(~inert, ~inert)])
-    still = np.abs(found - 1.0) <= NEUTRAL
-    return Stability(found[~still], int(inert.sum() + still.sum()))
+    multipliers = np.linalg.eigvals(matrix[np.ix_(~inert, ~inert)])
+    still = np.abs(multipliers - 1.0) <= NEUTRAL
+    return Stability(multipliers[~still], int(inert.sum() + still.sum()))
 
 
 def index_drives(system: AbstractSystem, levels: Mapping[str, float]) -> Numbers:

@@ -16,14 +16,14 @@ def convert_speed(speed: Any, unit: str) -> Any:
     return speed / (2.0 * np.pi) if unit == "Hz" else speed * (60.0 / (2.0 * np.pi) if unit == "rpm" else 1.0)
 
 
-def choose_output(found: ResponseCurve) -> str:
+def choose_output(curve: ResponseCurve) -> str:
     """Return the first oscillating judged output, for a display of its amplitude."""
-    judged = found.motion.stretch.system.convergence_scales()
-    swings = [name for name in judged if name in found.amplitude and "speed" not in name and found.units[name] != "K"]
-    return swings[0] if swings else next(iter(found.amplitude))
+    judged = curve.motion.stretch.system.convergence_scales()
+    swings = [name for name in judged if name in curve.amplitude and "speed" not in name and curve.units[name] != "K"]
+    return swings[0] if swings else next(iter(curve.amplitude))
 
 
 def list_readable(values: Numbers, unit: str) -> tuple[Numbers, str]:
     """Return the values in a readable unit, and the unit."""
-    shown = units.choose_readable_unit(unit)
-    return np.array([units.from_si(float(v), shown, unit) for v in values]), shown
+    readable_unit = units.choose_readable_unit(unit)
+    return np.array([units.from_si(float(v), readable_unit, unit) for v in values]), readable_unit

@@ -127,12 +127,12 @@ def trace_response(
         raise InputError(f"A curve begins at `low` or at `high`, not at `{start}`.")
     motion, guess = begin_rotation(one, varied, begin, signals, steps)
     curve = Curve(motion, how)
-    found = list[CurvePoint]()
+    points = list[CurvePoint]()
     for point in curve.follow(curve.begin(guess, high - low if start == "low" else low - high), low, high):
-        found.append(point)
+        points.append(point)
         if tell is not None:
             tell("following the curve", abs(point.parameter - begin) / (high - low))
-    return _describe_curve(motion, varied, found, one)
+    return _describe_curve(motion, varied, points, one)
 
 
 def continue_response(
@@ -168,13 +168,13 @@ def continue_response(
     if not 0 <= place < len(curve.points):
         raise ParameterError(f"The curve has {len(curve.points)} points, but no fold {place}.")
     point, before = curve.points[place].unknowns, curve.motion
-    held, signals = curve.subject.at(curve.varied, float(point[-1]), before.signals)
-    one = Subject(held, curve.subject.waveforms, curve.subject.title, curve.subject.scenario)
+    system, signals = curve.subject.at(curve.varied, float(point[-1]), before.signals)
+    one = Subject(system, curve.subject.waveforms, curve.subject.title, curve.subject.scenario)
     varied = one.vary(over, low, high)
     now = one.value(varied, signals)
     if not low <= now <= high:
         raise ParameterError(f"`{varied.name}` is {now:g} {varied.unit}, which its bounds must enclose.")
-    motion = PeriodicMotion(held, signals, [varied], rotor=before.rotor, steps=before.steps)
+    motion = PeriodicMotion(system, signals, [varied], rotor=before.rotor, steps=before.steps)
     motion.angle = before.angle
     guess, halves = np.append(point[:-1], now), list[list[CurvePoint]]()
     for direction in (-1.0, 1.0):
@@ -196,8 +196,8 @@ def begin_rotation(
         InputError: nothing rotates.
         SolveError: the speed does not become steady.
     """
-    system, held = one.at(varied, value, signals)
-    state, place, speed = spin_up(system, held)
+    system, levels = one.at(varied, value, signals)
+    state, place, speed = spin_up(system, levels)
     motion = PeriodicMotion(one.system, signals, [varied], rotor=place, steps=steps)
     motion.angle = state[place] % TURN
     state[place] = motion.angle
@@ -226,11 +226,11 @@ def spin_up(system: AbstractSystem, signals: Numbers) -> tuple[Numbers, int, flo
     lanes, dt = Lanes(system, 1), longest_step(system) / FINER
     lanes.reset(rest_signals(system)[:, None])
     warm = [lanes.names.index(system.label(port, "temperature")) for port in system.actuators()]
-    last, held = 0.0, np.broadcast_to(signals[:, None], (CHUNK, len(signals), 1))
+    last, signal_rows = 0.0, np.broadcast_to(signals[:, None], (CHUNK, len(signals), 1))
     heat = lanes.observe(signals[:, None])[warm, 0]
     for _ in range(CHUNKS):
         before = lanes.state[:, 0].copy()
-        lanes.advance(held, dt, shown=False)
+        lanes.advance(signal_rows, dt, shown=False)
         if lanes.status[0].failed:
             raise SolveError(f"The run to a steady rotation failed. {lanes.status[0].sentence}")
         turned = [float(lanes.state[k, 0] - before[k]) for k in angles]
@@ -258,10 +258,10 @@ def _describe_curve(
     judged = list[Stability]()
     for k, point in enumerate(points):
         judged.append(motion.judge(point.unknowns))
-        _, seen = motion.observe(point.unknowns)
+        _, outputs = motion.observe(point.unknowns)
         for name in names:
-            mean[name][k] = seen[name][:-1].mean()
-            amplitude[name][k] = 0.5 * np.ptp(seen[name])
+            mean[name][k] = outputs[name][:-1].mean()
+            amplitude[name][k] = 0.5 * np.ptp(outputs[name])
     require_same_heat(motion, mean)
     return ResponseCurve(
         varied,
@@ -346,9 +346,9 @@ def sweep_response(
         signals = one.hold({**(drive or {}), one.names()[varied.drive]: float(level)})[:, None]
         lanes.advance(np.broadcast_to(signals, (count - tail, *signals.shape)), dt, shown=False)
         before = lanes.state[angles, 0].copy()
-        seen = lanes.advance(np.broadcast_to(signals, (tail, *signals.shape)), dt)[:, : len(names), 0]
+        outputs = lanes.advance(np.broadcast_to(signals, (tail, *signals.shape)), dt)[:, : len(names), 0]
         turned = lanes.state[angles, 0] - before
-        rows.append((float(np.abs(turned).max(initial=0.0)) / (tail * dt), 0.5 * np.ptp(seen, axis=0)))
+        rows.append((float(np.abs(turned).max(initial=0.0)) / (tail * dt), 0.5 * np.ptp(outputs, axis=0)))
     table = np.array([row for _, row in rows])
     amplitude = dict(zip(names, table.T, strict=True))
     return ResponseSweep(np.array(levels, float), np.array([speed for speed, _ in rows]), amplitude)

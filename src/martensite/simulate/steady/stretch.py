@@ -131,11 +131,11 @@ class Stretch:
 
     def signal_inputs(self) -> list[list[int]]:
         """Return the indices of each drive among the step inputs."""
-        found, begin = list[list[int]](), 0
+        places, begin = list[list[int]](), 0
         for width in self.compiled.widths:
-            found.append(list(range(begin, begin + width)))
+            places.append(list(range(begin, begin + width)))
             begin += width
-        return found
+        return places
 
     def hold(self, signals: Numbers) -> tuple[Numbers, Numbers]:
         """Return the step inputs of constant signals, and their derivatives, (inputs - 1, drives)."""
@@ -156,9 +156,9 @@ def _pad(array: Numbers, width: int) -> Numbers:
 @cache_answers(32)
 def _load_library(compiled: CompiledMarch, moving: tuple[int, ...], width: int) -> Any:
     size, inputs = compiled.size, compiled.inputs + 1
-    shown = range(len(compiled.outputs))
+    places = range(len(compiled.outputs))
     states = {"step": size + inputs, "observe": size + compiled.drives}
-    program = differentiate_program(compiled.program, moving, states, shown)
+    program = differentiate_program(compiled.program, moving, states, places)
     constants = {
         "CONSTANTS": program.constants,
         "CONSTANT_SLOPES": program.constant_slopes,
