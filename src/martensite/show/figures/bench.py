@@ -116,15 +116,15 @@ def _show_response(result: Result, loop: Loop, records: Sequence[MeasuredRecord]
     how = describe_axis(result, loop.truth)
 
     def draw_panel(axes: Any) -> None:
-        reference, seen = how.values(loop.reference), read_column(result, loop.reading)
-        truth, known = read_column(result, loop.truth), find_overlays(result, records, loop.truth)
+        reference, reading = how.values(loop.reference), read_column(result, loop.reading)
+        truth, overlays = read_column(result, loop.truth), find_overlays(result, records, loop.truth)
         if loop.reading != loop.truth:
             word = "estimated" if loop.reading.startswith(ESTIMATED) else "measured"
-            axes.plot(result.times, seen, label=word, **READ)
+            axes.plot(result.times, reading, label=word, **READ)
         axes.plot(result.times, truth, color=choose_colours(1)[0], label="response", zorder=2.2)
         axes.plot(result.times, reference, label="reference", zorder=2.3, **FOLLOWED)
-        draw_overlays(axes, how, known)
-        axes.set(ylabel=how.label, ylim=enclose_values(reference, truth, seen, *(one.values for one in known)))
+        draw_overlays(axes, how, overlays)
+        axes.set(ylabel=how.label, ylim=enclose_values(reference, truth, reading, *(one.values for one in overlays)))
 
     return BenchPanel(how.long_name, draw_panel)
 
@@ -139,9 +139,9 @@ def _show_outputs(result: Result, records: Sequence[MeasuredRecord]) -> list[Ben
     ]
 
 
-def _group_by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
+def _group_by_unit(result: Result, loops: Sequence[Loop]) -> list[list[Loop]]:
     groups: dict[str, list[Loop]] = {}
-    for loop in found:
+    for loop in loops:
         groups.setdefault(result.unit(loop.truth), []).append(loop)
     return list(groups.values())
 
@@ -160,8 +160,8 @@ def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
     return BenchPanel("reference less response", draw_panel)
 
 
-def _show_signals(result: Result, found: Sequence[Loop]) -> list[BenchPanel]:
-    got, wants = (map_applied_signals(result), {loop.drive: loop.wanted for loop in found if loop.wanted})
+def _show_signals(result: Result, loops: Sequence[Loop]) -> list[BenchPanel]:
+    got, wants = (map_applied_signals(result), {loop.drive: loop.wanted for loop in loops if loop.wanted})
     drives = [drive.name for drive in find_bench(result).plant.drives()]
     groups: dict[str, list[str]] = {}
     for drive in drives:
@@ -177,21 +177,23 @@ def _show_signal(result: Result, group: Sequence[str], wants: Mapping[str, str],
     def draw_panel(axes: Any) -> None:
         for drive, tint in zip(group, choose_colours(len(group)), strict=True):
             prefix = "" if len(group) == 1 else f"{drive} "
-            for word, held, look in (("wanted", wants, WANTED), ("applied", got, APPLIED)):
-                if drive in held:
+            for word, columns, look in (("wanted", wants, WANTED), ("applied", got, APPLIED)):
+                if drive in columns:
                     style = {"color": tint, "label": prefix + word, **HELD, **look}
-                    axes.plot(result.times, read_column(result, held[drive]), **style)
+                    axes.plot(result.times, read_column(result, columns[drive]), **style)
         axes.set_ylabel(describe_axis(result, names[-1]).label)
         axes.set_ylim(*enclose_values(*(read_column(result, name) for name in names)))
 
     return BenchPanel("signal", draw_panel)
 
 
-def _show_temperatures(result: Result, found: Sequence[Loop], records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
+def _show_temperatures(result: Result, loops: Sequence[Loop], records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
     """Return the panel of all element temperatures, unless another panel shows the only one."""
     names = list_temperatures(result)
-    shown = {loop.truth for loop in found} | {one.removeprefix(ESTIMATED) for one in list_estimates(result, found)}
-    if not names or (len(names) == 1 and names[0] in shown):
+    other_names = {loop.truth for loop in loops} | {
+        one.removeprefix(ESTIMATED) for one in list_estimates(result, loops)
+    }
+    if not names or (len(names) == 1 and names[0] in other_names):
         return []
 
     def draw_panel(axes: Any) -> None:
@@ -209,14 +211,16 @@ def _show_estimate(result: Result, name: str) -> BenchPanel:
     truth = name.removeprefix(ESTIMATED)
 
     def draw_panel(axes: Any) -> None:
-        true, found = read_column(result, truth), read_column(result, name)
+        true, estimate = read_column(result, truth), read_column(result, name)
         if f"{name}_std" in result.columns:
             how = describe_axis(result, name)
             factor, _ = units.find_conversion(how.shown, how.unit)
             wide = SURE * np.asarray(result[f"{name}_std"]) / factor
-            axes.fill_between(result.times, found - wide, found + wide, color=READ["color"], alpha=0.2, linewidth=0.0)
+            axes.fill_between(
+                result.times, estimate - wide, estimate + wide, color=READ["color"], alpha=0.2, linewidth=0.0
+            )
         axes.plot(result.times, true, color=choose_colours(1)[0], label="true")
-        axes.plot(result.times, found, label="estimated", **READ)
-        axes.set(ylabel=describe_axis(result, truth).label, ylim=choose_limits(truth, true, found))
+        axes.plot(result.times, estimate, label="estimated", **READ)
+        axes.set(ylabel=describe_axis(result, truth).label, ylim=choose_limits(truth, true, estimate))
 
     return BenchPanel(describe_axis(result, truth).long_name, draw_panel)

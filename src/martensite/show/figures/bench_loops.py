@@ -88,13 +88,13 @@ def list_temperatures(result: Result) -> list[str]:
     return [plant.label(port, TEMPERATURE) for port in plant.actuators()]
 
 
-def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
+def list_estimates(result: Result, loops: Sequence[Loop]) -> list[str]:
     """Return the columns of estimates with a known truth that no loop shows."""
-    shown = {loop.reading for loop in found}
+    readings = {loop.reading for loop in loops}
     return [
         name
         for name in result.columns
-        if name.startswith(ESTIMATED) and name not in shown and name.removeprefix(ESTIMATED) in result.columns
+        if name.startswith(ESTIMATED) and name not in readings and name.removeprefix(ESTIMATED) in result.columns
     ]
 
 

@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from martensite.characterise.heat_peaks import RampPeaks
 
 
-def plot_calorimetry(found: Calorimetry, title: str = "") -> Figure:
+def plot_calorimetry(calorimetry: Calorimetry, title: str = "") -> Figure:
     """Draw all ramps of a DSC, with cooling downwards."""
     with use_style():
         figure = make_figure(6.0, 4.4)
         axes = add_panels(figure, 1, 1, (0.66, 0.18, 0.66, 0.53))[0, 0]
-        for one in found.ramps:
+        for one in calorimetry.ramps:
             _draw_ramp(axes, one)
         label = r"$\pm\,q/|\mathrm{d}T/\mathrm{d}t|$ [J/(g K)], absorbed heat upwards"
         axes.set(xlabel=TEMPERATURE.label, ylabel=label)
-        write_headline(figure, title or f"DSC with {found.baseline} baseline")
+        write_headline(figure, title or f"DSC with {calorimetry.baseline} baseline")
         return figure
 
 

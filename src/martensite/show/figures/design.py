@@ -18,39 +18,39 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 7.5, 3.2
 
 
-def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
+def plot_design(optimum: OptimisedDesign, title: str = "") -> Figure:
     """Return the best goal over the runs of the search, and the first coordinate over time."""
     with use_style():
         figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2, title)
-        _draw_history(found, left)
-        _draw_motion(found, right)
+        _draw_history(optimum, left)
+        _draw_motion(optimum, right)
     return figure
 
 
-def _draw_history(found: OptimisedDesign, axes: Axes) -> None:
+def _draw_history(optimum: OptimisedDesign, axes: Axes) -> None:
     """Draw the best goal so far; hollow if constraints are violated."""
-    goal = found.question.goal
-    shown = units.choose_readable_unit(goal.unit)
-    runs = np.array([mark.runs for mark in found.history])
-    values = np.array([units.from_si(mark.goal, shown, goal.unit) for mark in found.history])
-    kept = np.array([mark.violation <= 1e-4 for mark in found.history])
+    goal = optimum.question.goal
+    display_unit = units.choose_readable_unit(goal.unit)
+    runs = np.array([mark.runs for mark in optimum.history])
+    values = np.array([units.from_si(mark.goal, display_unit, goal.unit) for mark in optimum.history])
+    feasible = np.array([mark.violation <= 1e-4 for mark in optimum.history])
     axes.step(runs, values, where="post", color=QUIET, linewidth=0.9)
-    axes.plot(runs[~kept], values[~kept], "o", mfc="none", color=QUIET, label="misses constraints")
-    axes.plot(runs[kept], values[kept], "o", color=HEATING, label="keeps all")
-    axes.set(xlabel="runs", ylabel=f"{goal.words}{'' if shown == '1' else f' [{shown}]'}")
+    axes.plot(runs[~feasible], values[~feasible], "o", mfc="none", color=QUIET, label="misses constraints")
+    axes.plot(runs[feasible], values[feasible], "o", color=HEATING, label="keeps all")
+    axes.set(xlabel="runs", ylabel=f"{goal.words}{'' if display_unit == '1' else f' [{display_unit}]'}")
     axes.legend(loc="best")
 
 
-def _draw_motion(found: OptimisedDesign, axes: Axes) -> None:
-    designs = found.designs
+def _draw_motion(optimum: OptimisedDesign, axes: Axes) -> None:
+    designs = optimum.designs
     name = next(iter(designs.system.mechanism.outputs()), "")
     output = designs.system.outputs()[name]
-    shown = units.choose_readable_unit(output.unit)
-    looks = ((found.start, QUIET, "scenario"), (found.numbers, HEATING, "found"))
+    display_unit = units.choose_readable_unit(output.unit)
+    looks = ((optimum.start, QUIET, "scenario"), (optimum.numbers, HEATING, "found"))
     for numbers, colour, label in looks:
         column = designs.course(np.array(numbers), name)
-        values = [units.from_si(float(v), shown, output.unit) for v in column]
+        values = [units.from_si(float(v), display_unit, output.unit) for v in column]
         axes.plot(designs.times, values, color=colour, label=label)
     axes.axhline(0.0, color=INK, linewidth=0.5)
-    axes.set(xlabel="time [s]", ylabel=f"{output.long_name} [{shown}]")
+    axes.set(xlabel="time [s]", ylabel=f"{output.long_name} [{display_unit}]")
     axes.legend(loc="best")

@@ -16,19 +16,19 @@ if TYPE_CHECKING:
 ENERGY_WIDTH, ENERGY_HEIGHT, BAR = 9.0, 3.1, 0.38
 
 
-def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
+def plot_energy(energies: CycleEnergies, title: str = "") -> Figure:
     """Draw the energies and the efficiency of each cycle."""
     with use_style():
         figure = make_figure(ENERGY_WIDTH, ENERGY_HEIGHT)
         ((heat, work, share),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.48))
-        write_headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
-        _draw_bars(heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0)
+        write_headline(figure, title or f"Energy per cycle of {energies.period:.4g} s")
+        _draw_bars(heat, (("electrical", energies.electrical, HEATING), ("heat", energies.lost, COOLING)), 1.0)
         heat.set_title("into and out of the elements [J]")
-        pair = (("given", found.work, SIMULATED), ("returned", found.returned, FAINT))
+        pair = (("given", energies.work, SIMULATED), ("returned", energies.returned, FAINT))
         _draw_bars(work, pair, 1e3)
         work.set_title("work [mJ]")
-        cycles = np.arange(1, len(found.work) + 1)
-        share.plot(cycles, 100.0 * found.efficiency, ".-", color=INK)
+        cycles = np.arange(1, len(energies.work) + 1)
+        share.plot(cycles, 100.0 * energies.efficiency, ".-", color=INK)
         share.set_title("work over electrical energy [%]")
         share.set(ylim=(0.0, 1.08 * share.get_ylim()[1]), xlim=(0.5, len(cycles) + 0.5))
         for axes in (heat, work, share):

@@ -62,8 +62,8 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
     with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
         for axes, one in zip(panels, rows, strict=True):
-            shown = make_output_axis(one.output, one.description)
-            _draw_panel(axes, one, _choose_axis(one), one.times, shown)
+            axis = make_output_axis(one.output, one.description)
+            _draw_panel(axes, one, _choose_axis(one), one.times, axis)
         _share_scales(panels, rows)
         _write_key(figure, rows)
         return figure
@@ -101,8 +101,8 @@ def has_loops(fit: Fit) -> bool:
 
 def make_output_axis(name: str, described: Output) -> QuantityAxis:
     """Return the axis of an output."""
-    shown = units.of_column(name, described.unit)
-    return QuantityAxis(name, described.long_name, described.symbol, described.unit, shown)
+    display_unit = units.of_column(name, described.unit)
+    return QuantityAxis(name, described.long_name, described.symbol, described.unit, display_unit)
 
 
 def find_loop_column(one: ComparedOutput) -> str | None:
@@ -123,17 +123,17 @@ def _make_column_axis(column: str, unit: str) -> QuantityAxis:
     return QuantityAxis(column, column, symbol, unit, units.of_column(column, unit))
 
 
-def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, shown: QuantityAxis) -> None:
-    across, measured = horizontal.values(x), shown.values(one.measured)
+def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, vertical: QuantityAxis) -> None:
+    across, measured = horizontal.values(x), vertical.values(one.measured)
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
     line = {"linewidth": 2.6, "alpha": 0.75}
     axes.plot(across, measured, color=SEEN, zorder=1.8, **(dots if len(x) <= DOTS else line))
-    held = one.experiment.kept_back
-    model = shown.values(one.model)
-    for part, colour, above in ((~held, SIMULATED, 2.2), (_widen_rows(held), HELD, 2.1)):
+    held_out_rows = one.experiment.kept_back
+    model = vertical.values(one.model)
+    for part, colour, above in ((~held_out_rows, SIMULATED, 2.2), (_widen_rows(held_out_rows), HELD, 2.1)):
         if part.any():
             axes.plot(across, np.where(part, model, np.nan), color=colour, zorder=above)
-    if held.all():
+    if held_out_rows.all():
         axes.set_facecolor(TINT)
     elif horizontal in (TIME, CONDITION):
         wide = 0.0 if horizontal is TIME else 0.5
@@ -141,7 +141,7 @@ def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any
             low, high = max(first, float(one.times[0])) - wide, min(last, float(one.times[-1])) + wide
             if low < high:
                 axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
-    axes.set(xlabel=horizontal.label, ylabel=shown.label)
+    axes.set(xlabel=horizontal.label, ylabel=vertical.label)
     _write_name(axes, one)
 
 
@@ -174,8 +174,8 @@ def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None
     """Give panels of the same output the same vertical scale."""
     for name in dict.fromkeys(one.output for one in rows):
         own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
-        shown = make_output_axis(name, own[0][1].description)
-        values = [shown.values(column) for _, one in own for column in (one.measured, one.model)]
+        axis = make_output_axis(name, own[0][1].description)
+        values = [axis.values(column) for _, one in own for column in (one.measured, one.model)]
         for axes, _ in own:
             axes.set_ylim(*enclose_values(*values))
 
@@ -215,8 +215,8 @@ def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
 
 
 def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
-    shown = make_output_axis(one.output, one.description)
-    factor = 0.01 if shown.shown == "%" else choose_difference_unit(shown.unit)[1]
+    axis = make_output_axis(one.output, one.description)
+    factor = 0.01 if axis.shown == "%" else choose_difference_unit(axis.unit)[1]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     for part, colour in ((one.used, SIMULATED), (one.held, HELD)):
         if part.any():
@@ -225,9 +225,9 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
     if one.held.any() and not one.used.any():
         axes.set_facecolor(TINT)
     axes.set(ylim=(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0))
-    axes.set(ylabel=f"{one.output} [{shown.difference_unit or '–'}]", xlabel=_choose_axis(one).label if last else "")
-    held = " (held out)" if one.held.any() and not one.used.any() else ""
-    write_title(axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK)
+    axes.set(ylabel=f"{one.output} [{axis.difference_unit or '–'}]", xlabel=_choose_axis(one).label if last else "")
+    suffix = " (held out)" if one.held.any() and not one.used.any() else ""
+    write_title(axes, shorten_name(one.record) + suffix, fontweight="bold", color=HELD if suffix else INK)
 
 
 def _draw_memory(axes: Any, test: Whiteness | None, last: bool) -> None:

@@ -48,7 +48,7 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
         box = (margin / width, margin / height, cell * count / width, cell * count / height)
         axes = figure.add_axes(box)
         write_headline(figure, title or "Correlations of the parameters")
-        shown = axes.imshow(
+        image = axes.imshow(
             np.ma.array(matrix, mask=~np.tril(np.ones_like(matrix, bool))),
             cmap=_make_colour_map(),
             vmin=-1.0,
@@ -58,7 +58,7 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
         _draw_cells(axes, matrix, count <= NUMBERED)
         _name_axes(axes, names)
         scale = figure.add_axes(((margin + cell * count + 0.25) / width, box[1], 0.12 / width, box[3]))
-        figure.colorbar(shown, cax=scale, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0]).outline.set_visible(False)
+        figure.colorbar(image, cax=scale, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0]).outline.set_visible(False)
         return figure
 
 
@@ -173,17 +173,17 @@ def _set_decades(axes: Any, values: Any) -> None:
 
 def _find_weakest(fit: Fit) -> tuple[list[str], list[float], str]:
     """Return names, changes relative to search ranges, and description of the least certain direction."""
-    found, names = fit.identifiability, fit.problem.names
-    if found.weak:
-        first = found.weak[0]
+    identifiability, names = fit.identifiability, fit.problem.names
+    if identifiability.weak:
+        first = identifiability.weak[0]
         slopes = {free.name: free.slope(u) for free, u in zip(fit.problem.free, fit.values, strict=True)}
         moves = {n: c / slopes[n] for n, c in zip(first.names, first.changes, strict=True)}
-        others = f", first of {len(found.weak)}" if len(found.weak) > 1 else ""
+        others = f", first of {len(identifiability.weak)}" if len(identifiability.weak) > 1 else ""
         how = f"not determined{others}"
     else:
         right = np.linalg.svd(fit.evaluation.jacobian, full_matrices=False)[2]
         moves = dict(zip(names, map(float, right[-1]), strict=True))
-        how = f"to {format_number(100.0 * found.uncertainties[-1], 2)} % of the search range"
+        how = f"to {format_number(100.0 * identifiability.uncertainties[-1], 2)} % of the search range"
     size = math.sqrt(sum(move**2 for move in moves.values())) or 1.0
     order = sorted(moves, key=lambda name: -abs(moves[name]))[:MOVERS]
     sign = math.copysign(1.0, moves[order[0]]) / size
@@ -226,25 +226,25 @@ def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: 
 
 
 def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
-    shown = QuantityAxis(one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit))
-    at = shown.values([point.at for point in one.points])
+    axis = QuantityAxis(one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit))
+    at = axis.values([point.at for point in one.points])
     excess = np.asarray([point.excess for point in one.points]) / one.limit
     limit = {"color": HEATING, "linewidth": 1.0, "linestyle": (0, (4, 2)), "zorder": 1.4}
     axes.axhline(1.0, label=f"{100.0 * one.level:g} % limit", **limit)
     dots = {"color": SIMULATED, "marker": "o", "markersize": 3.2}
     axes.plot(at, excess, linestyle="none", zorder=2.2, **dots)
-    curve = _interpolate_root(at, excess, shown.values([one.value])[0])
+    curve = _interpolate_root(at, excess, axis.values([one.value])[0])
     axes.plot(*curve, markevery=[], zorder=2.1, label="refitted", **dots)
     visible = at[excess <= TOP]
     low, high = float(visible.min()), float(visible.max())
     room = 0.06 * (high - low) or 1.0
     axes.set_xlim(low - room, high + room)
     if fit is not None:
-        _draw_parabola(axes, one, fit, shown)
-    ends = shown.values([one.below.at, one.above.at])
+        _draw_parabola(axes, one, fit, axis)
+    ends = axis.values([one.below.at, one.above.at])
     axes.axvspan(*ends, color=BAND, linewidth=0.0, zorder=0.4)
-    axes.axvline(float(shown.values([one.value])[0]), color=QUIET, linewidth=0.8, zorder=1.3)
-    axes.set(ylim=(min(-0.08, 1.1 * float(excess.min())), TOP), xlabel=f"[{shown.label.partition('[')[2]}")
+    axes.axvline(float(axis.values([one.value])[0]), color=QUIET, linewidth=0.8, zorder=1.3)
+    axes.set(ylim=(min(-0.08, 1.1 * float(excess.min())), TOP), xlabel=f"[{axis.label.partition('[')[2]}")
     axes.set(ylabel="cost above the least / limit")
     write_title(axes, one.name, fontweight="bold", color=INK)
     write_title(axes, _describe_interval(one), loc="right", color=QUIET, fontsize=8.0)
@@ -257,13 +257,13 @@ def _interpolate_root(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
     return fine, np.interp(fine, at, root) ** 2
 
 
-def _draw_parabola(axes: Any, one: Profile, fit: Fit, shown: QuantityAxis) -> None:
+def _draw_parabola(axes: Any, one: Profile, fit: Fit, axis: QuantityAxis) -> None:
     """Draw the likelihood from the Jacobian at the optimum, in the same units."""
     unsure = fit.uncertainty
     error = unsure.errors[unsure.names.index(one.name)]
     if not 0.0 < error < math.inf:
         return
-    factor, offset = units.find_conversion(shown.shown, shown.unit)
+    factor, offset = units.find_conversion(axis.shown, axis.unit)
     first, last = axes.get_xlim()
     at = np.linspace(first, last, 201)
     moved = (at * factor + offset - one.value) / error

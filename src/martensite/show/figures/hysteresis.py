@@ -60,19 +60,19 @@ class StripMark:
 def find_senses(temperature: Sequence[float] | Numbers) -> Any:
     """+1 (heating), -1 (cooling) or 0 (isothermal) for every of the n - 1 segments of a path of temperatures [K]."""
     ripple = max(RIPPLE * (max(temperature) - min(temperature)), STILL)
-    found = np.zeros(len(temperature) - 1, dtype=int)
+    senses = np.zeros(len(temperature) - 1, dtype=int)
     sense, turn, low, high = 0, 0, 0, 0
     for i, value in enumerate(temperature):
         low = i if value < temperature[low] else low
         high = i if value > temperature[high] else high
         if sense <= 0 and value - temperature[low] > ripple:
-            found[turn:low] = sense
+            senses[turn:low] = sense
             sense, turn, high = 1, low if sense else 0, i
         elif sense >= 0 and temperature[high] - value > ripple:
-            found[turn:high] = sense
+            senses[turn:high] = sense
             sense, turn, low = -1, high if sense else 0, i
-    found[turn:] = sense
-    return found
+    senses[turn:] = sense
+    return senses
 
 
 def split_runs(sense: Any) -> list[tuple[int, int, int]]:
@@ -92,10 +92,10 @@ def find_strips(result: Result) -> list[StripMark]:
     if curved or any(n not in declarations for n in _SHIFTED) or any(n in declarations for n in _CRITICAL):
         return []
     values = {leaf.path: leaf.value for leaf in law.leaves()}
-    shown, stress = describe_axis(result, "temperature"), float(np.mean(result["stress"]))
+    axis, stress = describe_axis(result, "temperature"), float(np.mean(result["stress"]))
 
     def mark(low: str, high: str, slope: str, colour: str) -> StripMark:
-        ends = shown.values([values[name] + stress / values[slope] for name in (low, high)])
+        ends = axis.values([values[name] + stress / values[slope] for name in (low, high)])
         return StripMark(float(ends[0]), float(ends[1]), low, high, colour)
 
     return [mark("A_s", "A_f", "C_A", HEATING), mark("M_f", "M_s", "C_M", COOLING)]
@@ -113,12 +113,12 @@ def draw_loops(panels: Sequence[Any], result: Result, records: Sequence[Measured
 def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[MeasuredRecord] = ()) -> None:
     """Draw one quantity over another, with arrows; measured records lie below."""
     points = read_column(result, x), read_column(result, y)
-    found = pair_columns(result, records, x, y)
-    for *measured, look in found:
+    overlays = pair_columns(result, records, x, y)
+    for *measured, look in overlays:
         axes.plot(*measured, label="_measured", **{**look, "zorder": 1.5})
     stretches = split_runs(find_senses(result.columns["temperature"]))
-    axes.set_xlim(*choose_limits(x, points[0], *(m[0] for m in found)))
-    axes.set_ylim(*choose_limits(y, points[1], *(m[1] for m in found)))
+    axes.set_xlim(*choose_limits(x, points[0], *(m[0] for m in overlays)))
+    axes.set_ylim(*choose_limits(y, points[1], *(m[1] for m in overlays)))
     for sense, label, colour, width in SENSES:
         own = [(a, b) for s, a, b in stretches if s == sense]
         if own:

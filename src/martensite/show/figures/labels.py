@@ -98,8 +98,8 @@ def enclose_values(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
 
 def label_difference(unit: str) -> tuple[str, float]:
     """Return the typeset unit of a difference, and its size in the SI `unit`."""
-    shown, size = choose_difference_unit(unit)
-    return typeset_unit(shown, "1"), size
+    display_unit, size = choose_difference_unit(unit)
+    return typeset_unit(display_unit, "1"), size
 
 
 def label_ratio(above: str, below: str) -> tuple[str, float]:

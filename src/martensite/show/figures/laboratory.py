@@ -43,39 +43,39 @@ BANDED = ("linear", "quadratic")
 """Forms with a drawn band, if several forms are drawn."""
 
 
-def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
+def plot_tangents(tangents: TangentFit | TangentPoints, title: str = "") -> Figure:
     """Draw the tangents of one cycle, or of cycles under several stresses with their fit."""
     from martensite.characterise.tangent_points import TangentPoints
 
     with use_style():
-        if isinstance(found, TangentPoints):
+        if isinstance(tangents, TangentPoints):
             figure = make_figure(6.0, 4.4)
-            _draw_cycle(add_panels(figure, 1, 1, (0.66, 0.18, 0.66, 0.53))[0, 0], found)
+            _draw_cycle(add_panels(figure, 1, 1, (0.66, 0.18, 0.66, 0.53))[0, 0], tangents)
         else:
-            figure = _draw_several(found)
+            figure = _draw_several(tangents)
         write_headline(figure, title or "Tangents")
         return figure
 
 
-def _draw_several(found: TangentFit) -> Figure:
-    shown = pick_evenly(found.levels, MOST_PANELS)
-    columns = 1 if len(shown) < 3 else 2
-    rows = -(-len(shown) // columns)
+def _draw_several(tangent_fit: TangentFit) -> Figure:
+    levels = pick_evenly(tangent_fit.levels, MOST_PANELS)
+    columns = 1 if len(levels) < 3 else 2
+    rows = -(-len(levels) // columns)
     figure = make_figure(11.5, max(2.3 * rows, 5.6))
     wide = 10.64 * 0.85 * columns / (0.85 * columns + 1.0)  # of the cycles [inch]
     room = (0.69, 10.81 - wide, 0.64, 0.5)
     cycles = list(add_panels(figure, rows, columns, room, (0.45, 0.4), sharex=True).flat)
-    for k, (axes, points) in enumerate(zip(cycles, shown, strict=False)):
+    for k, (axes, points) in enumerate(zip(cycles, levels, strict=False)):
         _draw_cycle(axes, points)
-        bottom, edge = k + columns >= len(shown), k % columns == 0
+        bottom, edge = k + columns >= len(levels), k % columns == 0
         axes.tick_params(labelbottom=bottom)
         axes.set(xlabel=TEMPERATURE.label if bottom else "", ylabel=STRAIN.label if edge else "")
-    for axes in cycles[len(shown) :]:
+    for axes in cycles[len(levels) :]:
         axes.remove()
     room = (1.3 + wide, 0.17, 0.64, 0.5)
     (diagram,), (strain,) = add_panels(figure, 2, 1, room, (0.0, 0.65), height_ratios=(1.5, 1.0))
-    _draw_diagram(diagram, found)
-    _draw_strain(strain, found)
+    _draw_diagram(diagram, tangent_fit)
+    _draw_strain(strain, tangent_fit)
     return figure
 
 
@@ -86,22 +86,22 @@ def _draw_cycle(axes: Any, points: TangentPoints) -> None:
     axes.set(title=f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %", xlabel=TEMPERATURE.label, ylabel=STRAIN.label)
 
 
-def _draw_branch(axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str) -> None:
+def _draw_branch(axes: Any, rows: CycleBranch, tangents: BranchTangents, names: tuple[str, str], colour: str) -> None:
     x, y = TEMPERATURE.values(rows.temperature), STRAIN.values(rows.strain)
     dots = {"marker": "o", "markersize": 1.8, "markeredgewidth": 0.0} if len(x) <= DOTS else {}
     axes.plot(x, y, color=colour, linewidth=0.8, alpha=0.55, zorder=1.8, **dots)
-    low, high = found.low, found.high
+    low, high = tangents.low, tangents.high
     beyond = 0.18 * (high - low)
     pieces = (
-        (found.cold, found.span[0], low + beyond),
-        (found.steep, low - beyond, high + beyond),
-        (found.hot, high - beyond, found.span[1]),
+        (tangents.cold, tangents.span[0], low + beyond),
+        (tangents.steep, low - beyond, high + beyond),
+        (tangents.hot, high - beyond, tangents.span[1]),
     )
     for line, begin, end in pieces:
         at = [begin, end]
         strain = STRAIN.values([line.value(t) for t in at])
         axes.plot(TEMPERATURE.values(at), strain, color=INK, linewidth=0.7, zorder=2.2)
-    for name, at, line in zip(names, (low, high), (found.cold, found.hot), strict=True):
+    for name, at, line in zip(names, (low, high), (tangents.cold, tangents.hot), strict=True):
         _mark_point(axes, name, at, float(line.value(at)), colour)
 
 
@@ -116,13 +116,13 @@ def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str)
     axes.annotate(typeset_symbol(name), (x, y), beside, **sides, **look)
 
 
-def _draw_diagram(axes: Any, found: TangentFit) -> None:
-    top = 1.12 * max(points.stress for points in found.levels)
-    for one, colour in ((found.reverse, HEATING), (found.forward, COOLING)):
-        _draw_lines(axes, found, one, top, colour)
+def _draw_diagram(axes: Any, tangent_fit: TangentFit) -> None:
+    top = 1.12 * max(points.stress for points in tangent_fit.levels)
+    for one, colour in ((tangent_fit.reverse, HEATING), (tangent_fit.forward, COOLING)):
+        _draw_lines(axes, tangent_fit, one, top, colour)
         for name in one.names:
-            x = TEMPERATURE.values([getattr(points, name) for points in found.levels])
-            y = STRESS.values([points.stress for points in found.levels])
+            x = TEMPERATURE.values([getattr(points, name) for points in tangent_fit.levels])
+            y = STRESS.values([points.stress for points in tangent_fit.levels])
             filled = colour if name in ("A_f", "M_f") else "white"
             look = {"color": colour, "markerfacecolor": filled, "markersize": 4.4}
             axes.plot(x, y, _MARKS[name], linestyle="none", zorder=3.0, **look)
@@ -131,7 +131,7 @@ def _draw_diagram(axes: Any, found: TangentFit) -> None:
     axes.set(ylabel=STRESS.label)
     slopes = (
         f"${symbol}$ = {one.slope / 1e6:.3g}{_describe_half(one)} MPa/K"
-        for symbol, one in (("C_A", found.reverse), ("C_M", found.forward))
+        for symbol, one in (("C_A", tangent_fit.reverse), ("C_M", tangent_fit.forward))
     )
     axes.set_title(",  ".join(slopes))
 
@@ -141,7 +141,7 @@ def _describe_half(one: Direction) -> str:
     return f" ± {0.5e-6 * (high - low):.2g}" if np.isfinite(high - low) else ""
 
 
-def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
+def _draw_lines(axes: Any, tangent_fit: TangentFit, one: Direction, top: float, colour: str) -> None:
     stress = [0.0, top]
     sides = [TEMPERATURE.values([end.value + one.shift.value * s for s in stress]) for end in (one.start, one.finish)]
     y = STRESS.values(stress)
@@ -155,16 +155,16 @@ def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour
         axes.annotate(typeset_symbol(name), (x[0], y[0]), beside, **look)
 
 
-def _draw_strain(axes: Any, found: TangentFit) -> None:
-    stress = [points.stress for points in found.levels]
+def _draw_strain(axes: Any, tangent_fit: TangentFit) -> None:
+    stress = [points.stress for points in tangent_fit.levels]
     x = STRESS.values(stress)
     for way, colour in (("heating", HEATING), ("cooling", COOLING)):
-        y = [getattr(points, way).transformation_strain for points in found.levels]
+        y = [getattr(points, way).transformation_strain for points in tangent_fit.levels]
         axes.plot(x, TRANSFORMATION.values(y), "o", color=colour, markersize=3.6, label=way)
     at = np.linspace(0.0, 1.12 * max(stress), 101).tolist()
-    fitted = TRANSFORMATION.values([found.strain.value(s) for s in at])
-    axes.plot(STRESS.values(at), fitted, color=SIMULATED, label=f"{found.strain.form} $H(σ)$")
-    strokes = TRANSFORMATION.values([points.stroke for points in found.levels])
+    fitted = TRANSFORMATION.values([tangent_fit.strain.value(s) for s in at])
+    axes.plot(STRESS.values(at), fitted, color=SIMULATED, label=f"{tangent_fit.strain.form} $H(σ)$")
+    strokes = TRANSFORMATION.values([points.stroke for points in tangent_fit.levels])
     axes.plot(x, strokes, "x", color=QUIET, markersize=4.0, label="stroke")
     axes.set(xlim=(0.0, STRESS.values([at[-1]])[0]), ylim=(0.0, enclose_values([0.0], strokes, fitted)[1]))
     axes.set(xlabel=STRESS.label, ylabel=TRANSFORMATION.label)
@@ -179,13 +179,13 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
         forms: names of the forms to draw; by default all.
         title: headline.
     """
-    shown = [form for form in report.fits if forms is None or form in forms]
+    names = [form for form in report.fits if forms is None or form in forms]
     ambient = report.ambient
     with use_style():
         figure = make_figure(10.5 if ambient else 6.0, 4.2)
         write_headline(figure, title or "Film coefficient")
         panels = add_panels(figure, 1, 2 if ambient else 1, (0.68, 0.14, 0.72, 0.5), (0.72, 0.0))
-        _draw_fits(panels[0, 0], report, shown)
+        _draw_fits(panels[0, 0], report, names)
         if ambient is not None:
             _draw_ambients(panels[0, 1], report, ambient.shifts)
         return figure

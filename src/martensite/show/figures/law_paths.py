@@ -115,9 +115,9 @@ def _draw_beside(by_law: dict[Any, list[PointResult]], title: str | None, plane:
 def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> None:
     """Draw one column over another, with an arrow on each leg."""
     across, up = AXES[x], AXES[y]
-    shown = [(across.values(r[x]), up.values(r[y])) for r in results]
-    axes.set(xlim=enclose_values(*(s[0] for s in shown)), ylim=enclose_values(*(s[1] for s in shown)))
-    for result, colour, (horizontal, vertical) in zip(results, _choose_colours(results), shown, strict=True):
+    curves = [(across.values(r[x]), up.values(r[y])) for r in results]
+    axes.set(xlim=enclose_values(*(s[0] for s in curves)), ylim=enclose_values(*(s[1] for s in curves)))
+    for result, colour, (horizontal, vertical) in zip(results, _choose_colours(results), curves, strict=True):
         for leg, (first, last, own) in enumerate(_split_legs(result, colour, alone=len(results) == 1)):
             a, b = horizontal[first : last + 1], vertical[first : last + 1]
             axes.plot(a, b, color=own, zorder=2.2)

@@ -76,19 +76,19 @@ def _group_outputs(result: Result) -> list[list[str]]:
 
 
 def _draw_lines(axes: Any, result: Result, columns: Sequence[str], labels: Sequence[str], tints: Sequence[Any]) -> None:
-    shown = describe_axis(result, columns[0])
+    axis = describe_axis(result, columns[0])
     for i, (name, label) in enumerate(zip(columns, labels, strict=True)):
         look = {"color": tints[i], "linewidth": choose_width(i, len(columns))}
         axes.plot(result.times, read_column(result, name), label=label, **look)
-    axes.set(title=_write_label(shown, len(columns)), ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
+    axes.set(title=_write_label(axis, len(columns)), ylabel=axis.label, xlim=(result.times[0], result.times[-1]))
     axes.set(ylim=choose_limits(columns[0], *(read_column(result, name) for name in columns)))
     axes.locator_params(axis="y", nbins=4)
 
 
-def _write_label(shown: QuantityAxis, count: int) -> str:
+def _write_label(axis: QuantityAxis, count: int) -> str:
     """Return the label of a panel, without the name of the port or of one of several coordinates."""
-    words = shown.long_name.partition(", ")[0]
-    return words if count == 1 or "." in shown.name else f"{words} and others"
+    words = axis.long_name.partition(", ")[0]
+    return words if count == 1 or "." in axis.name else f"{words} and others"
 
 
 def _draw_loops(axes: Any, result: Result, ports: Sequence[str], x: str, y: str) -> None:

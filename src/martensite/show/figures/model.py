@@ -236,34 +236,34 @@ def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
     return np.unique(places)
 
 
-def plot_identified(found: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
+def plot_identified(identification: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
     """Draw the last output of a model, or of its stages in series, with the measurement."""
-    shown = list(records)[:MOST_PANELS]
+    first_records = list(records)[:MOST_PANELS]
     with use_style():
-        headline = title or f"{found.model.text()}, free run"
-        figure, grid = make_panels(7.5, 1.0 + 2.0 * len(shown), len(shown), 1, headline)
+        headline = title or f"{identification.model.text()}, free run"
+        figure, grid = make_panels(7.5, 1.0 + 2.0 * len(first_records), len(first_records), 1, headline)
         panels = grid[:, 0]
-        for panel, record in zip(panels, shown, strict=True):
-            _draw_free_run(panel, found, record)
+        for panel, record in zip(panels, first_records, strict=True):
+            _draw_free_run(panel, identification, record)
         panels[-1].set_xlabel("time [s]")
         add_legend_above(panels[0])
         return figure
 
 
-def _draw_free_run(panel: Any, found: Identified, record: Sampled) -> None:
+def _draw_free_run(panel: Any, identification: Identified, record: Sampled) -> None:
     from martensite.identify.chains.goals import AUTO
     from martensite.identify.chains.scores import fit_percent, free_run
     from martensite.signals.sampling.resampling import select_signals
 
-    names = found.stages[-1].outputs
-    own = select_signals(record, found.model.input_names, names)
-    skip = found.options.skip
-    start = AUTO if found.options.start == "estimate" else found.options.start
-    computed = free_run(found.model, own, start, skip)
+    names = identification.stages[-1].outputs
+    own = select_signals(record, identification.model.input_names, names)
+    skip = identification.options.skip
+    start = AUTO if identification.options.start == "estimate" else identification.options.start
+    computed = free_run(identification.model, own, start, skip)
     fit = float(fit_percent(own.outputs, computed, skip)[-1])
-    kept = slice(None, None, max(len(own) // MOST_POINTS, 1))
-    times, unit = own.times[kept], own.units.get(names[-1], "1")
-    panel.plot(times, own.outputs[kept, -1], color=MEASURED[0], label="measured")
-    panel.plot(times, computed[kept, -1], color=SIMULATED, linewidth=1.0, label="free run")
+    rows = slice(None, None, max(len(own) // MOST_POINTS, 1))
+    times, unit = own.times[rows], own.units.get(names[-1], "1")
+    panel.plot(times, own.outputs[rows, -1], color=MEASURED[0], label="measured")
+    panel.plot(times, computed[rows, -1], color=SIMULATED, linewidth=1.0, label="free run")
     write_title(panel, f"{record.name}: fit {fit:.1f} %")
     panel.set_ylabel(f"{names[-1]} [{typeset_unit(unit, '–')}]".replace("$", r"\$"))

@@ -126,11 +126,11 @@ def _draw_batch(result: Result, title: str | None) -> Figure:
     panels = add_panels(figure, len(names), 1, room, (0.0, 0.56), sharex=True)[:, 0]
     colours: Any = matplotlib.colormaps["viridis"]
     for axes, name in zip(panels, names, strict=True):
-        shown = describe_axis(result, name)
-        lines = axes.plot(result.times, shown.values(result[name]).T, linewidth=1.0)
+        axis = describe_axis(result, name)
+        lines = axes.plot(result.times, axis.values(result[name]).T, linewidth=1.0)
         for k, line in enumerate(lines):
             line.set_color(colours(k / max(len(lines) - 1, 1)))
-        axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
+        axes.set(title=axis.long_name, ylabel=axis.label, xlim=(result.times[0], result.times[-1]))
     panels[-1].set_xlabel(describe_axis(result, "time").label)
     _write_text(figure, result, title)
     return figure
@@ -166,7 +166,7 @@ def list_panels(result: Result, records: Sequence[MeasuredRecord] = ()) -> list[
     several = {"mechanism": list(result.system.of_mechanism())}
     if "rphase_fraction" in result.columns:
         several["martensite_fraction"] = ["martensite_fraction", "rphase_fraction"]
-    usual = [shown for name in PANELS if not (twice and name == "drive") for shown in several.get(name, [name])]
+    usual = [panel for name in PANELS if not (twice and name == "drive") for panel in several.get(name, [name])]
     return usual + [name for name in list_recorded(result, records) if name not in usual]
 
 
@@ -182,11 +182,11 @@ def draw_timeseries(
 
 def draw_panel(axes: Any, result: Result, name: str, records: Sequence[MeasuredRecord] = ()) -> None:
     """Draw one quantity over time [s]."""
-    shown, values = describe_axis(result, name), read_column(result, name)
+    axis, values = describe_axis(result, name), read_column(result, name)
     overlays = find_overlays(result, records, name)
     axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
-    draw_overlays(axes, shown, overlays)
-    axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
+    draw_overlays(axes, axis, overlays)
+    axes.set(title=axis.long_name, ylabel=axis.label, xlim=(result.times[0], result.times[-1]))
     axes.set(ylim=choose_limits(name, values, *(overlay.values for overlay in overlays)))
     axes.locator_params(axis="y", nbins=4)
     add_legend_above(axes)
@@ -216,15 +216,15 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
 
 def _draw_map(figure: Any, panel: Any, result: Result, name: str) -> None:
     unit, long_name, symbol = PROFILES[name]
-    shown = units.choose_readable_unit(unit)
-    factor, offset = units.find_conversion(shown, unit)
+    display_unit = units.choose_readable_unit(unit)
+    factor, offset = units.find_conversion(display_unit, unit)
     values = (np.asarray(result.profiles[name]) - offset) / factor
     low, high = (0.0, 1.0) if unit == "1" else (None, None)
     (actuator,) = result.system.actuators().values()
     places = 1e3 * np.asarray(actuator.element.places())
     look = {"cmap": COLOURS[name], "vmin": low, "vmax": high, "rasterized": True}
-    drawn = panel.pcolormesh(np.asarray(result.times), places, values, shading="nearest", **look)
-    label = f"{typeset_symbol(symbol)} [{typeset_unit(shown, '–')}]"
-    add_colour_bar(figure, drawn, panel, label)
+    mesh = panel.pcolormesh(np.asarray(result.times), places, values, shading="nearest", **look)
+    label = f"{typeset_symbol(symbol)} [{typeset_unit(display_unit, '–')}]"
+    add_colour_bar(figure, mesh, panel, label)
     panel.set(title=long_name, xlabel=f"{typeset_symbol('t')} [s]")
     panel.grid(False)

@@ -106,8 +106,8 @@ def shorten_name(name: str, most: int = 34) -> str:
     """Return a name, shortened in its middle."""
     if len(name) <= most:
         return name
-    kept = (most - 1) // 2
-    return f"{name[: most - 1 - kept]}…{name[-kept:]}"
+    tail = (most - 1) // 2
+    return f"{name[: most - 1 - tail]}…{name[-tail:]}"
 
 
 def add_key(figure: Figure, handles: Sequence[Any], labels: Sequence[str], below: float = 0.4) -> None:
@@ -165,9 +165,9 @@ def share_limits(row: Sequence[Any]) -> None:
         axes.set_ylabel("")
 
 
-def add_colour_bar(figure: Any, drawn: Any, axes: Any, label: str, **how: Any) -> None:
+def add_colour_bar(figure: Any, mappable: Any, axes: Any, label: str, **how: Any) -> None:
     """Add the colour bar of a map."""
-    bar = figure.colorbar(drawn, ax=axes, pad=0.02, **how)
+    bar = figure.colorbar(mappable, ax=axes, pad=0.02, **how)
     bar.set_label(label, color=INK)
     bar.outline.set_visible(False)
 

@@ -126,12 +126,12 @@ def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: floa
         entries = [(getattr(m, name), s) for s, m in table.items() if math.isfinite(getattr(m, name))]
         return Line(name, tuple(t for t, _ in entries), tuple(s for _, s in entries))
 
-    drawn = [Band(process, line(start), line(finish)) for process, start, finish, _ in _STRIPS]
-    drawn = [band for band in drawn if len(band.start.stress) > 1 < len(band.finish.stress)]
+    bands = [Band(process, line(start), line(finish)) for process, start, finish, _ in _STRIPS]
+    bands = [band for band in bands if len(band.start.stress) > 1 < len(band.finish.stress)]
     warmest = table[stresses[0]].M_f
     if law.twins and math.isfinite(warmest):
-        drawn += _find_orientation(law, min(coldest, warmest - 1.0), warmest)
-    return drawn
+        bands += _find_orientation(law, min(coldest, warmest - 1.0), warmest)
+    return bands
 
 
 def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]:
@@ -188,10 +188,10 @@ def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
             draw_arrow(axes, a, b, colours[leg])
 
 
-def _name_lines(axes: Any, found: Sequence[Band]) -> None:
+def _name_lines(axes: Any, bands: Sequence[Band]) -> None:
     (left, right), (_, top) = axes.get_xlim(), axes.get_ylim()
     taken: list[tuple[float, float]] = []
-    for band in found:
+    for band in bands:
         for line in (band.start, band.finish):
             x, y = TEMPERATURE.values(line.temperature), STRESS.values(line.stress)
             if line.name in CRITICAL:
@@ -206,5 +206,5 @@ def _name_lines(axes: Any, found: Sequence[Band]) -> None:
             if left <= place[0] <= right and place[1] < top:
                 name = typeset_symbol(line.name.replace("sigma", "σ"))
                 axes.text(*place, name, color=band.colour, fontsize=8.5, va="bottom", zorder=2.0)
-    if not found:
+    if not bands:
         axes.text(0.5, 0.95, "no band in view", color=QUIET, transform=axes.transAxes, ha="center")

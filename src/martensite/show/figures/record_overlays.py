@@ -87,11 +87,9 @@ def list_recorded(result: Result, records: Iterable[MeasuredRecord]) -> list[str
 
 def find_overlays(result: Result, records: Iterable[MeasuredRecord], name: str) -> list[Overlay]:
     """Return the measured columns `name` of all records that have it."""
-    shown = describe_axis(result, name)
+    axis = describe_axis(result, name)
     return [
-        _make_overlay(result, r, shown, choose_look(r, i))
-        for i, r in enumerate(records)
-        if _has_column(result, r, name)
+        _make_overlay(result, r, axis, choose_look(r, i)) for i, r in enumerate(records) if _has_column(result, r, name)
     ]
 
 
@@ -107,13 +105,13 @@ def pair_columns(
     ]
 
 
-def draw_overlays(axes: Any, shown: QuantityAxis, found: Sequence[Overlay]) -> None:
+def draw_overlays(axes: Any, axis: QuantityAxis, overlays: Sequence[Overlay]) -> None:
     """Draw measured columns over time, with the RMS difference in the legend."""
-    for i, overlay in enumerate(found):
-        if len(found) <= NAMED:
-            label = _describe_rms(shown, [overlay])
+    for i, overlay in enumerate(overlays):
+        if len(overlays) <= NAMED:
+            label = _describe_rms(axis, [overlay])
         else:
-            label = _describe_rms(shown, found) if i == 0 else "_nolegend_"
+            label = _describe_rms(axis, overlays) if i == 0 else "_nolegend_"
         axes.plot(overlay.times, overlay.values, label=label, **overlay.line)
 
 
@@ -142,23 +140,23 @@ def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
     }
 
 
-def _describe_rms(shown: QuantityAxis, found: Sequence[Overlay]) -> str:
-    misfit = np.concatenate([overlay.misfit for overlay in found])
+def _describe_rms(axis: QuantityAxis, overlays: Sequence[Overlay]) -> str:
+    misfit = np.concatenate([overlay.misfit for overlay in overlays])
     if not misfit.size:
         return "no sample to compare"
-    value = f"{np.sqrt(np.mean(misfit**2)):.3g} {shown.difference_unit}".rstrip()
-    return f"RMS {value}" if len(found) == 1 else f"RMS {value} ({len(found)} records)"
+    value = f"{np.sqrt(np.mean(misfit**2)):.3g} {axis.difference_unit}".rstrip()
+    return f"RMS {value}" if len(overlays) == 1 else f"RMS {value} ({len(overlays)} records)"
 
 
 def _has_column(result: Result, record: MeasuredRecord, name: str) -> bool:
     return name in record.columns and record.units.get(name) == result.unit(name)
 
 
-def _make_overlay(result: Result, record: MeasuredRecord, shown: QuantityAxis, line: dict[str, Any]) -> Overlay:
+def _make_overlay(result: Result, record: MeasuredRecord, axis: QuantityAxis, line: dict[str, Any]) -> Overlay:
     times = np.asarray(record.columns["time"], np.float64)
-    values = shown.values(record.columns[shown.name])
+    values = axis.values(record.columns[axis.name])
     use = _mask_inside(result, times) & np.isfinite(values)
-    simulated = np.interp(times[use], result.times, shown.values(result[shown.name]))
+    simulated = np.interp(times[use], result.times, axis.values(result[axis.name]))
     return Overlay(times, values, values[use] - simulated, line)
 
 

@@ -25,73 +25,73 @@ LEAST_GAIN = 1e-4
 """Smallest drawn gain, relative to the largest."""
 
 
-def plot_speeds(found: Speeds, title: str = "") -> Figure:
+def plot_speeds(speeds: Speeds, title: str = "") -> Figure:
     """Draw the up and down steps of `compute_speeds`, and their speeds."""
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
         ((course, times, rates),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.51))
-        write_headline(figure, title or f"Steps of {found.drive}: heating against cooling")
-        _draw_courses(course, found)
-        unit, size = label_difference(found.units[1])
-        _draw_both(times, found, found.rise, found.fall)
+        write_headline(figure, title or f"Steps of {speeds.drive}: heating against cooling")
+        _draw_courses(course, speeds)
+        unit, size = label_difference(speeds.units[1])
+        _draw_both(times, speeds, speeds.rise, speeds.fall)
         times.set_title("time to 90 % of the way [s]")
-        _draw_both(rates, found, found.fastest_up / size, found.fastest_down / size)
+        _draw_both(rates, speeds, speeds.fastest_up / size, speeds.fastest_down / size)
         rates.set_title(f"largest rate [{unit}/s]")
         for axes in (times, rates):
-            axes.set_xlabel(_label_axis(found.drive, found.units[0]))
+            axes.set_xlabel(_label_axis(speeds.drive, speeds.units[0]))
             axes.set_ylim(0.0, 1.06 * axes.get_ylim()[1])
         figure.legend(
             *times.get_legend_handles_labels(),
             loc="upper right",
             bbox_to_anchor=(0.99, 1.0),
-            ncols=min(len(found.loads), 6),
+            ncols=min(len(speeds.loads), 6),
             columnspacing=1.4,
         )
         return figure
 
 
-def _draw_courses(axes: Any, found: Speeds) -> None:
+def _draw_courses(axes: Any, speeds: Speeds) -> None:
     """Draw the output over time; colours are signals, dashes loads."""
-    unit, size = label_difference(found.units[1])
-    drive = units.choose_readable_unit(found.units[0])
-    for rows, dash, load in _list_loads(found, found.courses):
-        for row, signal, tint in zip(rows, found.signals, choose_colours(len(found.signals)), strict=True):
-            word = f"{units.from_si(float(signal), drive, found.units[0]):.3g}"
+    unit, size = label_difference(speeds.units[1])
+    drive = units.choose_readable_unit(speeds.units[0])
+    for rows, dash, load in _list_loads(speeds, speeds.courses):
+        for row, signal, tint in zip(rows, speeds.signals, choose_colours(len(speeds.signals)), strict=True):
+            word = f"{units.from_si(float(signal), drive, speeds.units[0]):.3g}"
             first = load == 0
             label = word if first else "_nolegend_"
-            axes.plot(found.times, (row - row[0]) / size, color=tint, linestyle=dash, label=label)
-    axes.axvline(found.hold, color=QUIET, linewidth=0.7, zorder=1.0)
-    axes.set(title=f"{found.output.replace('_', ' ')} [{unit}]", xlabel="$t$ [s]", xlim=(0.0, found.times[-1]))
-    axes.legend(title=_label_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right")
+            axes.plot(speeds.times, (row - row[0]) / size, color=tint, linestyle=dash, label=label)
+    axes.axvline(speeds.hold, color=QUIET, linewidth=0.7, zorder=1.0)
+    axes.set(title=f"{speeds.output.replace('_', ' ')} [{unit}]", xlabel="$t$ [s]", xlim=(0.0, speeds.times[-1]))
+    axes.legend(title=_label_axis(speeds.drive, speeds.units[0]), title_fontsize=8.0, loc="upper right")
 
 
-def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
-    shown = units.choose_readable_unit(found.units[0])
-    signals = [units.from_si(float(one), shown, found.units[0]) for one in found.signals]
-    pairs = zip(_list_loads(found, up), _list_loads(found, down), strict=True)
+def _draw_both(axes: Any, speeds: Speeds, up: Any, down: Any) -> None:
+    display_unit = units.choose_readable_unit(speeds.units[0])
+    signals = [units.from_si(float(one), display_unit, speeds.units[0]) for one in speeds.signals]
+    pairs = zip(_list_loads(speeds, up), _list_loads(speeds, down), strict=True)
     for (heat, dash, load), (cool, _, _) in pairs:
         for row, tint, word in ((heat, HEATING, "heating"), (cool, COOLING, "cooling")):
             finite = np.where(np.isfinite(row), row, np.nan)
-            label = f"{word}{_name_load(found, load)}"
+            label = f"{word}{_name_load(speeds, load)}"
             axes.plot(signals, finite, ".", color=tint, linestyle=dash, label=label)
 
 
-def _list_loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
-    return [(table[k], DASHES[k % len(DASHES)], k) for k in range(len(found.loads))]
+def _list_loads(speeds: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
+    return [(table[k], DASHES[k % len(DASHES)], k) for k in range(len(speeds.loads))]
 
 
-def _name_load(found: Speeds, k: int) -> str:
-    if not found.load:
+def _name_load(speeds: Speeds, k: int) -> str:
+    if not speeds.load:
         return ""
-    return f", {found.load.rpartition('.')[2]} {found.loads[k]:.3g}"
+    return f", {speeds.load.rpartition('.')[2]} {speeds.loads[k]:.3g}"
 
 
 def _label_axis(name: str, unit: str) -> str:
-    shown = units.choose_readable_unit(unit)
-    return name if shown == "1" else f"{name} [{ {'degC': '°C'}.get(shown, shown) }]"
+    display_unit = units.choose_readable_unit(unit)
+    return name if display_unit == "1" else f"{name} [{ {'degC': '°C'}.get(display_unit, display_unit) }]"
 
 
-def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure:
+def plot_frequency_response(response: FrequencyResponse, title: str = "") -> Figure:
     """Draw gain, phase and distortion over frequency.
 
     A hollow mark is an unsettled cycle; a cross on the gain is the bandwidth. Negligible gains have neither phase nor
@@ -100,13 +100,17 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
     with use_style():
         figure = make_figure(RESPONSE_WIDTH, RESPONSE_HEIGHT)
         (axes,) = add_panels(figure, 1, 3, (0.75, 0.15, 0.8, 0.51))
-        write_headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
-        unit, size = label_ratio(found.units[1], found.units[0])
-        significant = np.where(found.gain > LEAST_GAIN * np.max(found.gain), 1.0, np.nan)
-        rows = (found.gain / size, significant * np.degrees(found.phase), significant * 100.0 * found.distortion)
+        write_headline(figure, title or f"From {response.drive} to {response.output.replace('_', ' ')}")
+        unit, size = label_ratio(response.units[1], response.units[0])
+        significant = np.where(response.gain > LEAST_GAIN * np.max(response.gain), 1.0, np.nan)
+        rows = (
+            response.gain / size,
+            significant * np.degrees(response.phase),
+            significant * 100.0 * response.distortion,
+        )
         for one, values in zip(axes, rows, strict=True):
-            _draw_lines(one, found, values)
-        _mark_bandwidths(axes[0], found, size)
+            _draw_lines(one, response, values)
+        _mark_bandwidths(axes[0], response, size)
         _set_logarithmic(axes[0], rows[0])
         for one, words in zip(axes, (f"gain [{unit}]", "phase [°]", "not in the first harmonic [%]"), strict=True):
             one.set_title(words)
@@ -116,21 +120,21 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
             loc="upper right",
             ncols=6,
             bbox_to_anchor=(0.99, 0.985),
-            title=_describe_units(found),
+            title=_describe_units(response),
             title_fontsize=8.0,
         )
         return figure
 
 
-def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
-    shown = units.choose_readable_unit(found.units[0])
-    for k, (bias, tint) in enumerate(zip(found.biases, choose_colours(len(found.biases)), strict=True)):
-        label = f"{units.from_si(float(bias), shown, found.units[0]):.3g}"
-        axes.plot(found.frequencies, values[k], ".-", color=tint, label=label)
-        loose = ~found.settled[k]
+def _draw_lines(axes: Any, response: FrequencyResponse, values: Any) -> None:
+    display_unit = units.choose_readable_unit(response.units[0])
+    for k, (bias, tint) in enumerate(zip(response.biases, choose_colours(len(response.biases)), strict=True)):
+        label = f"{units.from_si(float(bias), display_unit, response.units[0]):.3g}"
+        axes.plot(response.frequencies, values[k], ".-", color=tint, label=label)
+        loose = ~response.settled[k]
         look = {"color": tint, "markerfacecolor": "white", "linestyle": "none"}
-        axes.plot(found.frequencies[loose], values[k][loose], "o", **look)
-    axes.set(xscale="log", xlim=(found.frequencies.min() / 1.1, found.frequencies.max() * 1.1), xlabel="$f$ [Hz]")
+        axes.plot(response.frequencies[loose], values[k][loose], "o", **look)
+    axes.set(xscale="log", xlim=(response.frequencies.min() / 1.1, response.frequencies.max() * 1.1), xlabel="$f$ [Hz]")
 
 
 def _set_logarithmic(axes: Any, gains: Any) -> None:
@@ -140,15 +144,15 @@ def _set_logarithmic(axes: Any, gains: Any) -> None:
         axes.set(yscale="log", ylim=(max(0.7 * float(np.min(gains)), LEAST_GAIN * most), 1.5 * most))
 
 
-def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
+def _mark_bandwidths(axes: Any, response: FrequencyResponse, size: float) -> None:
     """Mark the half-power points on the gain curves."""
-    for width, row in zip(found.bandwidth, found.gain, strict=True):
+    for width, row in zip(response.bandwidth, response.gain, strict=True):
         if np.isfinite(width):
             axes.plot(width, row[0] / size / np.sqrt(2.0), "x", color=QUIET, zorder=3.0)
 
 
-def _describe_units(found: FrequencyResponse) -> str:
-    shown = units.choose_readable_unit(found.units[0])
-    unit = {"1": "", "degC": " °C"}.get(shown, f" {shown}")
-    size = units.find_conversion(shown, found.units[0])[0]
-    return f"bias{f' [{unit.strip()}]' if unit else ''}, ± {found.amplitude / size:.3g}"
+def _describe_units(response: FrequencyResponse) -> str:
+    display_unit = units.choose_readable_unit(response.units[0])
+    unit = {"1": "", "degC": " °C"}.get(display_unit, f" {display_unit}")
+    size = units.find_conversion(display_unit, response.units[0])[0]
+    return f"bias{f' [{unit.strip()}]' if unit else ''}, ± {response.amplitude / size:.3g}"

@@ -100,15 +100,15 @@ def write_figure(figure: Figure, path: Path) -> None:
     kind = check_format(path)
     if kind == "svg":
         return write_file(path, format_svg(figure))
-    drawn = io.BytesIO()  # a failed PDF raises its own errors
+    buffer = io.BytesIO()  # a failed PDF raises its own errors
     with use_style():
-        figure.savefig(drawn, format=kind)
-    return write_file(path, drawn.getbuffer())
+        figure.savefig(buffer, format=kind)
+    return write_file(path, buffer.getbuffer())
 
 
 def format_svg(figure: Figure) -> str:
     """Return a figure as SVG: equal figures give equal text, and paths are exact to 0.01 point."""
-    drawn = io.StringIO()
+    buffer = io.StringIO()
     with use_style():
-        figure.savefig(drawn, format="svg", metadata={"Date": None})
-    return _PATH.sub(lambda path: " ".join(_DIGITS.sub(r"\1", path[0]).split()), drawn.getvalue())
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return _PATH.sub(lambda path: " ".join(_DIGITS.sub(r"\1", path[0]).split()), buffer.getvalue())

@@ -33,14 +33,14 @@ CELL = 1.7
 """Size of a panel [inch]."""
 
 
-def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: str = "") -> Figure:
+def plot_sweep(table: SweepTable, measures: Sequence[str] | None = None, title: str = "") -> Figure:
     """Draw the results of a sweep.
 
     One varied parameter: measures over it. Two: a map of each measure. More: a scatter matrix of all varied parameters,
     coloured by the first measure, which is also drawn over each.
 
     Args:
-        found: the runs.
+        table: the runs.
         measures: names of measures; by default the first six.
         title: headline; by default the title of the sweep.
 
@@ -48,17 +48,17 @@ def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: 
         UnknownNameError: the measure does not exist.
         DataError: the sweep stored only traces.
     """
-    chosen = found.chosen(None if measures is None else list(measures))[:MOST_MEASURES]
-    many = len(found.varied) > 2
+    chosen = table.chosen(None if measures is None else list(measures))[:MOST_MEASURES]
+    many = len(table.varied) > 2
     with use_style():
-        size = measure_matrix(found) if many else _choose_size(len(chosen))
+        size = measure_matrix(table) if many else _choose_size(len(chosen))
         figure = make_figure(*size)
         figure.set_layout_engine("constrained")
         if many:
-            draw_matrix(figure, found, chosen[0])
+            draw_matrix(figure, table, chosen[0])
         else:
-            _draw_panels(figure, found, chosen)
-        write_suptitle(figure, title or write_sweep_title(found))
+            _draw_panels(figure, table, chosen)
+        write_suptitle(figure, title or write_sweep_title(table))
     return figure
 
 
@@ -67,63 +67,63 @@ def _choose_size(count: int) -> tuple[float, float]:
     return PANEL[0] * max(columns, 1.3), PANEL[1] * rows + 0.3
 
 
-def _draw_panels(figure: Figure, found: SweepTable, chosen: list[SweepColumn]) -> None:
+def _draw_panels(figure: Figure, table: SweepTable, chosen: list[SweepColumn]) -> None:
     panels = figure.subplots(*arrange_panels(len(chosen)), squeeze=False).ravel()
-    draw = _draw_over_one if len(found.varied) == 1 else _draw_over_two
+    draw = _draw_over_one if len(table.varied) == 1 else _draw_over_two
     for panel, one in zip(panels, chosen, strict=False):
-        draw(panel, found, one)
+        draw(panel, table, one)
     for panel in panels[len(chosen) :]:
         panel.set_axis_off()
 
 
-def _draw_over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
-    (varied,) = found.varied.values()
+def _draw_over_one(axes: Axes, table: SweepTable, one: SweepColumn) -> None:
+    (varied,) = table.varied.values()
     x, y = varied.readable(), one.readable()
-    usable = found.good & np.isfinite(y)
+    usable = table.good & np.isfinite(y)
     order = np.argsort(x[usable], kind="stable")
-    line = "-" if found.shape is not None else ""
+    line = "-" if table.shape is not None else ""
     axes.plot(x[usable][order], y[usable][order], line, color=SIMULATED, marker="o", ms=3.0)
-    _mark_failures(axes, x, None, found, one)
-    axes.set(xlabel=label_varied(found)[0], ylabel=label_column(one))
+    _mark_failures(axes, x, None, table, one)
+    axes.set(xlabel=label_varied(table)[0], ylabel=label_column(one))
     set_scales(axes, varied)
     if not np.any(usable):
         axes.set_yticks([])
 
 
-def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
-    first, second = found.varied.values()
-    usable = found.good & np.isfinite(one.values)
+def _draw_over_two(axes: Axes, table: SweepTable, one: SweepColumn) -> None:
+    first, second = table.varied.values()
+    usable = table.good & np.isfinite(one.values)
     values = np.where(usable, one.readable(), np.nan)
-    if found.shape is None:
+    if table.shape is None:
         x, y = first.readable(), second.readable()
-        drawn = axes.scatter(x[usable], y[usable], c=values[usable], s=9.0, cmap=MAP, lw=0.0)
+        mappable = axes.scatter(x[usable], y[usable], c=values[usable], s=9.0, cmap=MAP, lw=0.0)
     else:
-        levels = [c.readable(n) for c, n in zip((first, second), found.levels or (), strict=True)]
-        drawn = _draw_map(axes, levels, values.reshape(found.shape))
+        levels = [c.readable(n) for c, n in zip((first, second), table.levels or (), strict=True)]
+        mappable = _draw_map(axes, levels, values.reshape(table.shape))
         x, y = (grid.ravel() for grid in np.meshgrid(*levels, indexing="ij"))
-    _mark_failures(axes, x, y, found, one)
-    names = label_varied(found)
+    _mark_failures(axes, x, y, table, one)
+    names = label_varied(table)
     axes.set(xlabel=names[0], ylabel=names[1])
     set_scales(axes, first, second)
     axes.grid(False)
-    add_colour_bar(axes.figure, drawn, axes, label_column(one))
+    add_colour_bar(axes.figure, mappable, axes, label_column(one))
 
 
 def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
     """Return the cells around the levels, with contour lines for enough cells."""
     axes.set_facecolor(FAINT)
-    drawn = axes.pcolormesh(*levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True)
+    mesh = axes.pcolormesh(*levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True)
     if min(values.shape) > 3 and np.isfinite(values).all() and is_spread(values):
         lines = axes.contour(*levels, values.T, levels=6, colors="white", linewidths=0.6)
         axes.clabel(lines, fontsize=7.0, fmt="%.4g")
-    return drawn
+    return mesh
 
 
-def _mark_failures(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColumn) -> None:
+def _mark_failures(axes: Axes, x: Any, y: Any, table: SweepTable, one: SweepColumn) -> None:
     """Mark failed runs, and runs whose measured event never happened."""
-    never = found.good & np.isinf(one.values)
+    never = table.good & np.isinf(one.values)
     looks: tuple[tuple[Any, str, Any], ...] = (
-        (found.status >= Status.UNSOLVED, "failed", {"marker": "x", "color": HEATING}),
+        (table.status >= Status.UNSOLVED, "failed", {"marker": "x", "color": HEATING}),
         (never, "never", {"marker": "o", "mfc": "none", "color": QUIET}),
     )
     for rows, word, look in looks:
@@ -141,10 +141,10 @@ def label_column(one: SweepColumn, short: str = "") -> str:
     return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
 
 
-def label_varied(found: SweepTable) -> list[str]:
+def label_varied(table: SweepTable) -> list[str]:
     """Return the labels of all varied parameters."""
-    names = shorten_names(found.varied)
-    return [label_column(one, names[path]) for path, one in found.varied.items()]
+    names = shorten_names(table.varied)
+    return [label_column(one, names[path]) for path, one in table.varied.items()]
 
 
 def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
@@ -161,11 +161,11 @@ def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def write_sweep_title(found: SweepTable) -> str:
+def write_sweep_title(table: SweepTable) -> str:
     """Return the title of a sweep with its number of runs."""
-    failed = f", {found.failed:,} failed" if found.failed else ""
-    missing = f", {found.missing:,} not made yet" if found.missing else ""
-    return f"{found.title}: {len(found.status):,} runs{failed}{missing}"
+    failed = f", {table.failed:,} failed" if table.failed else ""
+    missing = f", {table.missing:,} not made yet" if table.missing else ""
+    return f"{table.title}: {len(table.status):,} runs{failed}{missing}"
 
 
 def arrange_panels(count: int) -> tuple[int, int]:
@@ -174,41 +174,41 @@ def arrange_panels(count: int) -> tuple[int, int]:
     return -(-count // columns), columns
 
 
-def measure_matrix(found: SweepTable) -> tuple[float, float]:
+def measure_matrix(table: SweepTable) -> tuple[float, float]:
     """Return the size of the figure [inch]."""
-    count = min(len(found.varied), MOST_AXES)
+    count = min(len(table.varied), MOST_AXES)
     return CELL * count + 1.4, CELL * count + 0.6
 
 
-def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
+def draw_matrix(figure: Figure, table: SweepTable, one: SweepColumn) -> None:
     """Draw the lower triangle of all pairs, and the measure over each parameter in the last row.
 
     Of more than six parameters, those with the strongest rank correlation with the measure are drawn.
     """
-    columns, names = list(found.varied.values()), label_varied(found)
-    usable = found.good & np.isfinite(one.values)
-    shown = _find_leading(columns, one, usable)
-    rows, failed = _pick_runs(usable), _pick_runs(found.status >= Status.UNSOLVED)
+    columns, names = list(table.varied.values()), label_varied(table)
+    usable = table.good & np.isfinite(one.values)
+    strongest = _find_leading(columns, one, usable)
+    rows, failed = _pick_runs(usable), _pick_runs(table.status >= Status.UNSOLVED)
     colours = one.readable()
-    count = len(shown)
+    count = len(strongest)
     panels: Any = figure.subplots(count, count, squeeze=False)
-    drawn: Any = None
+    mappable: Any = None
     for i, j in np.ndindex(count, count):
         panel, below = panels[i, j], i == count - 1
         if j > i:
             panel.set_axis_off()
             continue
-        x = columns[shown[j]]
-        y = one if below else columns[shown[i + 1]]
+        x = columns[strongest[j]]
+        y = one if below else columns[strongest[i + 1]]
         across, up = x.readable(), y.readable()
-        drawn = panel.scatter(across[rows], up[rows], c=colours[rows], s=4.0, lw=0.0, cmap=MAP, rasterized=True)
+        mappable = panel.scatter(across[rows], up[rows], c=colours[rows], s=4.0, lw=0.0, cmap=MAP, rasterized=True)
         if not below:
             panel.plot(across[failed], up[failed], "x", color=HEATING, ms=3.5)
         set_scales(panel, x, y)
-        name = label_column(one) if below else names[shown[i + 1]]
-        panel.set(xlabel=names[shown[j]], ylabel=name)
+        name = label_column(one) if below else names[strongest[i + 1]]
+        panel.set(xlabel=names[strongest[j]], ylabel=name)
         panel.label_outer()
-    add_colour_bar(figure, drawn, panels.ravel().tolist(), label_column(one), aspect=35)
+    add_colour_bar(figure, mappable, panels.ravel().tolist(), label_column(one), aspect=35)
 
 
 def _find_leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:

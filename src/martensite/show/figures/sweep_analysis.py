@@ -33,17 +33,17 @@ MOST_BARS = 10
 """Largest number of parameters in a panel."""
 
 
-def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figure:
+def plot_pareto(table: SweepTable, front: ParetoFront, title: str = "") -> Figure:
     """Draw a front in each pair of its goals.
 
     Args:
-        found: the runs.
+        table: the runs.
         front: from `find_pareto_front`.
         title: headline; by default the title of the sweep.
     """
     pairs = list(combinations(range(len(front.goals)), 2))[:MOST_PAIRS] or [(0, 0)]
     rows, columns = arrange_panels(len(pairs))
-    width = max(PANEL * columns, CELL * (len(found.varied) + len(front.goals) + 1), 5.5)
+    width = max(PANEL * columns, CELL * (len(table.varied) + len(front.goals) + 1), 5.5)
     with use_style():
         figure = make_figure(width, 2.9 * rows + TABLE)
         figure.set_layout_engine("constrained")
@@ -52,12 +52,12 @@ def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figur
         panels = upper.subplots(rows, columns, squeeze=False).ravel()
         named = _choose_named(front)
         for panel, pair in zip(panels, pairs, strict=False):
-            _draw_pair(panel, found, front, pair, named)
+            _draw_pair(panel, table, front, pair, named)
         for panel in panels[len(pairs) :]:
             panel.set_axis_off()
         panels[0].legend(loc="best")
-        write_suptitle(upper, title or write_sweep_title(found))
-        _tabulate_designs(lower, found, front, named)
+        write_suptitle(upper, title or write_sweep_title(table))
+        _tabulate_designs(lower, table, front, named)
     return figure
 
 
@@ -73,12 +73,12 @@ def _choose_named(front: ParetoFront) -> list[int]:
     return [int(front.runs[k]) for k in sorted(chosen)]
 
 
-def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]) -> None:
+def _draw_pair(axes: Axes, table: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]) -> None:
     from matplotlib.patheffects import withStroke
 
     a, b = (front.goals[k] for k in pair)
     x, y = a.readable(), b.readable()
-    usable = np.flatnonzero(found.good & np.isfinite(x) & np.isfinite(y))
+    usable = np.flatnonzero(table.good & np.isfinite(x) & np.isfinite(y))
     if len(usable) > MOST_POINTS:
         usable = np.random.default_rng(0).choice(usable, MOST_POINTS, replace=False)
     axes.plot(x[usable], y[usable], ".", label="runs", color=QUIET, alpha=0.45, ms=3.0, mew=0.0, rasterized=True)
@@ -94,14 +94,14 @@ def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[in
     axes.set(xlabel=f"{label_column(a)}, {aims[0]}", ylabel=f"{label_column(b)}, {aims[1]}")
 
 
-def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
-    shown = front.columns(found)
-    short = shorten_names(list(found.varied))
+def _tabulate_designs(figure: Any, sweep_table: SweepTable, front: ParetoFront, named: list[int]) -> None:
+    columns = front.columns(sweep_table)
+    short = shorten_names(list(sweep_table.varied))
     axes = figure.subplots()
     axes.set_axis_off()
-    heads = ["run", *(label_column(one, short.get(name, name)) for name, one in shown.items())]
+    heads = ["run", *(label_column(one, short.get(name, name)) for name, one in columns.items())]
     cells = [
-        [f"{letter}   {run}", *(f"{float(c.readable(c.values[run])):.4g}" for c in shown.values())]
+        [f"{letter}   {run}", *(f"{float(c.readable(c.values[run])):.4g}" for c in columns.values())]
         for letter, run in zip(ascii_uppercase, named, strict=False)
     ]
     table = axes.table(cells, colLabels=heads, loc="upper center", edges="horizontal")
@@ -113,19 +113,19 @@ def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named:
         cell.get_text().set_parse_math(False)
 
 
-def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Figure:
+def plot_sensitivity(indices: Sequence[SensitivityIndices], title: str = "") -> Figure:
     """Draw the sensitivities of measures, one panel each, the most important parameter on top."""
-    rows, columns = arrange_panels(len(found))
-    kinds = [kind for kind in COLOURS if any(kind in one.indices for one in found)]
-    names = min(max(len(one.names) for one in found), MOST_BARS)
+    rows, columns = arrange_panels(len(indices))
+    kinds = [kind for kind in COLOURS if any(kind in one.indices for one in indices)]
+    names = min(max(len(one.names) for one in indices), MOST_BARS)
     height = names * (BAR * len(kinds) + 0.12) + HEAD
     with use_style():
         width = WIDTH * max(columns, 1.2)
         figure, panels = make_panels(width, rows * height + 0.4, rows, columns, title)
         panels = panels.ravel()
-        for panel, one in zip(panels, found, strict=False):
+        for panel, one in zip(panels, indices, strict=False):
             _draw_bars(panel, one, kinds)
-        for panel in panels[len(found) :]:
+        for panel in panels[len(indices) :]:
             panel.set_axis_off()
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=len(kinds))
     return figure
@@ -154,9 +154,9 @@ def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
 
 
 def _find_ends(one: SensitivityIndices) -> tuple[float, float]:
-    drawn = [index for kind, index in one.indices.items() if kind in COLOURS]
-    halves = [np.nan_to_num(index.wide) for index in drawn]
-    values = [np.nan_to_num(index.values) for index in drawn]
+    indices = [index for kind, index in one.indices.items() if kind in COLOURS]
+    halves = [np.nan_to_num(index.wide) for index in indices]
+    values = [np.nan_to_num(index.values) for index in indices]
     low = min(float(np.min(v - w)) for v, w in zip(values, halves, strict=True))
     high = max(float(np.max(v + w)) for v, w in zip(values, halves, strict=True))
     return 1.05 * min(low, -0.02), max(1.05, 1.02 * high)

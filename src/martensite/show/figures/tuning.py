@@ -19,25 +19,25 @@ AFTER: dict[str, Any] = {"color": HEATING, "linewidth": 1.4, "label": "after"}
 WANTED: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "label": "reference"}
 
 
-def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
+def plot_tuning(tuned_bench: TunedBench, drive: str, title: str = "") -> Figure:
     """Return reference and output, error and signal of a drive's loop, before and after."""
-    bench = found.bench
+    bench = tuned_bench.bench
     output = bench.outputs()[find_judged_output(bench, drive)]
-    shown = units.choose_readable_unit(output.unit)
-    factor, _ = units.find_conversion(shown, output.unit)
-    label = {"1": "", "degC": " [K]"}.get(shown, f" [{shown}]")
-    runs = ((found.seen_before, BEFORE), (found.seen, AFTER))
+    display_unit = units.choose_readable_unit(output.unit)
+    factor, _ = units.find_conversion(display_unit, output.unit)
+    label = {"1": "", "degC": " [K]"}.get(display_unit, f" [{display_unit}]")
+    runs = ((tuned_bench.seen_before, BEFORE), (tuned_bench.seen, AFTER))
     with use_style():
         ratios = (2.0, 1.0, 1.2)
         figure, panels = make_panels(TUNING_WIDTH, TUNING_HEIGHT, 3, 1, title, sharex=True, height_ratios=ratios)
         panels = panels[:, 0]
-        for seen, look in runs:
-            values = [units.from_si(v, shown, output.unit) for v in seen.output.tolist()]
-            panels[0].plot(found.times, values, **look)
-            panels[1].plot(found.times, (seen.reference - seen.output) / factor, **look)
-            panels[2].plot(found.times, seen.signal, drawstyle="steps-post", **look)
-        wanted = [units.from_si(v, shown, output.unit) for v in found.seen.reference.tolist()]
-        panels[0].plot(found.times, wanted, drawstyle="steps-post", **WANTED)
+        for run, look in runs:
+            values = [units.from_si(v, display_unit, output.unit) for v in run.output.tolist()]
+            panels[0].plot(tuned_bench.times, values, **look)
+            panels[1].plot(tuned_bench.times, (run.reference - run.output) / factor, **look)
+            panels[2].plot(tuned_bench.times, run.signal, drawstyle="steps-post", **look)
+        wanted = [units.from_si(v, display_unit, output.unit) for v in tuned_bench.seen.reference.tolist()]
+        panels[0].plot(tuned_bench.times, wanted, drawstyle="steps-post", **WANTED)
         panels[0].legend(loc="best")
         panels[0].set(ylabel=f"{output.long_name}{label.replace('[K]', '[°C]')}")
         panels[1].set(ylabel=f"error{label}")

@@ -22,43 +22,44 @@ MEANINGS = {
 }
 
 
-def summarise_calorimetry(found: Calorimetry) -> Summary:
+def summarise_calorimetry(calorimetry: Calorimetry) -> Summary:
     """Return the summary of DSC ramps: temperatures, latent heat, one row per peak, and remarks."""
-    rows = [row for one in found.ramps for row in _list_rows(one)]
+    rows = [row for one in calorimetry.ramps for row in _list_rows(one)]
     blocks: list[Block] = [
-        DataTable(("quantity", "value", "95 % interval", "meaning"), list(_list_values(found)), right=(1, 2)),
+        DataTable(("quantity", "value", "95 % interval", "meaning"), list(_list_values(calorimetry)), right=(1, 2)),
         DataTable(RAMPS, rows, right=range(1, 5)),
         Sentence(
-            f"Baseline: {found.baseline} (`--baseline`). Tangents at the steepest rows of both flanks, ASTM F2004."
+            f"Baseline: {calorimetry.baseline} (`--baseline`). "
+            "Tangents at the steepest rows of both flanks, ASTM F2004."
         ),
     ]
-    if found.at_zero_rate:
+    if calorimetry.at_zero_rate:
         blocks.append(Sentence("Temperatures are extrapolated to rate 0 along a straight line."))
-    if found.assumed_unit:
+    if calorimetry.assumed_unit:
         blocks.append(
             Sentence(
-                f"The file has no unit of the heat flow: {found.assumed_unit} is assumed, and areas follow from it. "
-                "Give it by `--as COLUMN=heat_flow[W/g]`, or `[mW]` with `--mass`.",
+                f"The file has no unit of the heat flow: {calorimetry.assumed_unit} is assumed, and areas follow from "
+                "it. Give it by `--as COLUMN=heat_flow[W/g]`, or `[mW]` with `--mass`.",
                 "caution",
             )
         )
-    blocks += [Sentence(text, "caution") for text in found.remarks]
-    return Summary(_write_title(found), blocks, found.to_dict())
+    blocks += [Sentence(text, "caution") for text in calorimetry.remarks]
+    return Summary(_write_title(calorimetry), blocks, calorimetry.to_dict())
 
 
-def _write_title(found: Calorimetry) -> str:
-    parts = [f"{name} {one.value - ZERO:.1f}" for name, one in found.values.items()]
-    heat = "" if found.latent_heat is None else f", latent heat {1e-3 * found.latent_heat.value:.3g} J/g"
+def _write_title(calorimetry: Calorimetry) -> str:
+    parts = [f"{name} {one.value - ZERO:.1f}" for name, one in calorimetry.values.items()]
+    heat = "" if calorimetry.latent_heat is None else f", latent heat {1e-3 * calorimetry.latent_heat.value:.3g} J/g"
     return f"DSC: {', '.join(parts)} degC{heat}"
 
 
-def _list_values(found: Calorimetry) -> Iterator[tuple[str, ...]]:
-    for name, one in found.values.items():
+def _list_values(calorimetry: Calorimetry) -> Iterator[tuple[str, ...]]:
+    for name, one in calorimetry.values.items():
         yield _write_row(name, one, 1.0, ZERO, "degC", MEANINGS[name], 1)
-    if found.latent_heat is not None:
-        per = f", per assumed {found.assumed_unit}" if found.assumed_unit else ""
-        yield _write_row("latent heat", found.latent_heat, 1e3, 0.0, "J/g", f"mean area of all ramps{per}", 2)
-    for name, one in found.heat_capacity.items():
+    if calorimetry.latent_heat is not None:
+        per = f", per assumed {calorimetry.assumed_unit}" if calorimetry.assumed_unit else ""
+        yield _write_row("latent heat", calorimetry.latent_heat, 1e3, 0.0, "J/g", f"mean area of all ramps{per}", 2)
+    for name, one in calorimetry.heat_capacity.items():
         phase = {"A": "austenite", "M": "martensite"}[name]
         yield _write_row(f"c_{name}", one, 1.0, 0.0, "J/kg/K", f"heat capacity of {phase}", 0)
 
@@ -67,8 +68,8 @@ def _write_row(
     name: str, one: MeasuredValue, size: float, zero: float, unit: str, meaning: str, digits: int
 ) -> tuple[str, ...]:
     low, high = ((x - zero) / size for x in one.interval())
-    known = math.isfinite(low) and math.isfinite(high)
-    interval = f"{low:.{digits}f} to {high:.{digits}f}" if known else "not estimated"
+    is_finite = math.isfinite(low) and math.isfinite(high)
+    interval = f"{low:.{digits}f} to {high:.{digits}f}" if is_finite else "not estimated"
     return name, f"{(one.value - zero) / size:.{digits}f} {unit}", interval, meaning
 
 

@@ -19,52 +19,54 @@ COARSE = 1e-2
 """Relative change by half the steps that causes a caution."""
 
 
-def summarise_design(found: OptimisedDesign, title: str) -> Summary:
+def summarise_design(optimum: OptimisedDesign, title: str) -> Summary:
     """Return the summary of a design."""
-    question, counts = found.question, found.counts
+    question, counts = optimum.question, optimum.counts
     sense = "most" if question.most else "least"
     lead = (
-        f"{sense} {question.goal.words}: {write_quantity(found.goal, question.goal.unit)}, of "
+        f"{sense} {question.goal.words}: {write_quantity(optimum.goal, question.goal.unit)}, of "
         f"{counts.simulations:,} simulations and {counts.slopes:,} with derivatives"
     )
     blocks = [
-        DataTable(NUMBERS, _number_rows(found), right=(1, 2, 3, 4)),
-        DataTable(MEASURES, _measure_rows(found), right=(1, 2, 3)),
-        *_describe_whole(found),
-        *_describe_balance(found),
-        *_describe_grid(found),
-        *_describe_doubts(found),
+        DataTable(NUMBERS, _number_rows(optimum), right=(1, 2, 3, 4)),
+        DataTable(MEASURES, _measure_rows(optimum), right=(1, 2, 3)),
+        *_describe_whole(optimum),
+        *_describe_balance(optimum),
+        *_describe_grid(optimum),
+        *_describe_doubts(optimum),
     ]
-    return Summary(title, blocks, {"title": title} | found.to_dict(), lead)
+    return Summary(title, blocks, {"title": title} | optimum.to_dict(), lead)
 
 
-def describe_verdict(found: OptimisedDesign) -> str:
+def describe_verdict(optimum: OptimisedDesign) -> str:
     """Return whether a design keeps all limits, with its goal or violations, without a full stop."""
-    if not found.kept:
-        return f"No design that keeps all limits was found: the nearest one misses {', '.join(found.missed)}"
-    sense, goal = "most" if found.question.most else "least", found.question.goal
-    kept = (
-        "All constraints are kept, but limits of the elements are exceeded" if found.exceeded else "All limits are kept"
+    if not optimum.kept:
+        return f"No design that keeps all limits was found: the nearest one misses {', '.join(optimum.missed)}"
+    sense, goal = "most" if optimum.question.most else "least", optimum.question.goal
+    verdict = (
+        "All constraints are kept, but limits of the elements are exceeded"
+        if optimum.exceeded
+        else "All limits are kept"
     )
-    return f"{kept}: {sense} {goal.words} {write_quantity(found.goal, goal.unit, 4)}"
+    return f"{verdict}: {sense} {goal.words} {write_quantity(optimum.goal, goal.unit, 4)}"
 
 
-def _describe_doubts(found: OptimisedDesign) -> Iterator[Block]:
-    if found.life:
-        yield Sentence(found.life)
-    if found.accuracy > COARSE:
+def _describe_doubts(optimum: OptimisedDesign) -> Iterator[Block]:
+    if optimum.life:
+        yield Sentence(optimum.life)
+    if optimum.accuracy > COARSE:
         yield Sentence(
-            f"Caution: half the steps ({found.step:.3g} s) change this by "
-            f"{100.0 * found.accuracy:.2g} % of limits and goal.",
+            f"Caution: half the steps ({optimum.step:.3g} s) change this by "
+            f"{100.0 * optimum.accuracy:.2g} % of limits and goal.",
             "caution",
         )
-    yield from (Sentence(f"Not kept: {words}", "bad") for words in found.missed)
-    yield from (Sentence(f"Caution: {note}", "caution") for note in found.notes)
+    yield from (Sentence(f"Not kept: {words}", "bad") for words in optimum.missed)
+    yield from (Sentence(f"Caution: {note}", "caution") for note in optimum.notes)
 
 
-def _number_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
+def _number_rows(optimum: OptimisedDesign) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
-    for one, value, z in zip(found.question.free, found.numbers, found.z, strict=True):
+    for one, value, z in zip(optimum.question.free, optimum.numbers, optimum.z, strict=True):
         bound = None if one.whole else one.bound(z)
         remark = "whole" if one.whole else f"at its {bound} bound" if bound else ""
         values = (one.start, value, one.low, one.high)
@@ -72,12 +74,12 @@ def _number_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
     return rows
 
 
-def _measure_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
-    question = found.question
+def _measure_rows(optimum: OptimisedDesign) -> list[tuple[str, ...]]:
+    question = optimum.question
     places = {one.name: k for k, one in enumerate(question.free)}
     return [
-        (one.words, _write_values(one, one.before), _write_values(one, one.after), *_write_limits(found, one.words))
-        for one in found.reported
+        (one.words, _write_values(one, one.before), _write_values(one, one.after), *_write_limits(optimum, one.words))
+        for one in optimum.reported
         if one.words not in places
     ]
 
@@ -96,52 +98,52 @@ def _write_value(value: float, one: ReportedMeasure) -> str:
     return write_quantity(float(f"{value:.9g}"), one.unit)
 
 
-def _write_limits(found: OptimisedDesign, words: str) -> tuple[str, str]:
-    question = found.question
+def _write_limits(optimum: OptimisedDesign, words: str) -> tuple[str, str]:
+    question = optimum.question
     limits = [c for c in question.subject if c.aim.words == words]
     goal = [("most" if question.most else "least")] if words == question.goal.words else []
-    pressing = [] if found.balance is None else [p.name for p in found.balance.pressing]
+    pressing = [] if optimum.balance is None else [p.name for p in optimum.balance.pressing]
     active = ["active"] if any(c.words in pressing for c in limits) else []
-    missed = ["not kept"] if any(c.words in found.missed for c in limits) else []
+    missed = ["not kept"] if any(c.words in optimum.missed for c in limits) else []
     signs = [("<= " if c.most else ">= ") + write_quantity(c.limit, c.aim.unit) for c in limits]
     return ", ".join(signs), ", ".join([*goal, *(missed or active)])
 
 
-def _describe_whole(found: OptimisedDesign) -> Iterator[Block]:
-    if not found.held or found.relaxed is None or found.relaxed_goal is None:
+def _describe_whole(optimum: OptimisedDesign) -> Iterator[Block]:
+    if not optimum.held or optimum.relaxed is None or optimum.relaxed_goal is None:
         return
-    free, unit = found.question.free, found.question.goal.unit
+    free, unit = optimum.question.free, optimum.question.goal.unit
     names = [one.name for one in free if one.whole]
     others = [(k, one) for k, one in enumerate(free) if not one.whole]
-    rows = [_whole_row(one, others, unit) for one in found.held]
-    head = (*names, *(one.name for _, one in others), found.question.goal.words, "kept")
+    rows = [_whole_row(one, others, unit) for one in optimum.held]
+    head = (*names, *(one.name for _, one in others), optimum.question.goal.words, "kept")
     yield DataTable(head, rows, right=range(len(head) - 1))
-    values = ", ".join(f"{one.name} = {v:.4g}" for one, v in zip(free, found.relaxed, strict=True) if one.whole)
-    goal = write_quantity(found.relaxed_goal, unit)
+    values = ", ".join(f"{one.name} = {v:.4g}" for one, v in zip(free, optimum.relaxed, strict=True) if one.whole)
+    goal = write_quantity(optimum.relaxed_goal, unit)
     yield Sentence(f"If nothing had to be whole: {values}, {goal}.")
 
 
 def _whole_row(one: RoundedDesign, others: Sequence[tuple[int, object]], unit: str) -> tuple[str, ...]:
     numbers = [write_quantity(float(f"{one.numbers[k]:.5g}"), getattr(free, "unit", "1")) for k, free in others]
-    kept = "yes" if one.kept else f"no, misses {100.0 * one.violation:.2g} %"
-    return (*map(str, one.whole), *numbers, write_quantity(float(f"{one.goal:.5g}"), unit), kept)
+    verdict = "yes" if one.kept else f"no, misses {100.0 * one.violation:.2g} %"
+    return (*map(str, one.whole), *numbers, write_quantity(float(f"{one.goal:.5g}"), unit), verdict)
 
 
-def _describe_balance(found: OptimisedDesign) -> Iterator[Block]:
-    if found.balance is None or not found.kept:
+def _describe_balance(optimum: OptimisedDesign) -> Iterator[Block]:
+    if optimum.balance is None or not optimum.kept:
         return
-    for one in found.balance.pressing:
-        yield Sentence(one.words(found.question.goal.unit))
-    if found.balance.residue > IMBALANCE:
+    for one in optimum.balance.pressing:
+        yield Sentence(one.words(optimum.question.goal.unit))
+    if optimum.balance.residue > IMBALANCE:
         yield Sentence(
-            f"Caution: {100.0 * found.balance.residue:.2g} % of the slope of the goal is not "
+            f"Caution: {100.0 * optimum.balance.residue:.2g} % of the slope of the goal is not "
             "balanced: this is a kink, or not yet the best.",
             "caution",
         )
 
 
-def _describe_grid(found: OptimisedDesign) -> Iterator[Block]:
-    scan, question = found.scan, found.question
+def _describe_grid(optimum: OptimisedDesign) -> Iterator[Block]:
+    scan, question = optimum.scan, optimum.question
     if scan is None:
         return
     size = f"Grid of {' x '.join(map(str, scan.shape))} = {len(scan.z):,} simulations"
@@ -151,6 +153,6 @@ def _describe_grid(found: OptimisedDesign) -> Iterator[Block]:
     best = ", ".join(
         f"{one.name} {write_quantity(v, one.unit, 5)}" for one, v in zip(question.free, scan.numbers, strict=True)
     )
-    cells = ", ".join(f"{c:.2g}" for c in scan.cells(np.array(found.z)))
+    cells = ", ".join(f"{c:.2g}" for c in scan.cells(np.array(optimum.z)))
     goal = write_quantity(scan.values[0], question.goal.unit)
     yield Sentence(f"{size}: best {goal} at {best}; the design found is {cells} cells away.")

@@ -67,11 +67,11 @@ def _make_title(fit: Fit) -> str:
 def _make_lead(fit: Fit) -> str:
     rows = list_compared(fit)
     fitted = sum(int(row.used.sum()) for row in rows)
-    kept = sum(int(row.held.sum()) for row in rows)
+    held_out_count = sum(int(row.held.sum()) for row in rows)
     count = len(collect_warnings(fit))
     warned = f" {count} {'warning' if count == 1 else 'warnings'} below." if count else " No warnings."
     ended = fit.reason[:1].upper() + fit.reason[1:]
-    return f"{ended}: {len(fit.problem.free)} parameters, {fitted} fitted and {kept} held-out values.{warned}"
+    return f"{ended}: {len(fit.problem.free)} parameters, {fitted} fitted and {held_out_count} held-out values.{warned}"
 
 
 def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
@@ -128,8 +128,8 @@ def _describe_verdict(fit: Fit) -> Block:
 
 
 def _list_warnings(fit: Fit) -> Iterator[Block]:
-    if found := collect_warnings(fit):
-        yield Notice("Warning", _typeset_sentences(found), warning=True)
+    if sentences := collect_warnings(fit):
+        yield Notice("Warning", _typeset_sentences(sentences), warning=True)
 
 
 def collect_warnings(fit: Fit) -> list[str]:
@@ -238,7 +238,7 @@ def _find_law(fit: Fit) -> dict[str, Any]:
 
 
 def _collect_numbers(fit: Fit) -> dict[str, Any]:
-    kept = [one.experiment for one in fit.kept]
+    held_out = [one.experiment for one in fit.kept]
     return {
         "parameters": {free.name: _collect_parameter(fit, free) for free in fit.problem.free},
         "cost": fit.cost,
@@ -250,10 +250,12 @@ def _collect_numbers(fit: Fit) -> dict[str, Any]:
         "seconds": fit.seconds,
         "scores": [score.to_dict() for score in fit.scores],
         "baselines": [score.to_dict() for score in score_baselines(fit)],
-        "transfer": [score.to_dict() for kept in fit.transfer for one in list_held_out(kept) for score in one.score()],
+        "transfer": [
+            score.to_dict() for held_out in fit.transfer for one in list_held_out(held_out) for score in one.score()
+        ],
         "held_out": {
             one.name: [[_write_end(end) for end in pair] for pair in one.held]
-            for one in (*fit.problem.experiments, *kept)
+            for one in (*fit.problem.experiments, *held_out)
             if one.held
         },
         "uncertainty": fit.uncertainty.to_dict(),
@@ -282,11 +284,11 @@ def _collect_parameter(fit: Fit, free: FreeNumber) -> dict[str, Any]:
     }
 
 
-def _collect_posterior(found: Posterior) -> dict[str, Any]:
+def _collect_posterior(posterior: Posterior) -> dict[str, Any]:
     return {
-        "intervals": {name: list(found.interval(name)) for name in found.samples},
-        "autocorrelation_times": found.times,
-        "effective": found.effective,
-        "converged": found.converged,
-        "sentence": found.sentence,
+        "intervals": {name: list(posterior.interval(name)) for name in posterior.samples},
+        "autocorrelation_times": posterior.times,
+        "effective": posterior.effective,
+        "converged": posterior.converged,
+        "sentence": posterior.sentence,
     }

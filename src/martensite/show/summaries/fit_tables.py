@@ -70,9 +70,9 @@ def tabulate_parameters(fit: Fit) -> DataTable:
 
 
 def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
-    found, value = fit.uncertainty, fit[free.name]
+    uncertainty, value = fit.uncertainty, fit[free.name]
     spelling = choose_parameter_unit(free, value)
-    plain, wide = found.interval(free.name), found.widened(free.name)
+    plain, wide = uncertainty.interval(free.name), uncertainty.widened(free.name)
     decimals = _choose_decimals(plain, free.unit, spelling)
     start, *bounds = (_write_number(end, free.unit, spelling, None) for end in (free.start, free.low, free.high))
     return (
@@ -130,8 +130,8 @@ def tabulate_own_numbers(fit: Fit) -> DataTable | None:
     """Return a table of the parameters fitted to held-out records alone; None without such parameters."""
     table = {free.path: free for free in fit.problem.free}
     rows = list[tuple[str, ...]]()
-    for kept in fit.kept:
-        for name, value in kept.numbers.items():
+    for held_out_record in fit.kept:
+        for name, value in held_out_record.numbers.items():
             free = table.get(name.rpartition("@")[0])
             text = f"{value:.6g}" if free is None else format_quantity(value, free.unit)
             rows.append((f"`{name}`", text, free.doc if free else ""))

@@ -30,17 +30,17 @@ SCORES = ("model", "used for", "record", "output", "fit [%]", "RMS error", "larg
 RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "bias")
 
 
-def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summary:
+def summarise_identified(identification: Identified, records: Sequence[Sampled]) -> Summary:
     """Return the summary of models in stages."""
-    blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
-    warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
-    return Summary("", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records))
+    blocks = [block for k in range(len(identification.stages)) for block in _describe_stage(identification, k)]
+    warned = [Sentence(one, "caution") for one in collect_warnings(identification, records)]
+    return Summary("", [*blocks, *_describe_scores(identification), *warned], _collect_numbers(identification, records))
 
 
-def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
-    stage, one = found.stages[k], found.estimates[k]
+def _describe_stage(identification: Identified, k: int) -> Iterator[Block]:
+    stage, one = identification.stages[k], identification.estimates[k]
     chain = one.chain
-    head = f"Stage {k + 1}" if len(found.stages) > 1 else "Model"
+    head = f"Stage {k + 1}" if len(identification.stages) > 1 else "Model"
     names = ", ".join(f"`{name}`" for name in chain.input_names)
     yield Heading(f"{head}: {names} -> `{stage.output}`: {chain.text()}")
     yield Sentence(
@@ -52,9 +52,9 @@ def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
 
 
 def _describe_dynamics(one: ChainEstimate) -> Iterator[Block]:
-    found = one.uncertainty
+    uncertainty = one.uncertainty
     blocks = enumerate(zip(one.chain.blocks, one.chain.split(), strict=True), start=1)
-    errors = {(x.block, x.name): x.error for x in found.describe_numbers()} if found else {}
+    errors = {(x.block, x.name): x.error for x in uncertainty.describe_numbers()} if uncertainty else {}
     rows = [
         (str(k), name, f"{value:.5g}", _format_error(errors.get((k, name), math.nan)), unit)
         for k, (block, theta) in blocks
@@ -66,7 +66,7 @@ def _describe_dynamics(one: ChainEstimate) -> Iterator[Block]:
     if len(rows) > MOST_NUMBERS:
         left = len(rows) - MOST_NUMBERS
         yield Sentence(f"{left} more parameters of dynamic blocks are in the output of --json.")
-    yield from map(Sentence, found.sentences if found else ())
+    yield from map(Sentence, uncertainty.sentences if uncertainty else ())
 
 
 def _format_error(error: float) -> str:
@@ -75,7 +75,7 @@ def _format_error(error: float) -> str:
     return f"{error:.2g}" if math.isfinite(error) else "undetermined"
 
 
-def _describe_scores(found: Identified) -> Iterator[Block]:
+def _describe_scores(identification: Identified) -> Iterator[Block]:
     yield Heading("Scores of free runs (no feedback of measured outputs)")
     rows = [
         (
@@ -86,27 +86,27 @@ def _describe_scores(found: Identified) -> Iterator[Block]:
             f"{s.fit:.2f}",
             *(f"{v:.4g} {_choose_difference_unit(s.unit)}".rstrip() for v in (s.rms, s.worst)),
         )
-        for s in found.scores
+        for s in identification.scores
     ]
     yield DataTable(SCORES, rows, right=(4, 5, 6))
-    yield from map(Sentence, _describe_starts(found))
+    yield from map(Sentence, _describe_starts(identification))
 
 
-def _describe_starts(found: Identified) -> Iterator[str]:
-    runs = [s for s in found.scores if s.model in ("model", "series")]
-    for said in dict.fromkeys(s.begins for s in runs):
-        names = dict.fromkeys(f"`{s.record}`" for s in runs if s.begins == said)
-        yield f"Initial state of {', '.join(names)}: {said}"
+def _describe_starts(identification: Identified) -> Iterator[str]:
+    runs = [s for s in identification.scores if s.model in ("model", "series")]
+    for start in dict.fromkeys(s.begins for s in runs):
+        names = dict.fromkeys(f"`{s.record}`" for s in runs if s.begins == start)
+        yield f"Initial state of {', '.join(names)}: {start}"
 
 
 def _choose_difference_unit(unit: str) -> str:
     return {"degC": "K", "1": ""}.get(unit, unit)
 
 
-def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]:
+def collect_warnings(identification: Identified, records: Sequence[Sampled]) -> list[str]:
     """Return the warnings for users of a model."""
     entries = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
-    for one in found.estimates:
+    for one in identification.estimates:
         entries += one.remarks
         if one.options.starts > 1 and one.agreeing < ENOUGH:
             few = f"{one.agreeing} of {len(one.fits)} refined searches"
@@ -114,7 +114,7 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
                 f"`{one.chain.text()}`: only {few} ended within 0.1 percentage points of the best, so the optimum may "
                 "be local. Use more --starts."
             )
-    roles = {score.role for score in found.scores}
+    roles = {score.role for score in identification.scores}
     if "validation" not in roles and "other" not in roles:
         entries.append(
             "Only fitted logs are scored, so the prediction error is unknown: a slow block can imitate hysteresis at "
@@ -123,11 +123,11 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
     return entries
 
 
-def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
-    stages = zip(found.stages, found.estimates, strict=True)
+def _collect_numbers(identification: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
+    stages = zip(identification.stages, identification.estimates, strict=True)
     return {
-        "model": found.model.text(),
-        "interval": found.model.interval,
+        "model": identification.model.text(),
+        "interval": identification.model.interval,
         "free_run": True,
         "stages": [
             {
@@ -142,8 +142,8 @@ def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str,
             }
             for stage, one in stages
         ],
-        "scores": [asdict(score) for score in found.scores],
-        "warnings": collect_warnings(found, records),
+        "scores": [asdict(score) for score in identification.scores],
+        "warnings": collect_warnings(identification, records),
     }
 
 
@@ -165,15 +165,17 @@ def summarise_model(
     return Summary(title or f"Model {chain.name}", blocks, lead=lead)
 
 
-def _describe_model(chain: Chain, validations: Sequence[Validation], found: ChainUncertainty | None) -> Iterator[Block]:
+def _describe_model(
+    chain: Chain, validations: Sequence[Validation], uncertainty: ChainUncertainty | None
+) -> Iterator[Block]:
     yield Heading("Scores")
     yield Sentence("All scores are from free runs, without feedback of measured outputs.")
     rows = [row for one in validations for row in _score_rows(one)]
     yield DataTable(RECORD_SCORES, rows, right=(3, 4, 5, 6))
     for k, one in enumerate(validations):
-        yield from _describe_record(k, one, found)
-    if found is not None:
-        yield from _describe_numbers(found)
+        yield from _describe_record(k, one, uncertainty)
+    if uncertainty is not None:
+        yield from _describe_numbers(uncertainty)
     yield Heading("Blocks")
     if any(isinstance(block, AbstractStatic) for block in chain.blocks):
         yield Picture(
@@ -192,7 +194,7 @@ def _score_rows(one: Validation) -> Iterator[tuple[str, ...]]:
         yield score.record, score.output, score.part, f"{score.fit_percent:.2f}", *sizes
 
 
-def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) -> Iterator[Block]:
+def _describe_record(k: int, one: Validation, uncertainty: ChainUncertainty | None) -> Iterator[Block]:
     yield Heading(f"Record {one.record.name}")
     faults = one.failures
     title = "Model error" if faults else "No model error found"
@@ -202,10 +204,10 @@ def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) ->
         f"The worst tenth of the record is from {format_number(worst.begin)} to {format_number(worst.end)} s, "
         f"with an rms error of {format_number(worst.rms, 3)}."
     )
-    band = None if found is None else found.band(one.record, state=one.state)
+    band = None if uncertainty is None else uncertainty.band(one.record, state=one.state)
     if band is not None:
-        held = measure_coverage(band, one.record, one.skip)
-        shares = ", ".join(f"{100.0 * share:.1f} %" for share in held)
+        coverage = measure_coverage(band, one.record, one.skip)
+        shares = ", ".join(f"{100.0 * share:.1f} %" for share in coverage)
         yield Sentence(f"The 95 % band contains {shares} of the samples.")
     yield Picture(f"record{k}", lambda: plot_model(one, band), "Measured and modelled data, with the error.")
     yield Picture(f"loop{k}", lambda: plot_model_loop(one), "Output over input.")
@@ -214,11 +216,11 @@ def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) ->
     )
 
 
-def _describe_numbers(found: ChainUncertainty) -> Iterator[Block]:
+def _describe_numbers(uncertainty: ChainUncertainty) -> Iterator[Block]:
     yield Heading("Parameters")
-    yield BulletList(found.sentences)
+    yield BulletList(uncertainty.sentences)
     rows = [
         (str(one.block), one.name, format_number(one.value), format_number(one.error, 2), one.unit)
-        for one in found.describe_numbers()
+        for one in uncertainty.describe_numbers()
     ]
     yield DataTable(("block", "parameter", "value", "standard error", "unit"), rows, right=(2, 3))

@@ -16,11 +16,11 @@ WIDEST = 14
 """Largest number of letters of a heading."""
 
 
-def summarise_lab_files(found: Sequence[LabFile]) -> Summary:
+def summarise_lab_files(files: Sequence[LabFile]) -> Summary:
     """Return formats, columns with their ranges, omitted rows, and doubts."""
-    blocks = [block for one in found for block in _describe_file(one, len(found) > 1)]
-    title = f"{found[0].record.name}: {_count(found[0])}" if len(found) == 1 else f"{len(found)} files"
-    return Summary(title, blocks, {"tables": [_list_data(one) for one in found]})
+    blocks = [block for one in files for block in _describe_file(one, len(files) > 1)]
+    title = f"{files[0].record.name}: {_count(files[0])}" if len(files) == 1 else f"{len(files)} files"
+    return Summary(title, blocks, {"tables": [_list_data(one) for one in files]})
 
 
 def _count(one: LabFile) -> str:
@@ -48,13 +48,13 @@ def _describe_file(one: LabFile, several: bool) -> Iterator[Block]:
 
 
 def _describe_column(column: ReadColumn) -> tuple[str, ...]:
-    shown = column.heading if len(column.heading) <= WIDEST else f"{column.heading[: WIDEST - 1]}…"
+    heading = column.heading if len(column.heading) <= WIDEST else f"{column.heading[: WIDEST - 1]}…"
     if not column.si or math.isnan(column.low):
-        return str(column.number), shown, "", "not used", "", "", "", ""
+        return str(column.number), heading, "", "not used", "", "", "", ""
     unit = units.of_column(column.name, column.si)
     low, high = (f"{units.from_si(x, unit, column.si):.5g}" for x in (column.low, column.high))
     read = typeset_unit(column.unit, "1")
-    return str(column.number), shown, read, column.name, low, high, typeset_unit(unit, "1"), column.known
+    return str(column.number), heading, read, column.name, low, high, typeset_unit(unit, "1"), column.known
 
 
 def _list_rows(rows: Sequence[int], count: int) -> str:

@@ -101,44 +101,44 @@ def write_coefficient(fit: FilmFit, term: int, level: float) -> str:
     return f"{value:.5g} ± {half:.2g}" if math.isfinite(half) else f"{value:.5g}"
 
 
-def summarise_motor(found: MotorConstants, states: int) -> Summary:
+def summarise_motor(constants: MotorConstants, states: int) -> Summary:
     """Return the summary of a motor identified from a number of steady states."""
     rows = [
-        (f"{symbol}, {name.replace('_', ' ')}", getattr(found, name).write(), UNITS[name])
+        (f"{symbol}, {name.replace('_', ' ')}", getattr(constants, name).write(), UNITS[name])
         for name, symbol in SYMBOLS.items()
-        if getattr(found, name) is not None
+        if getattr(constants, name) is not None
     ]
     blocks: list[Block] = [
         DataTable(("constant", "value", "unit"), rows, right=(1,)),
         Sentence(f"± half the {100 * LEVEL:g} % interval; a number that was given has none."),
     ]
-    if found.run_up_time is not None:
-        blocks.append(Sentence(f"R J/(K_T K_B) = {found.run_up_time:.4g} s"))
-    blocks += [Sentence(remark, "caution") for remark in found.remarks]
-    return Summary(f"DC motor from {states} steady states", blocks, found.to_dict())
+    if constants.run_up_time is not None:
+        blocks.append(Sentence(f"R J/(K_T K_B) = {constants.run_up_time:.4g} s"))
+    blocks += [Sentence(remark, "caution") for remark in constants.remarks]
+    return Summary(f"DC motor from {states} steady states", blocks, constants.to_dict())
 
 
-def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
+def summarise_tangents(tangents: TangentFit | TangentPoints) -> Summary:
     """Return the summary of one or several cycles."""
-    levels = found.levels if isinstance(found, TangentFit) else [found]
+    levels = tangents.levels if isinstance(tangents, TangentFit) else [tangents]
     title = f"Tangents of {len(levels)} isobaric cycle{'s' * (len(levels) > 1)}"
     blocks: list[Block] = [DataTable(POINTS, [_point_row(one) for one in levels], right=range(len(POINTS) - 1))]
-    if isinstance(found, TangentFit):
-        blocks.append(DataTable(FOUND, list(_estimate_rows(found)), right=(1, 2)))
-        data = found.to_dict()
+    if isinstance(tangents, TangentFit):
+        blocks.append(DataTable(FOUND, list(_estimate_rows(tangents)), right=(1, 2)))
+        data = tangents.to_dict()
     else:
-        told = "C_A, C_M and temperatures at zero stress need cycles at two or more stresses."
-        blocks.append(Sentence(told))
-        data = {"levels": [found.to_dict()]}
-    blocks += [Sentence(remark, "caution") for remark in found.remarks]
+        hint = "C_A, C_M and temperatures at zero stress need cycles at two or more stresses."
+        blocks.append(Sentence(hint))
+        data = {"levels": [tangents.to_dict()]}
+    blocks += [Sentence(remark, "caution") for remark in tangents.remarks]
     return Summary(title, blocks, data)
 
 
-def summarise_cycles(found: Sequence[TangentPoints | str]) -> Summary:
+def summarise_cycles(cycles: Sequence[TangentPoints | str]) -> Summary:
     """Return one table with every cycle of a record, the median of each column, and its drift per cycle."""
-    good = [one for one in found if not isinstance(one, str)]
+    good = [one for one in cycles if not isinstance(one, str)]
     rows: list[tuple[str, ...]] = []
-    for number, one in enumerate(found, start=1):
+    for number, one in enumerate(cycles, start=1):
         rows.append((f"{number}", *[""] * len(CYCLE), one) if isinstance(one, str) else _cycle_row(number, one))
     if len(good) > 1:
         table = np.array([_list_cycle(one) for one in good])
@@ -148,10 +148,10 @@ def summarise_cycles(found: Sequence[TangentPoints | str]) -> Summary:
             ("median", *_format_cycle(np.median(table, axis=0)), ""),
             ("drift", *_format_cycle(drift), "per cycle"),
         ]
-    data = {"cycles": [{"reason": one} if isinstance(one, str) else one.to_dict() for one in found]}
+    data = {"cycles": [{"reason": one} if isinstance(one, str) else one.to_dict() for one in cycles]}
     table = DataTable(("cycle", *CYCLE, "remark"), rows, right=range(1, 1 + len(CYCLE)))
     remarks = list(dict.fromkeys(text for one in good for text in one.remarks if not text.startswith("Cycle ")))
-    title = f"Tangents of {len(good)} of {len(found)} isobaric cycles"
+    title = f"Tangents of {len(good)} of {len(cycles)} isobaric cycles"
     return Summary(title, [table, *(Sentence(text, "caution") for text in remarks[:MOST_REMARKS])], data)
 
 
@@ -199,9 +199,9 @@ def _estimate_rows(fit: TangentFit) -> Iterator[tuple[str, ...]]:
 
 
 def _write_estimate(
-    name: str, found: MeasuredValue, unit: str, factor: float, meaning: str, zero: float = 0.0, digits: str = ".4g"
+    name: str, estimate: MeasuredValue, unit: str, factor: float, meaning: str, zero: float = 0.0, digits: str = ".4g"
 ) -> tuple[str, ...]:
-    return name, *_write_numbers(found.value, found.interval(), factor, zero, digits), unit, meaning
+    return name, *_write_numbers(estimate.value, estimate.interval(), factor, zero, digits), unit, meaning
 
 
 def _write_numbers(

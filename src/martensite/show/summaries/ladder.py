@@ -25,23 +25,23 @@ STOPPED = {
 }
 
 
-def summarise_ladder(found: Ladder) -> Summary:
+def summarise_ladder(ladder: Ladder) -> Summary:
     """Return the summary of a structure search."""
-    names = ", ".join(f"`{name}`" for name in found.model.input_names)
-    outputs = ", ".join(f"`{name}`" for name in found.model.output_names)
-    word = "INCONCLUSIVE" if found.doubts else "predicts" if found.predicts else "DOES NOT PREDICT"
+    names = ", ".join(f"`{name}`" for name in ladder.model.input_names)
+    outputs = ", ".join(f"`{name}`" for name in ladder.model.output_names)
+    word = "INCONCLUSIVE" if ladder.doubts else "predicts" if ladder.predicts else "DOES NOT PREDICT"
     title = f"Model of {outputs} from {names}: {word}".replace("`", "")
     blocks = [
-        *_describe_verdict(found),
-        *_describe_climb(found),
-        *_describe_records(found),
-        *_describe_held(found),
-        *_describe_next(found),
+        *_describe_verdict(ladder),
+        *_describe_climb(ladder),
+        *_describe_records(ladder),
+        *_describe_held(ladder),
+        *_describe_next(ladder),
     ]
-    return Summary(title, blocks, _collect_numbers(found), f"{found.verdict} All scores are from free runs.")
+    return Summary(title, blocks, _collect_numbers(ladder), f"{ladder.verdict} All scores are from free runs.")
 
 
-def _describe_records(found: Ladder) -> Iterator[Block]:
+def _describe_records(ladder: Ladder) -> Iterator[Block]:
     yield Heading("Records")
     rows = [
         (
@@ -51,40 +51,40 @@ def _describe_records(found: Ladder) -> Iterator[Block]:
             f"{one.record.duration:.4g}",
             _tell_use(one.fitted, bool(one.chosen_by), bool(one.held)),
         )
-        for one in found.blocked
+        for one in ladder.blocked
     ]
     yield DataTable(("record", "samples", "sample time [s]", "duration [s]", "used to"), rows, right=(1, 2, 3))
-    remarks = [f"`{one.record.name}`: {text}" for one in found.blocked for text in one.record.remarks]
-    yield BulletList([*remarks, *found.tests])
-    if found.apart:
-        scores = [f"`{s.record}`, `{s.output}`: model fit {s.fit:.1f} %" for s in found.apart_scores]
-        yield Notice("Other regime", [*found.apart, *scores], True)
+    remarks = [f"`{one.record.name}`: {text}" for one in ladder.blocked for text in one.record.remarks]
+    yield BulletList([*remarks, *ladder.tests])
+    if ladder.apart:
+        scores = [f"`{s.record}`, `{s.output}`: model fit {s.fit:.1f} %" for s in ladder.apart_scores]
+        yield Notice("Other regime", [*ladder.apart, *scores], True)
 
 
-def _tell_use(fitted: bool, chosen: bool, held: bool) -> str:
-    return ", ".join(word for word, used in (("fit", fitted), ("select", chosen), ("test", held)) if used)
+def _tell_use(fitted: bool, chosen: bool, is_held_out: bool) -> str:
+    return ", ".join(word for word, used in (("fit", fitted), ("select", chosen), ("test", is_held_out)) if used)
 
 
-def _describe_climb(found: Ladder) -> Iterator[Block]:
+def _describe_climb(ladder: Ladder) -> Iterator[Block]:
     yield Heading("Structures")
-    mean = found.baseline
+    mean = ladder.baseline
     rows = [("–", "mean of the output", "1", f"{mean.chosen_by.fit:.1f}", f"{mean.held.fit:.1f}", "–", "–", "baseline")]
-    rows += [("–", name, "–", "–", f"{fit:.1f}", "–", "–", "rival") for name, fit in found.rivals.items()]
-    rows += [_write_trial(rung, rung.trials[0], found) for rung in found.rungs]
+    rows += [("–", name, "–", "–", f"{fit:.1f}", "–", "–", "rival") for name, fit in ladder.rivals.items()]
+    rows += [_write_trial(rung, rung.trials[0], ladder) for rung in ladder.rungs]
     note = (
         "The best structure of every step, with the reduction of its error and the 99 % interval of the reduction. A "
         "structure is kept if the interval is above 0. Held-out data were not used for the selection."
     )
     yield DataTable(HEADINGS, rows, right=(2, 3, 4, 6), note=note, detail=(2, 6), tones={"chosen": "good"})
-    more = [_write_trial(rung, trial, found) for rung in found.rungs for trial in rung.trials[1:]]
+    more = [_write_trial(rung, trial, ladder) for rung in ladder.rungs for trial in rung.trials[1:]]
     yield DataTable(HEADINGS, more, right=(2, 3, 4, 6), folded="All other structures")
-    if found.stopped:
-        yield Sentence(f"{STOPPED[found.stopped]}; more complex structures were not tried.", "caution")
+    if ladder.stopped:
+        yield Sentence(f"{STOPPED[ladder.stopped]}; more complex structures were not tried.", "caution")
 
 
-def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[str, ...]:
+def _write_trial(rung: LadderRung, trial: LadderTrial, ladder: Ladder) -> tuple[str, ...]:
     first = trial is rung.trials[0]
-    verdict = ("chosen" if trial is found.chosen else "kept" if rung.kept else "not better") if first else "–"
+    verdict = ("chosen" if trial is ladder.chosen else "kept" if rung.kept else "not better") if first else "–"
     seconds = f"{trial.seconds:.1f}"
     if trial.chain is None:
         return rung.name, trial.structure, f"{trial.numbers}", "–", "–", "–", seconds, trial.fault
@@ -92,17 +92,17 @@ def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[s
     return rung.name, trial.structure, f"{trial.numbers}", *scores, rung.gain.text if first else "–", seconds, verdict
 
 
-def _describe_verdict(found: Ladder) -> Iterator[Block]:
-    good = found.predicts and not found.doubts
+def _describe_verdict(ladder: Ladder) -> Iterator[Block]:
+    good = ladder.predicts and not ladder.doubts
     sentences = (
-        [f"The held-out error is below the error of the mean by {found.gain.text} (95 %)."] if found.predicts else []
+        [f"The held-out error is below the error of the mean by {ladder.gain.text} (95 %)."] if ladder.predicts else []
     )
-    if items := [*sentences, *found.doubts, *found.remarks]:
+    if items := [*sentences, *ladder.doubts, *ladder.remarks]:
         yield Notice("Result" if good else "Warning", items, not good)
 
 
-def _describe_held(found: Ladder) -> Iterator[Block]:
-    for k, one in enumerate(found.checks):
+def _describe_held(ladder: Ladder) -> Iterator[Block]:
+    for k, one in enumerate(ladder.checks):
         yield Heading(one.record.name[:1].upper() + one.record.name[1:], detail=True)
         yield Picture(
             f"held{k}", lambda one=one: plot_model(one), "Measured and modelled held-out data, with the residual."
@@ -116,27 +116,27 @@ def _describe_held(found: Ladder) -> Iterator[Block]:
         yield BulletList(one.sentences, detail=True)
 
 
-def _describe_next(found: Ladder) -> Iterator[Block]:
-    if found.advice:
+def _describe_next(ladder: Ladder) -> Iterator[Block]:
+    if ladder.advice:
         yield Heading("Next recordings")
-        yield BulletList(found.advice)
+        yield BulletList(ladder.advice)
 
 
-def _collect_numbers(found: Ladder) -> dict[str, Any]:
+def _collect_numbers(ladder: Ladder) -> dict[str, Any]:
     return {
-        "structure": found.model.text(),
-        "numbers": dict(zip(found.model.names(), map(float, found.model.theta), strict=True)),
-        "predicts": found.predicts,
-        "verdict": found.verdict,
-        "fit_held_out": found.held.fit,
-        "fit_held_out_of_mean": found.baseline.held.fit,
-        "fit_held_out_of_rivals": dict(found.rivals),
+        "structure": ladder.model.text(),
+        "numbers": dict(zip(ladder.model.names(), map(float, ladder.model.theta), strict=True)),
+        "predicts": ladder.predicts,
+        "verdict": ladder.verdict,
+        "fit_held_out": ladder.held.fit,
+        "fit_held_out_of_mean": ladder.baseline.held.fit,
+        "fit_held_out_of_rivals": dict(ladder.rivals),
         "free_run": True,
-        "stopped": found.stopped,
-        "tests": list(found.tests),
-        "set_apart": list(found.apart),
-        "doubts": list(found.doubts),
-        "advice": list(found.advice),
+        "stopped": ladder.stopped,
+        "tests": list(ladder.tests),
+        "set_apart": list(ladder.apart),
+        "doubts": list(ladder.doubts),
+        "advice": list(ladder.advice),
         "rungs": [
             {
                 "rung": rung.name,
@@ -153,7 +153,7 @@ def _collect_numbers(found: Ladder) -> dict[str, Any]:
                     for trial in rung.trials
                 ],
             }
-            for rung in found.rungs
+            for rung in ladder.rungs
         ],
-        "residuals": [one.to_dict() for one in found.checks],
+        "residuals": [one.to_dict() for one in ladder.checks],
     }

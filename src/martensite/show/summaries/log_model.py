@@ -62,17 +62,17 @@ def _make_verdict(model: LogModel) -> Notice:
 def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
     own = [x for x in errors if x.output == one.output]
     what = "each record left out in turn" if own[0].whole else "held-out rows of the same records"
-    said = f"`{one.output}`: rms error {format_error(one.output, one.rms, one.unit)} in {what}"
+    claim = f"`{one.output}`: rms error {format_error(one.output, one.rms, one.unit)} in {what}"
     if math.isfinite(one.offset_rms):
         fitted = format_error(one.output, one.offset_rms, one.unit)
-        said += f", {fitted} with an offset fitted to each held-out record"
-    said += f" ({one.fit_percent:.0f} % fit)"
+        claim += f", {fitted} with an offset fitted to each held-out record"
+    claim += f" ({one.fit_percent:.0f} % fit)"
     rival = format_error(one.output, one.rivals[one.best_rival], one.unit)
     if one.predicts:
-        return f"{said}; the best rival ({one.best_rival}) errs by {rival}."
+        return f"{claim}; the best rival ({one.best_rival}) errs by {rival}."
     if not one.beats_rivals:
-        return f"{said}. The {one.best_rival} needs no model and errs by {rival}."
-    return f"{said}; better than the best rival ({one.best_rival}, {rival}), but below {100.0 * EXPLAINED:.0f} % fit."
+        return f"{claim}. The {one.best_rival} needs no model and errs by {rival}."
+    return f"{claim}; better than the best rival ({one.best_rival}, {rival}), but below {100.0 * EXPLAINED:.0f} % fit."
 
 
 def _tabulate_errors(errors: Sequence[HeldOutError]) -> DataTable:
@@ -125,10 +125,10 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
             why = "not apart from others"
         if free.name in model.dependent:
             why = _name_assumed(model.dependent[free.name])
-        known = math.isfinite(high - low)
-        shown = f"{format_quantity(low, free.unit)} to {format_quantity(high, free.unit)}" if known else ""
+        is_finite = math.isfinite(high - low)
+        interval = f"{format_quantity(low, free.unit)} to {format_quantity(high, free.unit)}" if is_finite else ""
         rows.append(
-            (free.name, format_quantity(fit[free.name], free.unit), shown, _mark_determined(why, model.untested))
+            (free.name, format_quantity(fit[free.name], free.unit), interval, _mark_determined(why, model.untested))
         )
     if model.time_constant is not None:
         tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
@@ -155,17 +155,17 @@ def _mark_determined(why: str, untested: Sequence[str]) -> str:
 
 def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
     """Yield the transformation temperatures at zero stress and at each load."""
-    found = model.temperatures
+    temperatures = model.temperatures
     rows: list[tuple[str, ...]] = []
-    for stress in dict.fromkeys(one.stress for one in found):
-        own = [one for one in found if one.stress == stress]
+    for stress in dict.fromkeys(one.stress for one in temperatures):
+        own = [one for one in temperatures if one.stress == stress]
         paths = list(dict.fromkeys(path for one in own for path in one.assumed))
         cells = [f"{format_quantity(one.value, 'K')} ± {format_change(one.half_width, 'K', 2)}" for one in own]
         wide = [one.name for one in own if not one.half_width <= UNCERTAIN]
         mark = _mark_determined(_name_assumed(paths) if paths else ", ".join(wide), model.untested)
         rows.append((f"{stress / 1e6:g} MPa", *cells, mark))
     if rows:
-        names = [one.name for one in found if one.stress == found[0].stress]
+        names = [one.name for one in temperatures if one.stress == temperatures[0].stress]
         note = "± is half of the 95 % interval, which holds for this law."
         yield DataTable(("at", *names, "determined"), rows, right=tuple(range(1, 5)), note=note)
 
@@ -174,8 +174,8 @@ def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
     """Yield sentences about drive noise, which the intervals do not include."""
     problem = model.fit.problem
     units = {name: one.record.units[name] for one in problem.experiments for name in one.follows.values()}
-    found, notes = model.input_noise
-    sizes = [f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}`" for one in found]
+    noises, notes = model.input_noise
+    sizes = [f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}`" for one in noises]
     if sizes:
         yield Sentence(
             f"The intervals take what drives as exact. By their rows there is noise of {join_phrases(sizes)}: a fit of "

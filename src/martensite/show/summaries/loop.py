@@ -84,8 +84,8 @@ def _summarise_margins(rows: Sequence[Mapping[str, Any]]) -> str:
         ("delay", min(row["delay"] for row in rows), "{:.3g} s"),
         ("sensitivity peak M_s", max(row["sensitivity"] for row in rows), "{:.2f}"),
     )
-    shown = ", ".join(f"{name} {form.format(value)}" for name, value, form in worst if math.isfinite(value))
-    return f"Stable at all {len(rows)} operating points. Worst margins: {shown}."
+    margins = ", ".join(f"{name} {form.format(value)}" for name, value, form in worst if math.isfinite(value))
+    return f"Stable at all {len(rows)} operating points. Worst margins: {margins}."
 
 
 def _list_cells(row: Mapping[str, Any], drive: str) -> tuple[str, ...]:

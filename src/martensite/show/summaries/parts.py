@@ -57,10 +57,10 @@ def tabulate_parts(kind: str, rows: Sequence[Mapping[str, Any]]) -> DataTable:
     return DataTable((kind, "what it is"), [(row["name"], row["summary"]) for row in rows])
 
 
-def summarise_materials(found: Sequence[Material]) -> Summary:
+def summarise_materials(materials: Sequence[Material]) -> Summary:
     """Return the materials with a line each."""
-    table = DataTable(("material", "what it is"), [(one.name, one.title) for one in found])
-    rows = [{"name": one.name, "title": one.title, "summary": one.summary} for one in found]
+    table = DataTable(("material", "what it is"), [(one.name, one.title) for one in materials])
+    rows = [{"name": one.name, "title": one.title, "summary": one.summary} for one in materials]
     return Summary("", [table], rows)
 
 
@@ -83,8 +83,8 @@ def summarise_material(material: Material) -> Summary:
     ]
     blocks.append(DataTable(NUMBERS, rows))
     if any(n.kind in DOUBTFUL for n in material.values.values()):
-        told = "! assumed or recalled: not measured on this material"
-        blocks.append(Sentence(told, "caution"))
+        legend = "! assumed or recalled: not measured on this material"
+        blocks.append(Sentence(legend, "caution"))
     sources = material.sources.values()
     blocks += [Sentence(f"[{source.cite}] {source.text}") for source in sources]
     title = f"{material.name}: {material.title}"
@@ -98,16 +98,16 @@ def summarise_plateaus(configured: ConfiguredLaw, temperature: float) -> Summary
         InputError: the law is not superelastic at this temperature.
     """
     law, material = configured.law, configured.material
-    found = find_plateaus(law, temperature)
-    slopes = found.estimate_slopes(find_plateaus(law, temperature + 1.0))
+    plateaus = find_plateaus(law, temperature)
+    slopes = plateaus.estimate_slopes(find_plateaus(law, temperature + 1.0))
     numbers = {
         leaf.path: (leaf.value, leaf.declared.unit) for leaf in law.leaves() if leaf.path in ELASTIC and leaf.value
     }
     numbers |= {
-        "loading_start": (found.loading[0], "Pa"),
-        "loading_end": (found.loading[1], "Pa"),
-        "unloading_start": (found.unloading[0], "Pa"),
-        "unloading_end": (found.unloading[1], "Pa"),
+        "loading_start": (plateaus.loading[0], "Pa"),
+        "loading_end": (plateaus.loading[1], "Pa"),
+        "unloading_start": (plateaus.unloading[0], "Pa"),
+        "unloading_end": (plateaus.unloading[1], "Pa"),
         "loading_slope": (slopes[0], "Pa/K"),
         "unloading_slope": (slopes[1], "Pa/K"),
     }

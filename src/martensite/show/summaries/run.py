@@ -50,13 +50,13 @@ def summarise_run(
     measured = [measure_run(result, words) for words in measures]
     controllers = {} if scenario.bench is None else describe_controllers(scenario.bench)
     warned = len(result.warnings)
-    told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
+    own_blocks, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
     guard = _collect_guard(scenario)
     verdict = describe_run(scenario.title, result)
     blocks = [
         verdict,
         Sentence(write_key_numbers(result)),
-        *told,
+        *own_blocks,
         Sentence(f"{own.lead}."),
         *([tabulate_measures(measured)] if measured else []),
         *_describe_agreements(result, agreements),
@@ -172,8 +172,8 @@ def list_peaks(result: Result, limits: bool = False) -> Iterator[tuple[str, str]
         value = ends[column] if abs(ends[column]) > NOTHING else 0.0
         limit = getattr(columns[column].element.limits, f"{words.partition(' ')[2]}_limit", math.inf)
         limited = limits and math.isfinite(limit)
-        shown = f" (limit {show_quantity(limit, result.unit(column))})" if limited else ""
-        yield words, show_quantity(value, result.unit(column)) + shown
+        suffix = f" (limit {show_quantity(limit, result.unit(column))})" if limited else ""
+        yield words, show_quantity(value, result.unit(column)) + suffix
 
 
 def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
@@ -196,42 +196,42 @@ def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
 def _describe_agreements(result: Result, agreements: Sequence[Agreement]) -> Iterator[Block]:
     rows = [
         (
-            result.outputs[found.quantity].long_name,
-            write_difference(found.rms, found.unit),
-            write_difference(found.maximum, found.unit),
-            f"{found.time:.4g} s",
-            write_difference(found.range, found.unit),
+            result.outputs[agreement.quantity].long_name,
+            write_difference(agreement.rms, agreement.unit),
+            write_difference(agreement.maximum, agreement.unit),
+            f"{agreement.time:.4g} s",
+            write_difference(agreement.range, agreement.unit),
         )
-        for found in agreements
+        for agreement in agreements
     ]
     if rows:
         yield DataTable(COMPARED, rows, right=(1, 2, 3, 4))
 
 
-def _describe_averaging(found: Averaging | None) -> Iterator[Block]:
-    if found is None:
+def _describe_averaging(averaging: Averaging | None) -> Iterator[Block]:
+    if averaging is None:
         return
-    names = found.average.outputs
+    names = averaging.average.outputs
     rows = [
         (names[name].long_name, *(write_difference(v, names[name].unit) for v in (d.rms, d.largest)))
-        for name, d in found.differences.items()
+        for name, d in averaging.differences.items()
     ]
     yield DataTable(AVERAGED, rows, right=(1, 2))
     yield Sentence(
-        f"Pulses of {found.frequency:.6g} Hz cause a temperature ripple of up to "
-        f"{found.ripple:.3g} K (estimate {found.estimate:.3g} K)."
+        f"Pulses of {averaging.frequency:.6g} Hz cause a temperature ripple of up to "
+        f"{averaging.ripple:.3g} K (estimate {averaging.estimate:.3g} K)."
     )
 
 
-def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
-    if found is None:
+def _collect_averaging(averaging: Averaging | None) -> dict[str, Any] | None:
+    if averaging is None:
         return None
     return {
-        "frequency": found.frequency,
-        "differences": {name: asdict(d) for name, d in found.differences.items()},
-        "ripple": found.ripple,
-        "estimate": found.estimate,
-        "alarms": [asdict(alarm) for alarm in found.pulsed.result.alarms],
+        "frequency": averaging.frequency,
+        "differences": {name: asdict(d) for name, d in averaging.differences.items()},
+        "ripple": averaging.ripple,
+        "estimate": averaging.estimate,
+        "alarms": [asdict(alarm) for alarm in averaging.pulsed.result.alarms],
     }
 
 

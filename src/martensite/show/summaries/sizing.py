@@ -72,21 +72,21 @@ def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False)
 
 def _select_candidates(sizing: Sizing, chosen: int | None, every: bool) -> list[tuple[int, Candidate]]:
     numbered = list(enumerate(sizing.candidates))
-    shown = numbered if every else [(i, one) for i, one in numbered if one.feasible] or numbered[:NEAREST]
-    if chosen is not None and chosen not in [i for i, _ in shown]:
-        shown.append(numbered[chosen])
-    return shown
+    candidates = numbered if every else [(i, one) for i, one in numbered if one.feasible] or numbered[:NEAREST]
+    if chosen is not None and chosen not in [i for i, _ in candidates]:
+        candidates.append(numbered[chosen])
+    return candidates
 
 
 def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Iterator[Block]:
     good = any(one.feasible for one in sizing.candidates)
-    shown = _select_candidates(sizing, chosen, every)
+    candidates = _select_candidates(sizing, chosen, every)
     columns = choose_columns(sizing.request)[:-1]
-    rows = [_mark_row(list_cells(i + 1, found)[:-1], found) for i, found in shown]
+    rows = [_mark_row(list_cells(i + 1, candidate)[:-1], candidate) for i, candidate in candidates]
     if not good:
         yield Sentence("No wire meets the request. The nearest candidates:", "bad")
     yield DataTable(columns, rows, right=(0, *range(4, len(columns))))
-    yield from (Sentence(f"Wire {i + 1} rejected: {one.reasons[0]}.") for i, one in shown if not one.feasible)
+    yield from (Sentence(f"Wire {i + 1} rejected: {one.reasons[0]}.") for i, one in candidates if not one.feasible)
     if not good:
         changes = [f"Change that fits: {change}." for change in sizing.changes]
         yield from map(Sentence, changes or [NO_CHANGE])
@@ -95,32 +95,32 @@ def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Ite
     if good:
         slow = ", half of the heat loss" if sizing.request.element == "coil" else ""
         yield Sentence(f"* also works at +10 K ambient{slow} and +20 % load.")
-    left = len(sizing.candidates) - len(shown)
+    left = len(sizing.candidates) - len(candidates)
     if left:
         yield Sentence(f"{left} candidates rejected: --all lists them with the reasons.")
 
 
-def _mark_row(cells: Sequence[str], found: Candidate) -> tuple[str, ...]:
-    return (cells[0] + ("*" if found.feasible and not found.frail else " "), *cells[1:])
+def _mark_row(cells: Sequence[str], candidate: Candidate) -> tuple[str, ...]:
+    return (cells[0] + ("*" if candidate.feasible and not candidate.frail else " "), *cells[1:])
 
 
 def write_count(sizing: Sizing) -> str:
     """Return the number of candidates that meet the request, and the request."""
     request = sizing.request
-    good = sum(found.feasible for found in sizing.candidates)
-    asked = (
+    good = sum(candidate.feasible for candidate in sizing.candidates)
+    duty = (
         f"{request.force:.4g} N, {1e3 * request.stroke:.4g} mm, {request.rate:.4g} Hz at {request.supply:.4g} V, "
         f"{show_quantity(request.ambient, 'K')}"
     )
-    return f"{good} of {len(sizing.candidates)} {request.element}s meet {asked}"
+    return f"{good} of {len(sizing.candidates)} {request.element}s meet {duty}"
 
 
-def _describe_one(request: WireRequest, number: int, found: Candidate) -> Iterator[Block]:
-    yield Heading(f"Wire {number}: {write_headline(found)}")
-    yield from map(Sentence, list_sentences(request, found))
-    yield from (Sentence(f"Limit not met: {reason}.", "bad") for reason in found.reasons)
-    yield from (Sentence(f"Warning: {warning}.", "caution") for warning in (*found.warnings, *found.frail))
-    yield from (Sentence(line, "caution") for line in list_doubts(found))
+def _describe_one(request: WireRequest, number: int, candidate: Candidate) -> Iterator[Block]:
+    yield Heading(f"Wire {number}: {write_headline(candidate)}")
+    yield from map(Sentence, list_sentences(request, candidate))
+    yield from (Sentence(f"Limit not met: {reason}.", "bad") for reason in candidate.reasons)
+    yield from (Sentence(f"Warning: {warning}.", "caution") for warning in (*candidate.warnings, *candidate.frail))
+    yield from (Sentence(line, "caution") for line in list_doubts(candidate))
 
 
 def choose_columns(request: WireRequest) -> tuple[str, ...]:
@@ -128,9 +128,9 @@ def choose_columns(request: WireRequest) -> tuple[str, ...]:
     return COIL_COLUMNS if request.element == "coil" else COLUMNS
 
 
-def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
+def list_cells(number: int, candidate: Candidate) -> tuple[str, ...]:
     """Return the cells of a candidate under `choose_columns`; the number is its place in the list."""
-    static, drive, cycle = found.statics, found.drive, found.cycle
+    static, drive, cycle = candidate.statics, candidate.drive, candidate.cycle
     stress = f"{static.hot_stress / 1e6:.0f}"
     if static.cold_stress < static.hot_stress:
         stress = f"{static.cold_stress / 1e6:.0f}..{stress}"
@@ -140,17 +140,17 @@ def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
     times = ("", "")
     if cycle is not None:
         times = (f"{cycle.heating:.2g}", write_seconds(cycle.cooling))
-    wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
+    wiring = "" if candidate.wiring is None or static.count == 1 else f" {candidate.wiring.kind}"
     coil = static.strand.describe_shape(static.cold_stress, static.hot_stress)
-    verdict = "yes" if found.feasible else "no"
-    wire, strands = strip_unit(found.size.name), f"{static.count}{wiring}"
+    verdict = "yes" if candidate.feasible else "no"
+    wire, strands = strip_unit(candidate.size.name), f"{static.count}{wiring}"
     if coil is not None:
         lengths = f"{1e3 * coil['hot_length']:.3g}..{1e3 * coil['cold_length']:.3g}"
         shape = (f"{1e3 * coil['mean_diameter']:.3g}", f"{coil['turns']:.0f}", lengths)
         coils = f"{static.count}{wiring[:4]}"
-        return (str(number), wire, found.alloy, coils, *shape, stress, electric[0], *times, verdict)
+        return (str(number), wire, candidate.alloy, coils, *shape, stress, electric[0], *times, verdict)
     length = f"{1e3 * static.strand.length:.1f}"
-    return (str(number), wire, found.alloy, strands, length, stress, *electric, *times, verdict)
+    return (str(number), wire, candidate.alloy, strands, length, stress, *electric, *times, verdict)
 
 
 def strip_unit(size: str) -> str:
@@ -163,19 +163,19 @@ def write_seconds(time: float | None) -> str:
     return "never" if time is None else f"{time:.3g}"
 
 
-def write_headline(found: Candidate) -> str:
+def write_headline(candidate: Candidate) -> str:
     """Return the wire in one sentence."""
-    static = found.statics
+    static = candidate.statics
     each = "" if static.count == 1 else " each"
     if (coil := static.strand.describe_shape(static.cold_stress, static.hot_stress)) is not None:
         many = "" if static.count == 1 else f"{static.count} parallel coils of "
         return (
-            f"{many}Flexinol {found.size.name}, {found.alloy} °C: {describe_coil(coil)}; "
+            f"{many}Flexinol {candidate.size.name}, {candidate.alloy} °C: {describe_coil(coil)}; "
             f"{static.strand.resistance:.3g} Ω{each}."
         )
     many = "" if static.count == 1 else f"{static.count} strands of "
     return (
-        f"{many}Flexinol {found.size.name}, {found.alloy} °C, "
+        f"{many}Flexinol {candidate.size.name}, {candidate.alloy} °C, "
         f"{1e3 * static.strand.length:.1f} mm{each}: {write_percent(static.strain, 2)} strain over "
         f"the stroke (at most {write_percent(static.reachable, 2)}), "
         f"{static.strand.resistance:.3g} Ω{each}."
@@ -192,18 +192,18 @@ def describe_coil(coil: Mapping[str, float]) -> str:
     )
 
 
-def list_sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
+def list_sentences(request: WireRequest, candidate: Candidate) -> Iterator[str]:
     """Yield return element, margins, pulse, temperatures, life, and the maker's values."""
-    yield _tell_return(request, found)
-    yield _tell_margins(request, found)
-    if found.cycle is not None:
-        yield from _tell_pulse(request, found, found.cycle)
-    yield f"Life: {found.life}."
-    yield COIL_DOUBT if request.element == "coil" else _tell_catalogue(found)
+    yield _tell_return(request, candidate)
+    yield _tell_margins(request, candidate)
+    if candidate.cycle is not None:
+        yield from _tell_pulse(request, candidate, candidate.cycle)
+    yield f"Life: {candidate.life}."
+    yield COIL_DOUBT if request.element == "coil" else _tell_catalogue(candidate)
 
 
-def _tell_return(request: WireRequest, found: Candidate) -> str:
-    static = found.statics
+def _tell_return(request: WireRequest, candidate: Candidate) -> str:
+    static = candidate.statics
     if static.stiffness > 0.0:
         return (
             f"Return spring: preload {static.preload:.4g} N, rate {static.stiffness / 1e3:.4g} N/mm. At the end of the "
@@ -213,8 +213,8 @@ def _tell_return(request: WireRequest, found: Candidate) -> str:
     return f"Return weight: {static.preload:.4g} N{extra}."
 
 
-def _tell_margins(request: WireRequest, found: Candidate) -> str:
-    static = found.statics
+def _tell_margins(request: WireRequest, candidate: Candidate) -> str:
+    static = candidate.statics
     finish = static.strand.shifted("M_f", static.cold_stress) - request.ambient
     return (
         f"Margins: stress {static.hot_stress / 1e6:.4g} MPa of {request.stress / 1e6:.4g} MPa "
@@ -224,8 +224,8 @@ def _tell_margins(request: WireRequest, found: Candidate) -> str:
     )
 
 
-def _tell_pulse(request: WireRequest, found: Candidate, cycle: PulseCycle) -> list[str]:
-    drive, static = found.drive, found.statics
+def _tell_pulse(request: WireRequest, candidate: Candidate, cycle: PulseCycle) -> list[str]:
+    drive, static = candidate.drive, candidate.statics
     if drive is None:
         return []
     each = f" ({cycle.current:.3g} A each)" if static.count > 1 else ""
@@ -239,18 +239,18 @@ def _tell_pulse(request: WireRequest, found: Candidate, cycle: PulseCycle) -> li
         f"{cycle.heating:.3g} s, {drive.energy:.3g} J per cycle. From {request.supply:.4g} V: PWM with "
         f"{write_percent(duty)} duty cycle and peaks of {drive.current * request.supply / drive.voltage:.3g} A.",
         f"Temperature: up to {cycle.hottest - 273.15:.0f} °C{running}. Cooling time: {cooling}. Continuous rating: "
-        f"{found.overheating_current:.3g} A per strand, which heats the wire to its limit of "
-        f"{found.temperature_limit - 273.15:.4g} °C.",
+        f"{candidate.overheating_current:.3g} A per strand, which heats the wire to its limit of "
+        f"{candidate.temperature_limit - 273.15:.4g} °C.",
     ]
     if cycle.fastest is not None:
         lines.append(f"Maximum rate with this pulse: {cycle.fastest:.3g} Hz (requested: {request.rate:.4g} Hz).")
     return lines
 
 
-def _tell_catalogue(found: Candidate) -> str:
-    cooling = found.size.cooling_70 if found.alloy == "70" else found.size.cooling_90
+def _tell_catalogue(candidate: Candidate) -> str:
+    cooling = candidate.size.cooling_70 if candidate.alloy == "70" else candidate.size.cooling_90
     return (
-        f"Maker's table for this size: {_write_cell(found.size.current)} for contraction in 1 s, "
+        f"Maker's table for this size: {_write_cell(candidate.size.current)} for contraction in 1 s, "
         f"cooling time {_write_cell(cooling)}, under the maker's conditions."
     )
 
@@ -259,14 +259,14 @@ def _write_cell(cell: MaterialNumber) -> str:
     return f"{cell.text} ({cell.kind})"
 
 
-def list_doubts(found: Candidate) -> list[str]:
+def list_doubts(candidate: Candidate) -> list[str]:
     """Return sentences on assumed or recalled values of a candidate."""
-    name = f"flexinol-{found.alloy}"
+    name = f"flexinol-{candidate.alloy}"
     numbers = load_material(name).values.items()
     doubtful = [key for key, number in numbers if number.kind in DOUBTFUL]
     lines = [f"Assumed or recalled values of {name}: {', '.join(doubtful)}."]
-    if found.recalled:
-        lines.insert(0, f"Recalled or interpolated values of the catalogue: {', '.join(found.recalled)}.")
+    if candidate.recalled:
+        lines.insert(0, f"Recalled or interpolated values of the catalogue: {', '.join(candidate.recalled)}.")
     return lines
 
 
@@ -315,10 +315,10 @@ def _collect_spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpr
 def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
     """Return the spread of the ratios for each alloy and quantity."""
     return [
-        f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, geometric mean {found.mean:.2f}"
+        f"{alloy} °C, {name}: model/catalogue {spread.least:.2f} to {spread.most:.2f}, geometric mean {spread.mean:.2f}"
         for alloy in _list_alloys(rows)
-        for name, found in _collect_spreads(rows, alloy).items()
-        if found is not None
+        for name, spread in _collect_spreads(rows, alloy).items()
+        if spread is not None
     ]
 
 

@@ -33,31 +33,31 @@ def write_speed(speed: float, unit: str) -> str:
     return f"{convert_speed(speed, unit):.4g} {unit}"
 
 
-def summarise_rest(found: SteadyState, title: str) -> Summary:
+def summarise_rest(state: SteadyState, title: str) -> Summary:
     """Return the summary of a steady state."""
-    shown = _choose_outputs(found)
-    repeated = {name for name in shown if name.endswith("hottest") and found.outputs[name] == _read_twin(found, name)}
-    rows = [_write_row(name, one, found.outputs[name]) for name, one in shown.items() if name not in repeated]
-    held = ", ".join(
-        f"{one.name} = {show_quantity(found.signals[one.name], one.unit)}" for one in found.system.drives()
+    outputs = _choose_outputs(state)
+    repeated = {name for name in outputs if name.endswith("hottest") and state.outputs[name] == _read_twin(state, name)}
+    rows = [_write_row(name, one, state.outputs[name]) for name, one in outputs.items() if name not in repeated]
+    signals = ", ".join(
+        f"{one.name} = {show_quantity(state.signals[one.name], one.unit)}" for one in state.system.drives()
     )
-    slowest = f", slowest time constant {found.time_constant:.3g} s" if 0.0 < found.time_constant < np.inf else ""
-    words = f"steady state at {held}, {_NAMES[found.start]}: {'stable' if found.stable else 'UNSTABLE'}{slowest}"
+    slowest = f", slowest time constant {state.time_constant:.3g} s" if 0.0 < state.time_constant < np.inf else ""
+    words = f"steady state at {signals}, {_NAMES[state.start]}: {'stable' if state.stable else 'UNSTABLE'}{slowest}"
     blocks = [
-        _describe_verdict(title, words, found.judgement, found.stable),
+        _describe_verdict(title, words, state.judgement, state.stable),
         DataTable(("quantity", "value", "unit", "column"), rows, right=(1,)),
-        *_tell_neutral(found.stability),
-        *map(Sentence, found.judgement.list_remedies()),
+        *_tell_neutral(state.stability),
+        *map(Sentence, state.judgement.list_remedies()),
     ]
     numbers = {
         "kind": "rest",
-        "signals": found.signals,
-        "start": found.start,
-        "outputs": {name: found.outputs[name] for name in shown},
-        "stable": found.stable,
-        "time_constant": found.time_constant,
-        "neutral": found.stability.neutral,
-        "limits": found.judgement.to_dict(),
+        "signals": state.signals,
+        "start": state.start,
+        "outputs": {name: state.outputs[name] for name in outputs},
+        "stable": state.stable,
+        "time_constant": state.time_constant,
+        "neutral": state.stability.neutral,
+        "limits": state.judgement.to_dict(),
     }
     return Summary("", blocks, numbers)
 
@@ -74,85 +74,86 @@ def _describe_verdict(title: str, words: str, judged: Judgement, stable: bool) -
     return Sentence(f"{title}: {words}. {limits}", "bad" if not judged.kept else "good" if stable else "caution")
 
 
-def _choose_outputs(found: SteadyState | PeriodicOrbit) -> dict[str, Output]:
-    return {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
+def _choose_outputs(solution: SteadyState | PeriodicOrbit) -> dict[str, Output]:
+    return {name: one for name, one in solution.system.outputs().items() if PROFILE not in name}
 
 
-def _read_twin(found: SteadyState, name: str) -> float | None:
+def _read_twin(state: SteadyState, name: str) -> float | None:
     """Return the temperature that belongs to an output `hottest`."""
-    return found.outputs.get(f"{name.removesuffix('hottest')}temperature")
+    return state.outputs.get(f"{name.removesuffix('hottest')}temperature")
 
 
 def _write_row(name: str, output: Output, *values: float) -> tuple[str, ...]:
-    shown = units.of_column(name, output.unit)
-    numbers = (show_quantity(one, output.unit, 4, shown).partition(" ")[0] for one in values)
-    return (output.long_name, *numbers, typeset_unit(shown), name)
+    display_unit = units.of_column(name, output.unit)
+    numbers = (show_quantity(one, output.unit, 4, display_unit).partition(" ")[0] for one in values)
+    return (output.long_name, *numbers, typeset_unit(display_unit), name)
 
 
-def _tell_neutral(found: Stability) -> list[Block]:
+def _tell_neutral(stability: Stability) -> list[Block]:
     """Return the sentence on neutral directions, from hysteresis and counters."""
-    if not found.neutral:
+    if not stability.neutral:
         return []
     return [
         Sentence(
-            f"Neutral directions: {found.neutral}. They belong to hysteresis memory and counters, which keep a changed "
-            "value after a disturbance."
+            f"Neutral directions: {stability.neutral}. They belong to hysteresis memory and counters, which keep a "
+            "changed value after a disturbance."
         )
     ]
 
 
-def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
+def summarise_cycle(cycle: PeriodicOrbit, title: str) -> Summary:
     """Return the summary of a limit cycle."""
-    shown = _choose_outputs(found)
+    outputs = _choose_outputs(cycle)
     rows = [
-        _write_row(name, one, *(float(f(found.outputs[name])) for f in (np.min, np.max))) for name, one in shown.items()
+        _write_row(name, one, *(float(f(cycle.outputs[name])) for f in (np.min, np.max)))
+        for name, one in outputs.items()
     ]
-    switched = isinstance(found, SwitchedCycle)
-    on = f", switched on for {found.on_time:.4g} s" if isinstance(found, SwitchedCycle) else ""
-    words = f"limit cycle of {found.period:.6g} s{on}: {'stable' if found.stable else 'UNSTABLE'}"
+    switched = isinstance(cycle, SwitchedCycle)
+    on = f", switched on for {cycle.on_time:.4g} s" if isinstance(cycle, SwitchedCycle) else ""
+    words = f"limit cycle of {cycle.period:.6g} s{on}: {'stable' if cycle.stable else 'UNSTABLE'}"
     blocks = [
-        _describe_verdict(title, words, found.judgement, found.stable),
-        Sentence(f"After one period, at most {100.0 * found.stability.largest:.3g} % of a small disturbance remain."),
+        _describe_verdict(title, words, cycle.judgement, cycle.stable),
+        Sentence(f"After one period, at most {100.0 * cycle.stability.largest:.3g} % of a small disturbance remain."),
         DataTable(("quantity", "min", "max", "unit", "column"), rows, right=(1, 2)),
-        *_tell_neutral(found.stability),
-        *map(Sentence, found.judgement.list_remedies()),
+        *_tell_neutral(cycle.stability),
+        *map(Sentence, cycle.judgement.list_remedies()),
     ]
     numbers: dict[str, Any] = {
         "kind": "switched cycle" if switched else "cycle",
-        "period": found.period,
-        "outputs": {name: [float(np.min(found.outputs[name])), float(np.max(found.outputs[name]))] for name in shown},
-        "stable": found.stable,
-        "multipliers": [[float(m.real), float(m.imag)] for m in found.stability.multipliers],
-        "neutral": found.stability.neutral,
-        "periods": found.periods,
-        "limits": found.judgement.to_dict(),
+        "period": cycle.period,
+        "outputs": {name: [float(np.min(cycle.outputs[name])), float(np.max(cycle.outputs[name]))] for name in outputs},
+        "stable": cycle.stable,
+        "multipliers": [[float(m.real), float(m.imag)] for m in cycle.stability.multipliers],
+        "neutral": cycle.stability.neutral,
+        "periods": cycle.periods,
+        "limits": cycle.judgement.to_dict(),
     }
-    if isinstance(found, SwitchedCycle):
-        numbers["on_time"] = found.on_time
+    if isinstance(cycle, SwitchedCycle):
+        numbers["on_time"] = cycle.on_time
     return Summary("", blocks, numbers)
 
 
 def summarise_response(
-    found: ResponseCurve, title: str, speed: str, boundaries: list[FoldCurve], sweeps: Sequence[ResponseSweep] = ()
+    curve: ResponseCurve, title: str, speed: str, boundaries: list[FoldCurve], sweeps: Sequence[ResponseSweep] = ()
 ) -> Summary:
     """Return the summary of a response curve, and the boundaries of its folds."""
-    name = choose_output(found)
-    unit = found.varied.unit
-    places = _choose_points(found)
+    name = choose_output(curve)
+    unit = curve.varied.unit
+    places = _choose_points(curve)
     rows = [
         (
-            show_quantity(float(found.parameter[k]), unit),
-            write_speed(float(found.speed[k]), speed),
-            show_quantity(float(found.amplitude[name][k]), found.units[name]),
-            "fold" if found.fold[k] else "stable" if found.stable[k] else "unstable",
+            show_quantity(float(curve.parameter[k]), unit),
+            write_speed(float(curve.speed[k]), speed),
+            show_quantity(float(curve.amplitude[name][k]), curve.units[name]),
+            "fold" if curve.fold[k] else "stable" if curve.stable[k] else "unstable",
         )
         for k in places
     ]
-    folds = int(found.fold.sum())
+    folds = int(curve.fold.sum())
     jumps = "The rotor jumps at the folds." if folds else "No jump was found."
     blocks: list[Block] = [
-        Sentence(f"{title}: response curve of {len(found.parameter)} points with {folds} folds. {jumps}"),
-        DataTable((found.varied.name, "rotor speed", f"amplitude of {name}", "stability"), rows, right=(0, 1, 2)),
+        Sentence(f"{title}: response curve of {len(curve.parameter)} points with {folds} folds. {jumps}"),
+        DataTable((curve.varied.name, "rotor speed", f"amplitude of {name}", "stability"), rows, right=(0, 1, 2)),
         Sentence("Curves that are not connected to this one are not found."),
     ]
     for one in boundaries:
@@ -161,12 +162,12 @@ def summarise_response(
         {"parameter": one.parameter.tolist(), "speed": one.speed.tolist(), "amplitude": one.amplitude[name].tolist()}
         for one in sweeps
     ]
-    return Summary("", blocks, _collect_response(found, speed, boundaries) | {"runs": runs})
+    return Summary("", blocks, _collect_response(curve, speed, boundaries) | {"runs": runs})
 
 
-def _choose_points(found: ResponseCurve) -> list[int]:
-    spread = np.round(np.linspace(0, len(found.parameter) - 1, SHOWN)).astype(int)
-    return sorted({*spread.tolist(), *np.flatnonzero(found.fold).tolist()})
+def _choose_points(curve: ResponseCurve) -> list[int]:
+    spread = np.round(np.linspace(0, len(curve.parameter) - 1, SHOWN)).astype(int)
+    return sorted({*spread.tolist(), *np.flatnonzero(curve.fold).tolist()})
 
 
 def _tell_boundary(one: FoldCurve) -> list[Block]:
@@ -178,24 +179,24 @@ def _tell_boundary(one: FoldCurve) -> list[Block]:
     return [DataTable((one.names[1], f"fold of {one.names[0]}"), rows, right=(0, 1))]
 
 
-def _collect_response(found: ResponseCurve, speed: str, boundaries: list[FoldCurve]) -> dict[str, Any]:
+def _collect_response(curve: ResponseCurve, speed: str, boundaries: list[FoldCurve]) -> dict[str, Any]:
     return {
         "kind": "response",
-        "over": found.varied.name,
-        "unit": found.varied.unit,
-        "parameter": found.parameter.tolist(),
-        "speed": found.speed.tolist(),
-        "amplitude": {name: column.tolist() for name, column in found.amplitude.items() if PROFILE not in name},
-        "stable": found.stable.tolist(),
-        "multiplier": found.multiplier.tolist(),
-        "neutral": found.neutral.tolist(),
+        "over": curve.varied.name,
+        "unit": curve.varied.unit,
+        "parameter": curve.parameter.tolist(),
+        "speed": curve.speed.tolist(),
+        "amplitude": {name: column.tolist() for name, column in curve.amplitude.items() if PROFILE not in name},
+        "stable": curve.stable.tolist(),
+        "multiplier": curve.multiplier.tolist(),
+        "neutral": curve.neutral.tolist(),
         "folds": [
             {
-                "parameter": float(found.parameter[k]),
-                "speed": float(found.speed[k]),
-                "speed_shown": write_speed(float(found.speed[k]), speed),
+                "parameter": float(curve.parameter[k]),
+                "speed": float(curve.speed[k]),
+                "speed_shown": write_speed(float(curve.speed[k]), speed),
             }
-            for k in np.flatnonzero(found.fold)
+            for k in np.flatnonzero(curve.fold)
         ],
         "boundaries": [
             {

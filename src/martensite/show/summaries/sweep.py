@@ -144,7 +144,7 @@ def _collect_front(store: Path, table: SweepTable, front: ParetoFront) -> dict[s
     }
 
 
-def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[SensitivityIndices]) -> Summary:
+def summarise_sensitivity(store: Path, table: SweepTable, indices: Sequence[SensitivityIndices]) -> Summary:
     """Return the sensitivities of the measures of a sweep."""
     data = {
         "store": str(store),
@@ -152,9 +152,9 @@ def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[Sensit
         "runs": len(table.status),
         "failed": table.failed,
         "missing": table.missing,
-        "measures": {one.measure: _collect_measure(one) for one in found},
+        "measures": {one.measure: _collect_measure(one) for one in indices},
     }
-    return Summary("", [block for one in found for block in _describe_measure(table, one)], data)
+    return Summary("", [block for one in indices for block in _describe_measure(table, one)], data)
 
 
 def _describe_measure(table: SweepTable, one: SensitivityIndices) -> Iterator[Block]:

@@ -37,26 +37,26 @@ class TuningOutcome:
     """Description of the origin of the values."""
 
 
-def summarise_tuning(found: TuningOutcome) -> Summary:
+def summarise_tuning(outcome: TuningOutcome) -> Summary:
     """Return the summary of a tuning."""
-    tuned = found.found
-    lead = f"{found.origin}; {tuned.evaluations:,} runs ({tuned.gradients:,} with derivatives)"
+    tuned = outcome.found
+    lead = f"{outcome.origin}; {tuned.evaluations:,} runs ({tuned.gradients:,} with derivatives)"
     blocks = [
-        *_describe_tests(found),
-        DataTable(HEADINGS, _table_rows(found), right=(1, 2)),
+        *_describe_tests(outcome),
+        DataTable(HEADINGS, _table_rows(outcome), right=(1, 2)),
         *(Sentence(f"Caution: {note}", "caution") for note in tuned.notes),
     ]
-    return Summary(found.scenario.title, blocks, _collect_numbers(found), lead)
+    return Summary(outcome.scenario.title, blocks, _collect_numbers(outcome), lead)
 
 
-def _describe_tests(found: TuningOutcome) -> Iterator[Block]:
-    if found.tests is None or found.method == "gradient":
+def _describe_tests(outcome: TuningOutcome) -> Iterator[Block]:
+    if outcome.tests is None or outcome.method == "gradient":
         return
     for name in ("heating", "cooling"):
-        one = getattr(found.tests.step, name)
+        one = getattr(outcome.tests.step, name)
         K, T, L = one.first_order
         yield Sentence(f"Step test, {name}: gain K {K:.4g}, lag T {T:.4g} s, delay L {L:.4g} s (fit {one.fit:.1f} %).")
-    cycle = found.tests.cycle
+    cycle = outcome.tests.cycle
     if cycle is not None:
         steady = "" if cycle.steady else "; the cycle is not steady"
         yield Sentence(
@@ -65,24 +65,24 @@ def _describe_tests(found: TuningOutcome) -> Iterator[Block]:
         )
 
 
-def _table_rows(found: TuningOutcome) -> list[tuple[str, ...]]:
-    tuned, places = found.found, found.scenario.places
+def _table_rows(outcome: TuningOutcome) -> list[tuple[str, ...]]:
+    tuned, places = outcome.found, outcome.scenario.places
     rows: list[tuple[str, ...]] = [
         (places.path(path), f"{tuned.before[path]:.4g}", f"{value:.4g}", typeset_unit(unit))
-        for path, value, unit in _list_gains(found)
+        for path, value, unit in _list_gains(outcome)
     ]
     rows.append(("cost", f"{tuned.cost_before:.4g}", f"{tuned.cost:.4g}", ""))
     after = tuned.measured.to_dict()
     return rows + [
-        _write_row(name, (value, after[name]), found) for name, value in tuned.measured_before.to_dict().items()
+        _write_row(name, (value, after[name]), outcome) for name, value in tuned.measured_before.to_dict().items()
     ]
 
 
-def _write_row(name: str, values: tuple[float, float], found: TuningOutcome) -> tuple[str, ...]:
-    bench = found.found.bench
-    unit = bench.outputs()[find_judged_output(bench, found.drive)].unit
-    shown, factor = choose_difference_unit(unit) if "{}" in UNITS[name] else ("", 1.0)
-    label = "" if UNITS[name] in ("1", "signal") else UNITS[name].format(shown)
+def _write_row(name: str, values: tuple[float, float], outcome: TuningOutcome) -> tuple[str, ...]:
+    bench = outcome.found.bench
+    unit = bench.outputs()[find_judged_output(bench, outcome.drive)].unit
+    display_unit, factor = choose_difference_unit(unit) if "{}" in UNITS[name] else ("", 1.0)
+    label = "" if UNITS[name] in ("1", "signal") else UNITS[name].format(display_unit)
     if name in SHARES:
         factor, label = 0.01, "%"
     zero = 0.0
@@ -92,18 +92,18 @@ def _write_row(name: str, values: tuple[float, float], found: TuningOutcome) -> 
     return (NAMES.get(name, name.replace("_", " ")), *cells, typeset_unit(label))
 
 
-def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
-    tuned, places = found.found, found.scenario.places
-    step = found.tests.step if found.tests else None
-    cycle = found.tests.cycle if found.tests else None
+def _collect_numbers(outcome: TuningOutcome) -> dict[str, Any]:
+    tuned, places = outcome.found, outcome.scenario.places
+    step = outcome.tests.step if outcome.tests else None
+    cycle = outcome.tests.cycle if outcome.tests else None
     return {
-        "title": found.scenario.title,
-        "method": found.method,
-        "origin": found.origin,
-        "loop": found.drive,
+        "title": outcome.scenario.title,
+        "method": outcome.method,
+        "origin": outcome.origin,
+        "loop": outcome.drive,
         "parameters": {
             places.path(path): {"before": tuned.before[path], "after": value, "unit": unit}
-            for path, value, unit in _list_gains(found)
+            for path, value, unit in _list_gains(outcome)
         },
         "before": tuned.measured_before.to_dict() | {"cost": tuned.cost_before},
         "after": tuned.measured.to_dict() | {"cost": tuned.cost},
@@ -125,7 +125,7 @@ def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
     }
 
 
-def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
-    bench, places = found.found.bench, found.scenario.places
+def _list_gains(outcome: TuningOutcome) -> list[tuple[str, float, str]]:
+    bench, places = outcome.found.bench, outcome.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
-    return [(path, value, places.unit(leaves[path])) for path, value in found.found.after.items()]
+    return [(path, value, places.unit(leaves[path])) for path, value in outcome.found.after.items()]
