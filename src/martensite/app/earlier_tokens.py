@@ -76,9 +76,11 @@ class TokenRecord:
     def _write(self, name: str, content: Any) -> None:
         with suppress(OSError):
             make_private_folder(self.folder)
-            made = self.folder / f"{name}.{os.getpid()}.new"
+            new_path = self.folder / f"{name}.{os.getpid()}.new"
             with suppress(FileNotFoundError):
-                made.unlink()
-            with os.fdopen(os.open(made, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+                new_path.unlink()
+            with os.fdopen(
+                os.open(new_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8"
+            ) as file:
                 json.dump(content, file)
-            keep_private(made, self.folder / f"{name}.json")
+            keep_private(new_path, self.folder / f"{name}.json")

@@ -70,10 +70,10 @@ def _compile_structure(scenario: Scenario, key: Hashable) -> None:
 def _is_long(scenario: Scenario) -> bool:
     samples = max(2, scenario.samples // TRIAL_PIECES)
     piece = replace(scenario, duration=scenario.duration / TRIAL_PIECES, samples=samples)
-    begun = time.perf_counter()
+    start = time.perf_counter()
     with suppress(MartensiteError):  # the run shows it better
         piece.run(runtime="floats")
-    return TRIAL_PIECES * (time.perf_counter() - begun) > LONG_RUN
+    return TRIAL_PIECES * (time.perf_counter() - start) > LONG_RUN
 
 
 def _locate_mark(key: Hashable) -> Path:

@@ -143,8 +143,8 @@ class PageJobs:
 
     async def _work(self, job: PageJob) -> None:
         try:
-            found = await job.worker.ask(job.call, job.request, job.add_note)
-            job.end("done", json.loads(found) if isinstance(found, Written) else found)
+            answer = await job.worker.ask(job.call, job.request, job.add_note)
+            job.end("done", json.loads(answer) if isinstance(answer, Written) else answer)
         except Refusal as refusal:
             state = "cancelled" if refusal.kind == "stopped" else "failed"
             if job.state == "running":

@@ -131,9 +131,9 @@ def _is_whole(text: str) -> int:
     return int(text)
 
 
-def _check_depth(found: Any) -> None:
+def _check_depth(message: Any) -> None:
     """Raise `RecursionError` if tables are nested too deeply."""
-    level: list[Any] = [[found]]
+    level: list[Any] = [[message]]
     for _ in range(DEEPEST_NESTING + 1):
         items = (item for box in level for item in (box.values() if isinstance(box, dict) else box))
         level = [item for item in items if isinstance(item, (dict, list))]

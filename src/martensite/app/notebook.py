@@ -68,15 +68,15 @@ class BenchWidget(anywidget.AnyWidget):
         else:
             self.send({"id": content.get("id")}, buffers=[answer])
 
-    def answer(self, asked: Request) -> bytes:
+    def answer(self, request: Request) -> bytes:
         """Return the answer to the page."""
-        if "file" in asked:
-            return self._desk.files.path(require_entry(asked, "file", str)).read_bytes()
-        if "asset" in asked:
-            return (STATIC / _require_name(asked, "asset", ASSETS)).read_bytes()
-        call = _require_name(asked, "call", CALLS)
-        return write_message(find_call(call)(require_entry(asked, "request", dict, {}), self._desk))
+        if "file" in request:
+            return self._desk.files.path(require_entry(request, "file", str)).read_bytes()
+        if "asset" in request:
+            return (STATIC / _require_name(request, "asset", ASSETS)).read_bytes()
+        call = _require_name(request, "call", CALLS)
+        return write_message(find_call(call)(require_entry(request, "request", dict, {}), self._desk))
 
 
-def _require_name(asked: Request, entry: str, known: tuple[str, ...]) -> str:
-    return require_choice(asked, entry, entry, known)
+def _require_name(request: Request, entry: str, names: tuple[str, ...]) -> str:
+    return require_choice(request, entry, entry, names)

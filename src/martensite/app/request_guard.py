@@ -132,17 +132,17 @@ class RequestGuard:
         headers = Headers(scope=scope)
         scheme, _, given = headers.get("authorization", "").partition(" ")
         bearer = scheme.lower() == "bearer"
-        held = given if bearer else _read_cookie(headers, self.cookie)
-        if self._is_right(held):
+        token = given if bearer else _read_cookie(headers, self.cookie)
+        if self._is_right(token):
             return None
-        if bearer or scope["type"] != "http" or digest_token(held) not in self.earlier:
+        if bearer or scope["type"] != "http" or digest_token(token) not in self.earlier:
             raise Refusal(STRANGER, 401)
         answer = Response()
         self._set_cookie(answer)
         return answer.headers["set-cookie"]
 
-    def _is_right(self, held: str) -> bool:
-        return hmac.compare_digest(held.encode("utf-8", "replace"), self.token.encode())
+    def _is_right(self, token: str) -> bool:
+        return hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode())
 
     def _let_in(self, scope: Scope) -> Response | None:
         """Return the redirect of an address with the token, which sets the cookie."""

@@ -37,17 +37,17 @@ def bind_socket(port: int) -> socket.socket:
     """Return a socket on loopback; port 0 is any free one."""
     if not 0 <= port <= 65535:
         raise InputError(f"Option `--port` must be between 0 and 65535, but is {port}.")
-    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if sys.platform == "win32":  # reuse would let other processes take it over
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
     else:
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        made.bind((LOOPBACK, port))
+        listener.bind((LOOPBACK, port))
     except OSError as error:
-        made.close()
+        listener.close()
         raise InputError(f"Port {port} cannot be used ({error.strerror}); leave `--port` out for a free one.") from None
-    return made
+    return listener
 
 
 def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:

@@ -110,14 +110,14 @@ class Site:
     async def begin(self, request: Request) -> Response:
         """Begin a job."""
         message = read_message(await _read_body(request))
-        call, asked = (require_entry(message, "call", str), require_entry(message, "request", dict, {}))
-        job = self.jobs.begin(_read_tab(request.headers.get("x-tab")), call, asked)
+        call, job_request = (require_entry(message, "call", str), require_entry(message, "request", dict, {}))
+        job = self.jobs.begin(_read_tab(request.headers.get("x-tab")), call, job_request)
         return json_response(job.summary(), 201)
 
     async def list_jobs(self, request: Request) -> Response:
         """Return the jobs of a tab."""
-        found = self.jobs.of(_read_tab(request.headers.get("x-tab")))
-        return json_response([job.summary() for job in found])
+        jobs = self.jobs.of(_read_tab(request.headers.get("x-tab")))
+        return json_response([job.summary() for job in jobs])
 
     async def cancel(self, request: Request) -> Response:
         """Cancel a job."""
@@ -238,8 +238,8 @@ async def _answer_refusal(request: Request, error: Exception) -> Response:
 
     The page requests refusals with status 200, since browsers log all others on the console.
     """
-    known = error if isinstance(error, Refusal) else Refusal(str(error))
-    return refusal_response(known, quiet=request.headers.get(QUIETLY) == "1")
+    refusal = error if isinstance(error, Refusal) else Refusal(str(error))
+    return refusal_response(refusal, quiet=request.headers.get(QUIETLY) == "1")
 
 
 async def _answer_missing(request: Request, error: Exception) -> Response:

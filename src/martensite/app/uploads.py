@@ -42,9 +42,9 @@ def is_key(text: str) -> bool:
 def clean_name(name: str) -> str:
     """Return a name without characters that could form a path or hide the file."""
     last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
-    kept = _UNSAFE.sub("_", last).strip(" .")
-    stem, dot, ending = kept.rpartition(".")
-    short = f"{_shorten_text(stem)}{dot}{_shorten_text(ending, 12)}" if dot else _shorten_text(kept)
+    safe_name = _UNSAFE.sub("_", last).strip(" .")
+    stem, dot, ending = safe_name.rpartition(".")
+    short = f"{_shorten_text(stem)}{dot}{_shorten_text(ending, 12)}" if dot else _shorten_text(safe_name)
     return f"_{short}" if not short or _RESERVED.match(short) else short
 
 

@@ -68,25 +68,25 @@ class Worker:
         """
         try:
             process = await self.start()
-            asked = {"call": call, "request": request, "folder": str(self.folder), "columns": columns}
-            await _write_line(process, asked)
+            message = {"call": call, "request": request, "folder": str(self.folder), "columns": columns}
+            await _write_line(process, message)
             if self._stopped:  # before its start
                 await _write_line(process, {"stop": True})
             while True:
-                said: JsonTable = _parse_line(await _read_line(process))
-                if "bytes" in said:
-                    said = {"answer": await _read_bytes(process, said["bytes"])}
-                if "tell" not in said:
+                reply: JsonTable = _parse_line(await _read_line(process))
+                if "bytes" in reply:
+                    reply = {"answer": await _read_bytes(process, reply["bytes"])}
+                if "tell" not in reply:
                     break
                 if tell is not None:
-                    tell(said["tell"])
+                    tell(reply["tell"])
         except OSError as error:
             await self.kill()
             raise Refusal(f"No process could be started: {error}.", 500, "lost") from None
         except BaseException:  # a late answer must not reach the next call
             await self.kill()
             raise
-        return _take_answer(said)
+        return _take_answer(reply)
 
     async def stop(self) -> None:
         """Request the end of the running call."""
@@ -165,11 +165,11 @@ def _parse_line(line: bytes) -> JsonTable:
     raise Refusal(GARBLED_SENTENCE, 500, "lost")
 
 
-def _take_answer(said: JsonTable) -> Any:
-    if "refused" in said:
-        status = 400 if said["kind"] == "input" else 422
-        raise Refusal(said["refused"], status, said["kind"])
-    return said["answer"]
+def _take_answer(reply: JsonTable) -> Any:
+    if "refused" in reply:
+        status = 400 if reply["kind"] == "input" else 422
+        raise Refusal(reply["refused"], status, reply["kind"])
+    return reply["answer"]
 
 
 @dataclass

@@ -57,7 +57,7 @@ def run_board(request: Request, desk: Desk) -> JsonTable:
     Notes: {"stage": words, …}, then {"columns": new rows, "share", "counts": of the link, "armed"}; columns in SI.
     After a stop the board is disarmed, and the log is kept.
     """
-    asked = live_run.LiveRun(
+    run = live_run.LiveRun(
         board=require_entry(request, "board", str),
         port=require_entry(request, "port", str),
         levels=require_entry(request, "levels", str, ""),
@@ -65,16 +65,16 @@ def run_board(request: Request, desk: Desk) -> JsonTable:
         word=require_entry(request, "word", str, ""),
         calibration=_read_calibration(request),
     )
-    asked.check()
+    run.check()
     desk.tell({"stage": "writing the firmware"})
     project = _make_project(request, read_request_scenario(request, desk), desk)
-    key, path = desk.files.place(f"log_{asked.board}.csv")
+    key, path = desk.files.place(f"log_{run.board}.csv")
 
     def tell(note: Request) -> None:
         units = note.get("units")
         desk.tell(note if units is None else {**note, "outputs": _describe_units(units)})
 
-    live = live_run.run_live(asked, project, path, tell, desk.stop)
+    live = live_run.run_live(run, project, path, tell, desk.stop)
     logged = {"key": key, "name": path.name} if path.exists() else {"key": "", "name": ""}
     return {**live, **logged, **_draw_columns(live["columns"]), "outputs": _describe_units(live["units"])}
 
@@ -104,8 +104,8 @@ def _read_calibration(request: Request) -> JsonTable | None:
     return calibration
 
 
-def _describe_units(known: Request) -> dict[str, JsonTable]:
-    return {name: describe_display(name.rpartition(" ")[2], unit) for name, unit in known.items()}
+def _describe_units(units: Request) -> dict[str, JsonTable]:
+    return {name: describe_display(name.rpartition(" ")[2], unit) for name, unit in units.items()}
 
 
 def _draw_columns(columns: dict[str, list[float]]) -> JsonTable:

@@ -101,14 +101,14 @@ def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
     """
     what = require_choice(request, "what", "file", ENDINGS)
     drawer = desk.files
-    kept = _read_kept(drawer, require_entry(request, "key", str))
-    fit = _repeat_fit(kept, desk)
+    stored_fit = _read_kept(drawer, require_entry(request, "key", str))
+    fit = _repeat_fit(stored_fit, desk)
     source = fit.problem.experiments[0].record.source
     name = source.stem if source is not None else "fit"
     key, path = drawer.place(f"{name}.{ENDINGS[what]}")
     desk.tell({"stage": "writing"})
     if what == "terminal":
-        request = require_entry(kept, "request", dict)
+        request = require_entry(stored_fit, "request", dict)
         steps = describe_preparation(request, desk)
         write_terminal_files(request, fit, find_proposal(request, desk), steps, path)
     else:
@@ -125,24 +125,24 @@ def _write_file(fit: Fit, what: str, path: Path) -> None:
     write_report(fit, path, scenario=fit.scenario)
 
 
-def _repeat_fit(kept: Request, desk: Desk) -> Fit:
-    request = require_entry(kept, "request", dict)
+def _repeat_fit(stored_fit: Request, desk: Desk) -> Fit:
+    request = require_entry(stored_fit, "request", dict)
     arranged = read_task(request, desk).arrange(check=not request.get("proposed"))
     ended = Event()
     ended.set()
     watching = FitProgress(arranged.problem.training, desk.tell, ended)
-    state = desk.files.path(require_entry(kept, "state", str))
+    state = desk.files.path(require_entry(stored_fit, "state", str))
     parameters = search_parameters(arranged, watching, state)
-    table = {name: require_entry(kept, "ended", dict)[name] for name in ENDED}
+    table = {name: require_entry(stored_fit, "ended", dict)[name] for name in ENDED}
     history = tuple((int(runs), float(cost)) for runs, cost in table.pop("history"))
     return replace(parameters, **table, history=history)
 
 
 def _read_kept(drawer: UploadFolder, key: str) -> JsonTable:
     try:
-        kept = json.loads(drawer.path(key).read_text(encoding="utf-8"))
-        if isinstance(kept, dict) and {"request", "state", "ended"} <= kept.keys():
-            return kept
+        stored_fit = json.loads(drawer.path(key).read_text(encoding="utf-8"))
+        if isinstance(stored_fit, dict) and {"request", "state", "ended"} <= stored_fit.keys():
+            return stored_fit
     except ValueError:
         pass
     raise DataError("This file contains no fit.")

@@ -76,7 +76,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     meanings = guess_meanings(raw, {})
     blocks = leave_blocks(raw, meanings)
     clock = choose_time(raw, meanings)
-    shown = [_name_guess(one, at == clock) for at, one in enumerate(meanings)]
+    guesses = [_name_guess(one, at == clock) for at, one in enumerate(meanings)]
     file = _read_untold(raw, path)
     return {
         "name": raw.name,
@@ -86,7 +86,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
         "separator": raw.separator,
         "headed": raw.headed,
         "preview": raw.preview,
-        "columns": [_describe_column(c, *one) for c, one in zip(raw.columns, shown, strict=True)],
+        "columns": [_describe_column(c, *one) for c, one in zip(raw.columns, guesses, strict=True)],
         "names": {name: usual_units(name) for name in CANONICAL},
         "notes": [*blocks, *_list_notes(raw, meanings, clock)],
     }
@@ -167,16 +167,16 @@ def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
     column = record[name]
     before = recorded.columns.get(name, column)
     same = _is_same(recorded.times, record.times) and _is_same(before, column)
-    shown = column if same or name not in recorded.columns else before
-    times = record.times if shown is column else recorded.times
-    rows = find_envelope(shown, DRAWN)
-    drawn = times[rows].tolist()
-    values = column[rows].tolist() if shown is column else interpolate_within(record.times, column, drawn)
+    curve = column if same or name not in recorded.columns else before
+    times = record.times if curve is column else recorded.times
+    rows = find_envelope(curve, DRAWN)
+    curve_times = times[rows].tolist()
+    values = column[rows].tolist() if curve is column else interpolate_within(record.times, column, curve_times)
     return {
         "name": name,
-        "times": drawn,
+        "times": curve_times,
         "values": values,
-        "before": [] if shown is column else before[rows].tolist(),
+        "before": [] if curve is column else before[rows].tolist(),
         "missing": int(np.isnan(column).sum()),
         **describe_display(name, record.units[name]),
     }
@@ -281,8 +281,8 @@ def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
     system = scenario.system
     outputs, refused = list[JsonTable](), ""
     try:
-        found, _, notes = match_columns(record, system, (), scenario.follows)
-        outputs = [{"name": name, **describe_display(name, system.outputs()[name].unit)} for name in found]
+        matches, _, notes = match_columns(record, system, (), scenario.follows)
+        outputs = [{"name": name, **describe_display(name, system.outputs()[name].unit)} for name in matches]
     except MartensiteError as error:
         refused, notes = str(error), []
     return {

@@ -65,9 +65,9 @@ def run_scenario(request: Request, desk: Desk) -> JsonTable:
     Notes: {"doing": words, "done": finished fraction, or null if it is not known}.
     """
     scenario = read_request_scenario(request, desk)
-    begun = time.perf_counter()
+    start = time.perf_counter()
     result, runtime = run_fast(scenario, desk.tell)
-    took = time.perf_counter() - begun
+    took = time.perf_counter() - start
     return {
         "text": scenario.text,
         **_summarise_run(scenario, result),

@@ -18,13 +18,13 @@ STROKE_FRACTION = 0.9
 """Fraction of the requested stroke that a loop can hold from both sides."""
 
 
-def format_loop(request: WireRequest, found: Candidate, text: str) -> str | None:
+def format_loop(request: WireRequest, candidate: Candidate, text: str) -> str | None:
     """Return a candidate with its drive in a loop over most of the stroke; None without a cycle.
 
     The duty cycle is limited to the power of the pulse, (V/V_supply)², so the loop heats no faster than the sizing.
     Gains are a first guess: full duty cycle at an error of a tenth of the stroke, and the heating time as reset time.
     """
-    cycle, drive = found.cycle, found.drive
+    cycle, drive = candidate.cycle, candidate.drive
     if cycle is None or drive is None or cycle.cooling is None:
         return None
     document: JsonTable = toml_document(text)

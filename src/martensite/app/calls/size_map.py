@@ -45,22 +45,22 @@ class _Jury:
     currents: dict[tuple[str, str], float] = field(default_factory=dict[tuple[str, str], float])
     slow: dict[tuple[str, str], Candidate] = field(default_factory=dict[tuple[str, str], Candidate])
 
-    def judge_all(self, asked: WireRequest) -> Iterator[Candidate]:
+    def judge_all(self, cell_wish: WireRequest) -> Iterator[Candidate]:
         """Yield every size and alloy, judged."""
-        for alloy in asked.alloys():
-            for size in list_sizes(asked, self.catalogue):
-                yield self._judge(asked, size, alloy)
+        for alloy in cell_wish.alloys():
+            for size in list_sizes(cell_wish, self.catalogue):
+                yield self._judge(cell_wish, size, alloy)
 
-    def _judge(self, asked: WireRequest, size: WireSize, alloy: str) -> Candidate:
+    def _judge(self, cell_wish: WireRequest, size: WireSize, alloy: str) -> Candidate:
         key = size.name, alloy
         if key in self.slow:
             return self.slow[key]
-        found = judge_candidate(asked, size, alloy, self.currents.get(key))
-        if found.cycle is not None:
-            self.currents[key] = found.cycle.current
-            if found.cycle.cooling is None or found.cycle.cooling > TOO_SLOW * asked.period:
-                self.slow[key] = found
-        return found
+        candidate = judge_candidate(cell_wish, size, alloy, self.currents.get(key))
+        if candidate.cycle is not None:
+            self.currents[key] = candidate.cycle.current
+            if candidate.cycle.cooling is None or candidate.cycle.cooling > TOO_SLOW * cell_wish.period:
+                self.slow[key] = candidate
+        return candidate
 
 
 def map_wishes(request: Request, desk: Desk) -> JsonTable:
@@ -79,15 +79,15 @@ def map_wishes(request: Request, desk: Desk) -> JsonTable:
     for column, row in places:
         if desk.stop.is_set():
             break
-        asked = wish.with_values({"force": forces[column], "stroke": strokes[row]})
-        entries.append({"column": column, "row": row, **_describe_cell(asked, jury)})
+        cell_wish = wish.with_values({"force": forces[column], "stroke": strokes[row]})
+        entries.append({"column": column, "row": row, **_describe_cell(cell_wish, jury)})
         desk.tell({"done": len(entries), "of": len(places), "cell": entries[-1], "forces": forces, "strokes": strokes})
     return {"asked": read_fields(request), "forces": forces, "strokes": strokes, "cells": entries, "of": len(places)}
 
 
-def _describe_cell(asked: WireRequest, jury: _Jury) -> JsonTable:
+def _describe_cell(cell_wish: WireRequest, jury: _Jury) -> JsonTable:
     """Return the numbers of feasible and robust wires, the best wire, or the reason against the nearest."""
-    candidates = sorted(jury.judge_all(asked), key=rank_candidates)
+    candidates = sorted(jury.judge_all(cell_wish), key=rank_candidates)
     good = [one for one in candidates if one.feasible]
     return {
         "does": len(good),
@@ -97,5 +97,5 @@ def _describe_cell(asked: WireRequest, jury: _Jury) -> JsonTable:
     }
 
 
-def _name_candidate(found: Candidate) -> dict[str, Any]:
-    return {"size": found.size.name, "alloy": found.alloy, "count": int(found.statics.count)}
+def _name_candidate(candidate: Candidate) -> dict[str, Any]:
+    return {"size": candidate.size.name, "alloy": candidate.alloy, "count": int(candidate.statics.count)}

@@ -93,10 +93,10 @@ def read_request(request: Request) -> WireRequest:
     absent = [f"`{name}`" for name in needed if name not in given]
     if absent:
         raise ParameterError(f"Fill in {', '.join(absent)} first.")
-    found, refused = convert_fields(given)
+    fields, refused = convert_fields(given)
     if refused:
         raise ParameterError(" ".join(refused.values()))
-    return WireRequest(**found)
+    return WireRequest(**fields)
 
 
 def describe_sizing(request: Request, desk: Desk) -> JsonTable:
@@ -109,20 +109,20 @@ def describe_sizing(request: Request, desk: Desk) -> JsonTable:
     """
     given = require_entry(request, "fields", dict, {})
     requirements = {name: text for name, text in given.items() if name in WireRequest.declarations}
-    found, refused = convert_fields(read_fields({"fields": requirements}))
+    fields, refused = convert_fields(read_fields({"fields": requirements}))
     return {
         "fields": list_fields(),
         "unknown": [str(name)[:60] for name in given if name not in requirements],
         "refused": refused,
-        "contradiction": "" if refused else _find_contradiction(found),
+        "contradiction": "" if refused else _find_contradiction(fields),
         "example": EXAMPLE,
     }
 
 
-def _find_contradiction(found: Request) -> str:
+def _find_contradiction(fields: Request) -> str:
     """Return the contradiction between valid fields, empty without one."""
     needed = [n for n, d in WireRequest.declarations.items() if d.default is REQUIRED]
-    values: JsonTable = {**dict.fromkeys(needed, 1.0), **found}
+    values: JsonTable = {**dict.fromkeys(needed, 1.0), **fields}
     try:
         WireRequest(**values)
     except InputError as error:
@@ -145,46 +145,46 @@ def size_wires(request: Request, desk: Desk) -> JsonTable:
         "asked": read_fields(request),
         "columns": [" ".join(name.split("\n")).strip() for name in words.choose_columns(wire)],
         "candidates": [
-            _describe_candidate(wire, number, found, catalogue)
-            for number, found in enumerate(sizing.candidates, start=1)
+            _describe_candidate(wire, number, candidate, catalogue)
+            for number, candidate in enumerate(sizing.candidates, start=1)
         ],
         "of": total,
     }
 
 
-def _describe_candidate(request: WireRequest, number: int, found: Candidate, catalogue: WireCatalogue) -> JsonTable:
-    limits = list_margins(request, found)
-    text, refused = _write_scenario(request, found, catalogue)
+def _describe_candidate(request: WireRequest, number: int, candidate: Candidate, catalogue: WireCatalogue) -> JsonTable:
+    limits = list_margins(request, candidate)
+    text, refused = _write_scenario(request, candidate, catalogue)
     return {
-        **found.to_dict(),
-        "cells": words.list_cells(number, found),
-        "headline": words.write_headline(found),
-        "sentences": list(words.list_sentences(request, found)),
-        "doubts": words.list_doubts(found),
+        **candidate.to_dict(),
+        "cells": words.list_cells(number, candidate),
+        "headline": words.write_headline(candidate),
+        "sentences": list(words.list_sentences(request, candidate)),
+        "doubts": words.list_doubts(candidate),
         "margins": [_describe_margin(limit) for limit in limits],
         "tightest": _describe_margin(find_tightest(limits)),
         "scenario": text,
-        "loop": None if text is None else format_loop(request, found, text),
+        "loop": None if text is None else format_loop(request, candidate, text),
         "no_scenario": refused,
     }
 
 
 def _describe_margin(margin: Margin) -> JsonTable:
-    shown = "" if margin.unit == margin.shown == "1" else margin.shown
+    display_unit = "" if margin.unit == margin.shown == "1" else margin.shown
     used, limit = (f"{units.from_si(value, margin.shown, margin.unit):.3g}" for value in (margin.used, margin.limit))
     return {
         "name": margin.name,
         "share": margin.share,
         "used": used,
         "limit": limit,
-        "unit": shown,
+        "unit": display_unit,
         "chosen": margin.chosen,
     }
 
 
-def _write_scenario(request: WireRequest, found: Candidate, catalogue: WireCatalogue) -> tuple[str | None, str]:
+def _write_scenario(request: WireRequest, candidate: Candidate, catalogue: WireCatalogue) -> tuple[str | None, str]:
     try:
-        return format_scenario(request, found, catalogue), ""
+        return format_scenario(request, candidate, catalogue), ""
     except InputError as error:
         return None, str(error)
 
@@ -200,11 +200,11 @@ def compare_catalogue(request: Request, desk: Desk) -> JsonTable:
     Notes: {"done": rows, "of": rows}.
     """
     given = {name: text for name, text in read_fields(request).items() if name in CATALOGUE_FIELDS}
-    found, refused = convert_fields(given)
+    fields, refused = convert_fields(given)
     if refused:
         raise ParameterError(" ".join(refused.values()))
-    alloy = found.get("alloy", "any")
-    stress, ambient = found.get("stress", STRESS), found.get("ambient", AMBIENT)
+    alloy = fields.get("alloy", "any")
+    stress, ambient = fields.get("stress", STRESS), fields.get("ambient", AMBIENT)
     rows = check_catalogue(
         alloys=ALLOYS if alloy == "any" else (alloy,),
         stress=stress,

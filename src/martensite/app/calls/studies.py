@@ -85,8 +85,8 @@ def describe_answer(study: AbstractStudy, answer: Answer) -> JsonTable:
 
 def find_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
     """Return cached results, else shipped results, else None."""
-    if (kept := read_results(study, folder)) is not None:
-        return kept
+    if (results := read_results(study, folder)) is not None:
+        return results
     shipped = study.shipped()
     if shipped is None:
         return None
@@ -136,8 +136,8 @@ def list_studies(request: Request, desk: Desk) -> JsonTable:
     rows: list[JsonTable] = []
     for study in load_studies()[0]:
         results = find_results(study, desk.folder)
-        known = {"tally": results["tally"], "drawn": results["figure"]} if results else {"tally": None, "drawn": ""}
-        rows.append(describe_study(study) | known)
+        outcome = {"tally": results["tally"], "drawn": results["figure"]} if results else {"tally": None, "drawn": ""}
+        rows.append(describe_study(study) | outcome)
     return {"studies": rows}
 
 
@@ -164,7 +164,7 @@ def compute_study(request: Request, desk: Desk) -> JsonTable:
     Notes: {"doing": words, "done": parts, "of": parts and the figure, "claims": of the last part}. The results are
     cached.
     """
-    study, begun = load_named_study(request), time.perf_counter()
+    study, start = load_named_study(request), time.perf_counter()
     answers: list[Answer] = []
     parts = study.parts()
     new: list[JsonTable] = []
@@ -179,7 +179,7 @@ def compute_study(request: Request, desk: Desk) -> JsonTable:
     results = describe_answer(study, Answer(claims, reports, study.digest())) | {
         "figure": key,
         "missing": [one["name"] for one in list_missing_data(study)],
-        "seconds": time.perf_counter() - begun,
+        "seconds": time.perf_counter() - start,
     }
     write_results(study, desk.folder, results)
     return results

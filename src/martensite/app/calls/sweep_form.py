@@ -68,17 +68,17 @@ def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
 
 
 def _describe_target(one: Target, declared: Declared) -> JsonTable:
-    shown = units.choose_familiar_unit(one.value, one.unit)
+    display_unit = units.choose_familiar_unit(one.value, one.unit)
     same = declared.unit == one.unit
     low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
     return {
         "name": one.name,
         "about": one.doc,
-        "unit": "" if shown == "1" else shown,
-        "value": units.from_si(one.value, shown, one.unit),
+        "unit": "" if display_unit == "1" else display_unit,
+        "value": units.from_si(one.value, display_unit, one.unit),
         "words": exact_text(one.value, one.unit),
-        "low": units.from_si(low, shown, one.unit),
-        "high": units.from_si(high, shown, one.unit),
+        "low": units.from_si(low, display_unit, one.unit),
+        "high": units.from_si(high, display_unit, one.unit),
         "open": declared.open_low,
     }
 
@@ -129,10 +129,10 @@ def _write_number(value: float) -> str:
 
 def write_zip(store: Path, path: Path) -> None:
     """Write the store, whose chunks are already compressed, in a folder of an archive."""
-    with replace_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as made:
+    with replace_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as archive:
         for one in sorted(store.rglob("*")):
             if one.is_file():
-                made.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
+                archive.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
 
 
 KINDS = {"csv": (".csv", write_csv), "zarr": (".zarr.zip", write_zip)}

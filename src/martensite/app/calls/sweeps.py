@@ -66,7 +66,7 @@ def estimate_time(request: Request, desk: Desk) -> JsonTable:
 
     Request of the job `sweep` -> {"seconds": …, "tried": runs of the block, "took": its time, …}
     """
-    plan, asked = prepare_plan(read_request_scenario(request, desk), read_wanted(request))
+    plan, sweep_request = prepare_plan(read_request_scenario(request, desk), read_wanted(request))
     one = time_block(require_size(plan))
     workers = read_workers(request).workers or count_cores()
     return {
@@ -74,8 +74,8 @@ def estimate_time(request: Request, desk: Desk) -> JsonTable:
         "tried": one.runs,
         "took": one.seconds,
         "workers": workers,
-        "step": asked.step,
-        "runtime": asked.runtime,
+        "step": sweep_request.step,
+        "runtime": sweep_request.runtime,
     }
 
 
@@ -94,20 +94,20 @@ def run_sweep(request: Request, desk: Desk) -> JsonTable:
     kept.
     """
     desk.tell({"phase": "preparing", "number": 0})
-    key, path, scenario, asked = _find_store(request, desk)
+    key, path, scenario, sweep_request = _find_store(request, desk)
     if desk.stop.is_set():
         return {"key": None, "stopped": "Cancelled before the first run."}
-    begun = begin_sweep(scenario, asked, path, read_workers(request))
-    live = SweepProgress(begun, key, desk)
+    sweep = begin_sweep(scenario, sweep_request, path, read_workers(request))
+    live = SweepProgress(sweep, key, desk)
     began = time.monotonic()
-    with hold_store(path), _catch_stop(desk) as said:
+    with hold_store(path), _catch_stop(desk) as sentences:
         live.run()
     return {
         "key": key,
-        "stopped": said[0] if said else "",
+        "stopped": sentences[0] if sentences else "",
         "seconds": time.monotonic() - began,
-        "cautions": begun.plan.cautions(),
-        **_count_ended(begun.store),
+        "cautions": sweep.plan.cautions(),
+        **_count_ended(sweep.store),
     }
 
 
@@ -118,11 +118,11 @@ def _find_store(request: Request, desk: Desk) -> tuple[str, Path, Scenario, Swee
         with hold_store(path):
             spec = Store(path).spec
         return key, path, build_packaged(spec["scenario"]), SweepRequest.of_spec(spec)
-    scenario, asked = read_request_scenario(request, desk), read_wanted(request)
+    scenario, sweep_request = read_request_scenario(request, desk), read_wanted(request)
     read_workers(request)
-    plan, asked = prepare_plan(scenario, asked)
-    asked = replace(asked, chunk=choose_chunk(require_size(plan)))
-    return *shelf.new(scenario.title), scenario, asked
+    plan, sweep_request = prepare_plan(scenario, sweep_request)
+    sweep_request = replace(sweep_request, chunk=choose_chunk(require_size(plan)))
+    return *shelf.new(scenario.title), scenario, sweep_request
 
 
 @contextmanager
@@ -155,16 +155,16 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
     """
     key = require_entry(request, "key", str)
     path = SweepFolder(desk.folder).path(key)
-    drawn = SweepDrawing(Store(path))
-    drawn.store.require_sound()
-    asked = SweepRequest.of_spec(drawn.spec)
-    step = f"{asked.step!r} s" if asked.step is not None else ""
+    drawing = SweepDrawing(Store(path))
+    drawing.store.require_sound()
+    sweep_request = SweepRequest.of_spec(drawing.spec)
+    step = f"{sweep_request.step!r} s" if sweep_request.step is not None else ""
     return {
-        **_count_ended(drawn.store),
+        **_count_ended(drawing.store),
         **summarise_store(key, path),
-        "layout": drawn.layout(),
-        "points": drawn.points(drawn.store.made()),
-        "command": write_command(make_slug(drawn.spec["title"]), asked, step=step),
+        "layout": drawing.layout(),
+        "points": drawing.points(drawing.store.made()),
+        "command": write_command(make_slug(drawing.spec["title"]), sweep_request, step=step),
     }
 
 
@@ -222,17 +222,18 @@ def estimate_indices(request: Request, desk: Desk) -> JsonTable:
     -> {"method", "used", "names": […], "indices": {kind: {"values": […], "wide": […]}}, "remarks"}
     """
     table = read_sweep(find_store(request, desk.folder))
-    (found,) = compute_sensitivity(table, [require_entry(request, "measure", str)])
-    kinds = found.indices if found.deviation else {}
+    (sensitivity,) = compute_sensitivity(table, [require_entry(request, "measure", str)])
+    kinds = sensitivity.indices if sensitivity.deviation else {}
     return {
-        "measure": found.measure,
-        "method": found.method,
-        "used": found.used,
-        "names": [found.names[k] for k in found.order],
+        "measure": sensitivity.measure,
+        "method": sensitivity.method,
+        "used": sensitivity.used,
+        "names": [sensitivity.names[k] for k in sensitivity.order],
         "indices": {
-            kind: {"values": one.values[found.order], "wide": one.wide[found.order]} for kind, one in kinds.items()
+            kind: {"values": one.values[sensitivity.order], "wide": one.wide[sensitivity.order]}
+            for kind, one in kinds.items()
         },
-        "remarks": found.remarks,
+        "remarks": sensitivity.remarks,
     }
 
 

@@ -68,11 +68,11 @@ class ControlWalk:
         default: Any = REQUIRED,
     ) -> GroupNode:
         """Return the controls of a component, with groups for its components."""
-        made = build_group(self.written(path), spell_title(title), meaning=meaning)
+        node = build_group(self.written(path), spell_title(title), meaning=meaning)
         if registry is not None and part.registered_name:
-            made["kind"] = self._kind(part, path, registry, default)
-        made["items"] = list(self._items(part, path, made))
-        return made
+            node["kind"] = self._kind(part, path, registry, default)
+        node["items"] = list(self._items(part, path, node))
+        return node
 
     def _kind(self, part: Parametrised, path: str, registry: Registry[Any], default: Any) -> KindChoice:
         place, value = f"{self.written(path)}.kind", part.registered_name
@@ -100,11 +100,11 @@ class ControlWalk:
             return []
         if isinstance(value, Members):
             return [self.members(value, path, name, declared.doc)]
-        made = self.group(value, path, name, declared.doc, declared.registry, declared.default)
-        if made["path"] == owner["path"]:  # both are in one table, such as a mounted sensor
-            owner["kind"] = made["kind"]
-            return made["items"]
-        return [made] if made["items"] or made["kind"] else []
+        node = self.group(value, path, name, declared.doc, declared.registry, declared.default)
+        if node["path"] == owner["path"]:  # both are in one table, such as a mounted sensor
+            owner["kind"] = node["kind"]
+            return node["items"]
+        return [node] if node["items"] or node["kind"] else []
 
     def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
         """Return the components with user-defined names."""

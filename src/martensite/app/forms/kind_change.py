@@ -75,10 +75,10 @@ def _list_candidates(scenario: Scenario, document: JsonTable, path: str, kind: s
         yield ChangedScenario(toml_document(list_standalone()[example]), [note])
         return
     for fresh in (False, True):
-        made = _put_kind(scenario, document, path, spot, cls, fresh)
-        yield from relax_surroundings(scenario, made)
+        candidate = _put_kind(scenario, document, path, spot, cls, fresh)
+        yield from relax_surroundings(scenario, candidate)
     if registry.kind == "controller":
-        yield from change_reference(scenario, made, path.removesuffix(f".{KIND}"))
+        yield from change_reference(scenario, candidate, path.removesuffix(f".{KIND}"))
 
 
 def _find_spot(scenario: Scenario, path: str) -> GroupSpot:
@@ -93,8 +93,8 @@ def _put_kind(
     scenario: Scenario, document: JsonTable, path: str, spot: GroupSpot, cls: type[Parametrised], fresh: bool
 ) -> ChangedScenario:
     """Return the document with a table for another class in place of a part."""
-    made, place, registry = deepcopy(document), path.removesuffix(f".{KIND}"), spot.registry
-    was, old = type(spot.part), documents.find_table(made, place)
+    new_document, place, registry = deepcopy(document), path.removesuffix(f".{KIND}"), spot.registry
+    was, old = type(spot.part), documents.find_table(new_document, place)
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
     filler = TableFiller(
         _place_units(spot.walk.unit, spot.path, place),
@@ -102,11 +102,11 @@ def _put_kind(
         elsewhere.get(registry.kind, ()),
         fresh,
     )
-    kept = _keep_entries(registry, cls, was, old, fresh)
+    old_entries = _keep_entries(registry, cls, was, old, fresh)
     full = {**old, KIND: was.registered_name}
-    table = {**kept, **filler.table(cls, registry, full, place, was)}
-    documents.put_entry(made, place, table)
-    changed_scenario = ChangedScenario(made, [], filler.assumed, filler.missing)
+    table = {**old_entries, **filler.table(cls, registry, full, place, was)}
+    documents.put_entry(new_document, place, table)
+    changed_scenario = ChangedScenario(new_document, [], filler.assumed, filler.missing)
     if registry is SOURCES:
         change_source(changed_scenario, scenario, place, getattr(spot.part, "unit", "1"), cls)
     return changed_scenario
@@ -138,9 +138,9 @@ def _keep_entries(
 
 def with_material(document: JsonTable, name: str) -> ChangedScenario:
     """Return the document with another material, and with another law if that needs fewer assumptions."""
-    made = deepcopy(document)
+    new_document = deepcopy(document)
     material = load_material(name, FOLDER) if name else None
-    old = documents.find_table(made, "element")
+    old = documents.find_table(new_document, "element")
     rest = without_material({k: v for k, v in old.items() if k != "material"}, material)
     cls = ELEMENTS[str(old[KIND])]
     choices = [TableFiller(material=material) for _ in range(2)]
@@ -151,11 +151,11 @@ def with_material(document: JsonTable, name: str) -> ChangedScenario:
     costs = [len(one.assumed) + len(one.missing) for one in choices]
     best = 1 if costs[1] < costs[0] else 0
     head = {KIND: tables[best].pop(KIND), **({"material": name} if name else {})}
-    made["element"] = {**head, **tables[best]}
+    new_document["element"] = {**head, **tables[best]}
     notes = []
     if best:
         notes.append(f"The law is one that material {name} has the numbers for.")
-    return ChangedScenario(made, notes, choices[best].assumed, choices[best].missing)
+    return ChangedScenario(new_document, notes, choices[best].assumed, choices[best].missing)
 
 
 def _law_for(material: Material | None) -> JsonTable:

@@ -101,13 +101,13 @@ class FormSections:
 
     def _environment(self, port: Any, walk: ControlWalk) -> GroupNode:
         """Return the environment; a drive that sets the temperature needs no heat-loss model."""
-        made = walk.group(port.environment, f"{self._port_prefix}environment", ENVIRONMENT)
-        made["note"] = self._shared_note
+        node = walk.group(port.environment, f"{self._port_prefix}environment", ENVIRONMENT)
+        node["note"] = self._shared_note
         idle = documents.find_entry(self.document, COOLING) is None
         if port.source.sets_temperature and idle:
-            made["items"] = [one for one in made["items"] if one["path"] != COOLING]
-            made["note"] = "The drive sets the temperature: no heat balance is solved."
-        return made
+            node["items"] = [one for one in node["items"] if one["path"] != COOLING]
+            node["note"] = "The drive sets the temperature: no heat balance is solved."
+        return node
 
     @property
     def _port_prefix(self) -> str:
@@ -168,14 +168,14 @@ class FormSections:
             port.source, f"{self._port_prefix}source", DRIVE, "what heats the element", SOURCES
         )
         name = self.scenario.places.drive
-        made: GroupNode = {**group, "path": name, "title": DRIVE, "note": self._shared_note}
-        if made["kind"]:
-            spot = self.walk.spots.pop(made["kind"]["path"])
-            made["kind"]["path"] = f"{name}.kind"
+        node: GroupNode = {**group, "path": name, "title": DRIVE, "note": self._shared_note}
+        if node["kind"]:
+            spot = self.walk.spots.pop(node["kind"]["path"])
+            node["kind"]["path"] = f"{name}.kind"
             self.walk.spots[f"{name}.kind"] = spot
         if not self._has_ports:
-            made["items"] += self._waveforms()
-        return made
+            node["items"] += self._waveforms()
+        return node
 
     def _drive_alone(self) -> GroupNode:
         return build_group(self.scenario.places.drive, DRIVE, list(self._waveforms()))
@@ -203,7 +203,7 @@ class FormSections:
     def _actuators(self) -> Iterator[GroupNode]:
         if not self._has_ports:
             return
-        made = build_group(GROUP, ACTUATORS, note="Settings of each port.")
+        node = build_group(GROUP, ACTUATORS, note="Settings of each port.")
         system, drive = self.scenario.system, self.scenario.places.drive
         for port, actuator in system.actuators().items():
             place = f"{GROUP}.{port}"
@@ -211,11 +211,11 @@ class FormSections:
             own = set(_list_paths(documents.find_table(self.document, place), drive))
             group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
-                made["items"].append(group)
+                node["items"].append(group)
         signals = [n for n in system.signals() if n in by_name(system, self.scenario.waveform)]
-        made["items"] += [one for name in signals for one in self._waveforms(name)]
-        if made["items"]:
-            yield made
+        node["items"] += [one for name in signals for one in self._waveforms(name)]
+        if node["items"]:
+            yield node
 
     def _describe_different(self, port: str, actuator: Parametrised, own: set[str]) -> list[SingleNode]:
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive

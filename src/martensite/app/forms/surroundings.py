@@ -46,10 +46,10 @@ def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> It
     if documents.find_entry(one.document, f"{place}.{REFERENCE}") is not None:
         path = f"{place}.{REFERENCE}"
     for unit in dict.fromkeys(o.unit for o in reversed(scenario.system.outputs().values())):
-        made = deepcopy(one)
-        _change_levels(made, path, unit)
-        made.notes.append(f"The reference has a start value in {unit}, the unit of this kind.")
-        yield made
+        candidate = deepcopy(one)
+        _change_levels(candidate, path, unit)
+        candidate.notes.append(f"The reference has a start value in {unit}, the unit of this kind.")
+        yield candidate
 
 
 def _list_kinds(document: JsonTable) -> tuple[Any, Any]:
@@ -61,18 +61,18 @@ def _keep_single_port(scenario: Scenario, one: ChangedScenario) -> ChangedScenar
     """Return the document without other ports and signals, for a mechanism without them; None if unchanged."""
     if GROUP not in one.document and SIGNALS not in one.document:
         return None
-    made, drive = deepcopy(one), scenario.places.drive
-    ports = documents.find_table(made.document, GROUP).values()
+    candidate, drive = deepcopy(one), scenario.places.drive
+    ports = documents.find_table(candidate.document, GROUP).values()
     waveforms = [documents.find_entry(port, f"{drive}.waveform") for port in ports]
     for name in (GROUP, SIGNALS, *SECTIONS):
-        if name in made.document:
-            del made.document[name]
-            made.notes.append(f"[{name}] was taken out: it belonged to the other mechanism.")
+        if name in candidate.document:
+            del candidate.document[name]
+            candidate.notes.append(f"[{name}] was taken out: it belonged to the other mechanism.")
     first = next((w for w in waveforms if w is not None), None)
     if first is not None:
-        documents.put_entry(made.document, f"{drive}.waveform", first)
-    _add_waveform(made, scenario)
-    return made
+        documents.put_entry(candidate.document, f"{drive}.waveform", first)
+    _add_waveform(candidate, scenario)
+    return candidate
 
 
 def _add_waveform(one: ChangedScenario, scenario: Scenario) -> None:

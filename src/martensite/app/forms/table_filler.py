@@ -70,9 +70,9 @@ class TableFiller:
     ) -> JsonTable:
         """Return the completed table of a class, from the table of the same or another class."""
         was = was or cls
-        made: JsonTable = {KIND: cls.registered_name} if registry is not None else {}
+        table: JsonTable = {KIND: cls.registered_name} if registry is not None else {}
         if was is cls:
-            made |= {key: value for key, value in old.items() if key not in cls.declarations}
+            table |= {key: value for key, value in old.items() if key not in cls.declarations}
         spread = self._collect_entries(old, was, registry)
         for name, declared in cls.declarations.items():
             below = f"{path}.{name}"
@@ -83,8 +83,8 @@ class TableFiller:
             else:
                 previous = self._fill_single(cls, registry, name, declared, spread, below)
             if previous is not None:
-                made[name] = previous
-        return made
+                table[name] = previous
+        return table
 
     def _collect_entries(self, old: JsonTable, was: PartClass, registry: Kinds) -> Entries:
         """Return the entries by name with their declarations, including those of a component of the same registry."""
@@ -189,11 +189,11 @@ class TableFiller:
                 return given
             intended = full
         cls = registry[str(intended[KIND])]
-        made = self.table(cls, registry, {**full, KIND: intended[KIND]}, path)
-        if not full and all(made.get(key) == value for key, value in intended.items()) and len(made) == 1:
+        table = self.table(cls, registry, {**full, KIND: intended[KIND]}, path)
+        if not full and all(table.get(key) == value for key, value in intended.items()) and len(table) == 1:
             return None
-        implied = set(made) - set(full) == {KIND} and KIND not in full
-        return given if implied and given is not None else made
+        implied = set(table) - set(full) == {KIND} and KIND not in full
+        return given if implied and given is not None else table
 
     def _find_meant(self, name: str, declared: Declared, full: JsonTable) -> JsonTable | None:
         if KIND in full:

@@ -37,9 +37,9 @@ def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
         words += ["--each", own.get(one["name"], one["name"])]
     compared = request.get("compare") or (list(proposal.columns) if proposal else [])
     words += [word for one in compared for word in ("--column", str(one))]
-    held = request.get("hold_out", "auto")
-    kept = [one.experiment.name for one in fit.kept]
-    words += ["--hold-out", ",".join(kept)] if kept else [] if held == "auto" else ["--hold-out", str(held)]
+    hold_out = request.get("hold_out", "auto")
+    names = [one.experiment.name for one in fit.kept]
+    words += ["--hold-out", ",".join(names)] if names else [] if hold_out == "auto" else ["--hold-out", str(hold_out)]
     for name, usual in (("method", "trf"), ("loss", "linear"), ("starts", 0)):
         words += [] if request.get(name, usual) == usual else [f"--{name}", str(request[name])]
     return " ".join(map(quote, words))

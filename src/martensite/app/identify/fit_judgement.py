@@ -63,14 +63,14 @@ def describe_judgement(fit: Fit, proposal: Proposal | None) -> JsonTable:
     }
 
 
-def _write_headline(fit: Fit, found: FitJudgement) -> str:
+def _write_headline(fit: Fit, judgement: FitJudgement) -> str:
     error = describe_predictions(fit)[0]
-    if found.word == "good":
+    if judgement.word == "good":
         return f"Good: the model predicts held-out data, and the logs determine all free parameters. {error}"
-    more = len(found.against) + len(found.care) - 1
+    more = len(judgement.against) + len(judgement.care) - 1
     rest = f" ({more} more below)" if more else ""
-    word = "Not usable" if found.against else "Usable with care"
-    return f"{word}. {[*found.against, *found.care][0]}{rest}"
+    word = "Not usable" if judgement.against else "Usable with care"
+    return f"{word}. {[*judgement.against, *judgement.care][0]}{rest}"
 
 
 def _describe_number(fit: Fit, name: str) -> str:

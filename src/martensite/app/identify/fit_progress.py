@@ -109,7 +109,7 @@ def model_curves(one: Experiment, model: Any) -> list[list[float]]:
 
 def describe_measured(one: Experiment) -> JsonTable:
     """Return a measured record at the drawn rows."""
-    rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
+    rows, outputs = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
     return {
         "name": one.name,
         "times": [float(one.times[row]) for row in rows],
@@ -117,9 +117,9 @@ def describe_measured(one: Experiment) -> JsonTable:
         "outputs": [
             {
                 "name": name,
-                "long_name": known[name].long_name,
+                "long_name": outputs[name].long_name,
                 "measured": [round_digits(one.measured[row, k]) for row in rows],
-                **describe_display(name, known[name].unit),
+                **describe_display(name, outputs[name].unit),
             }
             for k, name in enumerate(one.outputs)
         ],

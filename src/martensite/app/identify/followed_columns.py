@@ -115,10 +115,10 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
     return as_toml(document)
 
 
-def _list_corners(record: Record, column: str, held: bool) -> JsonTable:
+def _list_corners(record: Record, column: str, is_stepped: bool) -> JsonTable:
     """Return a waveform through the corners of a column, optionally constant between rows."""
     entries = [(t, x) for t, x in zip(record.times.tolist(), record[column].tolist(), strict=True) if math.isfinite(x)]
-    entries = hold_levels(entries) if held else entries
+    entries = hold_levels(entries) if is_stepped else entries
     times, values = zip(*entries, strict=True)
     rows, unit = find_corners(times, values), record.units[column]
     spelling = units.choose_readable_unit(unit)

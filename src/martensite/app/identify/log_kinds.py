@@ -55,14 +55,18 @@ def _describe_lost(one: LeftOut) -> str:
     return f"{one.count} row{'s' if one.count > 1 else ''} ({one.reason}: {rows})"
 
 
-def _describe_experiment(found: RecognisedExperiment | None) -> str:
-    return f"Taken as {found.name}: {found.kind.meaning}." if found else "No known experiment is recognised."
+def _describe_experiment(experiment: RecognisedExperiment | None) -> str:
+    return (
+        f"Taken as {experiment.name}: {experiment.kind.meaning}."
+        if experiment
+        else "No known experiment is recognised."
+    )
 
 
-def _describe_times(found: RecognisedExperiment | None, timed: bool) -> str:
+def _describe_times(experiment: RecognisedExperiment | None, timed: bool) -> str:
     if timed:
         return ""
-    if found is not None and found.kind.axis:
+    if experiment is not None and experiment.kind.axis:
         return " It has no times, and needs none: a slow loop follows its turning points only."
     return " It has no times: its rows count as 1 s apart, unless you say otherwise."
 
@@ -86,8 +90,8 @@ class ProposedModels:
 def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> ProposedModels:
     """Return the proposed scenarios of records, in the order of the library."""
     experiment = recognise_experiment(records)
-    proposals, known = propose_scenarios(experiment, records, settings)
-    return ProposedModels(experiment, proposals, tuple(dict.fromkeys(known.sentences)))
+    proposals, assumptions = propose_scenarios(experiment, records, settings)
+    return ProposedModels(experiment, proposals, tuple(dict.fromkeys(assumptions.sentences)))
 
 
 def describe_proposal(one: Proposal) -> JsonTable:
@@ -96,22 +100,22 @@ def describe_proposal(one: Proposal) -> JsonTable:
     return {
         "name": one.name,
         "text": one.text,
-        "free": [_describe_range(found, system) for found in read_ranges(one.free, [system])],
-        "each": [found.name for found in read_ranges(one.each, [system], own=True)],
+        "free": [_describe_range(search_range, system) for search_range in read_ranges(one.free, [system])],
+        "each": [search_range.name for search_range in read_ranges(one.each, [system], own=True)],
         "starts": one.spread,
     }
 
 
-def _describe_range(found: SearchRange, system: AbstractSystem) -> JsonTable:
-    (free,) = build_free_numbers([found], [system])
+def _describe_range(search_range: SearchRange, system: AbstractSystem) -> JsonTable:
+    (free,) = build_free_numbers([search_range], [system])
     spelling = units.choose_familiar_unit(free.start, free.unit)
-    how = describe_difference(found.name, free.unit) if is_difference(found.name) else None
+    how = describe_difference(search_range.name, free.unit) if is_difference(search_range.name) else None
     return {
-        "name": found.name,
-        "low": found.low,
-        "high": found.high,
-        "start": found.start,
-        "scale": found.scale,
+        "name": search_range.name,
+        "low": search_range.low,
+        "high": search_range.high,
+        "start": search_range.start,
+        "scale": search_range.scale,
         "usual": [free.start, free.low, free.high],
         "doc": free.doc,
         **(how or describe_conversion(free.unit, spelling)),

@@ -31,14 +31,14 @@ def draw_overlay(records: Sequence[Record], align: str) -> JsonTable:
     axis = experiment.kind.axis if experiment else ""
     loops = bool(axis) and all(axis in one.columns for one in records)
     names = [name for name in dict.fromkeys(n for one in records for n in one.columns) if name not in ("time", axis)]
-    drawn = _draw_loops(records, axis, names) if loops else _draw_times(records, align, names)
+    lines = _draw_loops(records, axis, names) if loops else _draw_times(records, align, names)
     unit = next(one.units[axis] for one in records) if loops else "s"
     how = describe_display(axis, unit) if loops else describe_conversion("s", "s")
     return {
         "records": [one.name for one in records],
         "axis": {"name": axis if loops else ALIGNED[align], **how},
         "loops": loops,
-        **drawn,
+        **lines,
     }
 
 

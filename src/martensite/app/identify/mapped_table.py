@@ -59,9 +59,9 @@ def prepare_log(request: Request, desk: Desk) -> Prepared:
     others = [_prepare_file(one, desk) for one in merged]
     shifts = [read_optional(one, "shift", float) for one in merged]
     words, whole = list(own.words), replace(file, record=own.record, notes=())
-    for (other, said), shift in zip(others, shifts, strict=True):
+    for (other, sentences), shift in zip(others, shifts, strict=True):
         whole = merge_by_clock([replace(whole, notes=()), other], None if shift is None else [shift])
-        words += [*(f"`{other.path.name}`: {one}" for one in said), f"Merged. {' '.join(whole.notes)}"]
+        words += [*(f"`{other.path.name}`: {one}" for one in sentences), f"Merged. {' '.join(whole.notes)}"]
     return Prepared(replace(whole.record, name=own.record.name), tuple(words))
 
 
@@ -117,7 +117,7 @@ def describe_preparation(request: Request, desk: Desk) -> list[str]:
     sentences = [f"{label}{one}" for one in first]
     for one in more:
         file, words = _prepare_file(one, desk)
-        sentences += [f"`{file.record.name}`: {said}" for said in words]
+        sentences += [f"`{file.record.name}`: {sentence}" for sentence in words]
     return sentences
 
 

@@ -51,8 +51,8 @@ def prepare_record(record: Record, steps: Sequence[Request]) -> Prepared:
     words: list[str] = []
     for step in steps:
         kind = require_choice(step, "kind", "step", STEPS)
-        record, said = STEPS[kind](record, step)
-        words.append(said)
+        record, sentence = STEPS[kind](record, step)
+        words.append(sentence)
     return Prepared(record, tuple(words))
 
 
@@ -116,13 +116,13 @@ def _drop_outliers(record: Record, step: Request) -> tuple[Record, str]:
     scatter = SCATTER * float(np.median(apart[finite])) if finite.any() else 0.0
     # a column at rest has zero scatter: use a thousandth of its range
     scatter = scatter or 1e-3 * float(np.ptp(values[finite]) if finite.any() else 0.0)
-    gone = finite & (apart > limit * scatter)
-    if gone[finite].all():
+    outliers = finite & (apart > limit * scatter)
+    if outliers[finite].all():
         raise DataError(f"All samples of `{name}` would be outliers.")
-    rows = ", ".join(str(row + 1) for row in np.flatnonzero(gone)[:5]) + (", …" if gone.sum() > 5 else "")
-    sentence = f"{int(gone.sum())} outliers beyond {limit:g} scatters count as missing (row {rows})"
-    words = f"`{name}`: {sentence if gone.any() else f'no sample beyond {limit:g} scatters'}."
-    return _with_column(record, name, np.where(gone, np.nan, values)), words
+    rows = ", ".join(str(row + 1) for row in np.flatnonzero(outliers)[:5]) + (", …" if outliers.sum() > 5 else "")
+    sentence = f"{int(outliers.sum())} outliers beyond {limit:g} scatters count as missing (row {rows})"
+    words = f"`{name}`: {sentence if outliers.any() else f'no sample beyond {limit:g} scatters'}."
+    return _with_column(record, name, np.where(outliers, np.nan, values)), words
 
 
 def _zero_column(record: Record, step: Request) -> tuple[Record, str]:
@@ -180,11 +180,11 @@ def _cut_rows(record: Record, step: Request) -> tuple[Record, str]:
     times = np.asarray(record.times)
     first = require_entry(step, "from", float, float(times[0]))
     last = require_entry(step, "to", float, float(times[-1]))
-    kept = np.flatnonzero((times >= first) & (times <= last))
-    if kept.size < 2:
-        raise DataError(f"Between {first:.6g} s and {last:.6g} s there are {kept.size} rows.")
-    columns = {name: column[kept] for name, column in record.columns.items()}
-    sentence = f"Rows from {first:.6g} s to {last:.6g} s: {kept.size} of {len(times)}."
+    rows = np.flatnonzero((times >= first) & (times <= last))
+    if rows.size < 2:
+        raise DataError(f"Between {first:.6g} s and {last:.6g} s there are {rows.size} rows.")
+    columns = {name: column[rows] for name, column in record.columns.items()}
+    sentence = f"Rows from {first:.6g} s to {last:.6g} s: {rows.size} of {len(times)}."
     return replace(record, columns=columns), sentence
 
 

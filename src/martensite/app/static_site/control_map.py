@@ -88,7 +88,7 @@ class InputMap:
 
     def predict(self, changes: Mapping[int, float]) -> dict[str, float]:
         """Return the numbers under changes of controls."""
-        found, moved = dict(self.numbers), dict[str, dict[int, float]]()
+        numbers, moved = dict(self.numbers), dict[str, dict[int, float]]()
         for k, value in changes.items():
             for name in self.controls[k].terms:
                 moved.setdefault(name, {})[k] = self.controls[k].change(name, value)
@@ -100,8 +100,8 @@ class InputMap:
                 parts.append(self.products.get((name, a, b), 0.0) * x * y)
             total = sum(parts)
             is_rounding = not inverted and abs(total) <= ROUNDING_TOLERANCE * sum(map(abs, parts))
-            found[name] = 0.0 if is_rounding else invert(total, inverted)
-        return found
+            numbers[name] = 0.0 if is_rounding else invert(total, inverted)
+        return numbers
 
 
 def is_same(one: float, other: float, slack: float = 1.0) -> bool:
@@ -111,13 +111,13 @@ def is_same(one: float, other: float, slack: float = 1.0) -> bool:
 
 def write_quantity(node: NumberNode, value: float) -> str | float:
     """Return a value in SI as the page sends it."""
-    shown = value * node["factor"] + node["offset"]
-    number = float(f"{shown:.15g}")
+    display_value = value * node["factor"] + node["offset"]
+    number = float(f"{display_value:.15g}")
     if node["slider"] is not None and node["slider"]["whole"]:
         return round(number)
     return f"{number!r} {node['shown']}" if node["shown"] else number
 
 
-def read_shown(node: NumberNode, shown: float) -> float:
+def read_shown(node: NumberNode, display_value: float) -> float:
     """Return a value in SI from one in the unit of the page."""
-    return (shown - node["offset"]) / node["factor"]
+    return (display_value - node["offset"]) / node["factor"]

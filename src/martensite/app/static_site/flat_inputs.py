@@ -87,13 +87,13 @@ def list_inputs(scenario: Scenario, shapes: Sequence[DriveShape] | None = None) 
     chosen = shapes or [_choose_shape(wave, scenario.duration, interval) for wave in waves]
     if len(chosen) != len(waves):
         raise ValueError("another number of drives")
-    made = FlatInputs(scalars, list(chosen))
+    inputs = FlatInputs(scalars, list(chosen))
     for number, (wave, shape, drive) in enumerate(zip(waves, chosen, system.drives(), strict=True)):
         if shape.segments:
             scalars |= _list_segments(wave, shape, scenario.duration, f"drive:{number}")
         else:
-            made.samples.append(_read_samples(wave, scenario.duration, interval, drive.ahead))
-    return made
+            inputs.samples.append(_read_samples(wave, scenario.duration, interval, drive.ahead))
+    return inputs
 
 
 def _list_scalars(scenario: Scenario, compiled: CompiledMarch) -> Iterator[tuple[str, float]]:
@@ -133,10 +133,10 @@ def _list_until(wave: AbstractWaveform, end: float) -> Iterator[Segment]:
             return
 
 
-def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: float, interval: float) -> bool:
+def _tells_readings(wave: AbstractWaveform, segments: Sequence[Segment], duration: float, interval: float) -> bool:
     """Return whether segments and tones reproduce a waveform at its samples."""
     times = _list_instants(duration, interval, False)
-    table = np.array([tuple(one) for one in known])
+    table = np.array([tuple(one) for one in segments])
     place = np.maximum(np.searchsorted(table[:, 0], times, side="right") - 1, 0)
     along = times - table[place, 0]
     values = table[place, 1] + (table[place, 2] + table[place, 3] * along) * along

@@ -86,44 +86,44 @@ class _Measurement:
         self.cautions: tuple[str, ...] = ()
 
     def measure(self, only: Collection[str] | None) -> InputMap:
-        made = self.map
-        nodes = [one for one in list_numbers(made.form) if only is None or one["path"] in only]
+        input_map = self.map
+        nodes = [one for one in list_numbers(input_map.form) if only is None or one["path"] in only]
         for node in nodes:
             try:
-                made.controls.append(self._begin_control(node))
+                input_map.controls.append(self._begin_control(node))
             except UnmappedError as error:
-                made.left_out[node["path"]] = str(error)
+                input_map.left_out[node["path"]] = str(error)
         self._reach_ends()
-        for a, b in itertools.combinations(range(len(made.controls)), 2):
+        for a, b in itertools.combinations(range(len(input_map.controls)), 2):
             self._multiply(a, b)
         self._try_pairs()
-        for row in list_rows(made.form):
+        for row in list_rows(input_map.form):
             if only is None or row["path"] in only:
                 try:
                     self._map_row(read_row(row))
                 except (UnmappedError, MartensiteError, ValueError) as error:
-                    made.left_out[row["path"]] = str(error)
-        return made
+                    input_map.left_out[row["path"]] = str(error)
+        return input_map
 
     def build(self, changes: Sequence[tuple[NumberNode, float]]) -> dict[str, float]:
         """Return the numbers under changes of controls."""
         settings = self._write_settings(changes)
         try:
             scenario = build_packaged(self.text, settings)
-            found, cautions = list_inputs(scenario, self.map.drives), scenario.cautions
+            inputs, cautions = list_inputs(scenario, self.map.drives), scenario.cautions
         except (MartensiteError, ArithmeticError, ValueError) as error:
             raise UnmappedError(f"at {settings}: {error}") from None
         if describe_structure(scenario.whole) != self.structure:
             raise UnmappedError("it changes the structure")
-        if found.digest() != self.digest:
+        if inputs.digest() != self.digest:
             raise UnmappedError("it changes readings of a signal")
         stated = self._list_said(scenario)
         if stated != self.said:
             raise UnmappedError("it changes what is said of the scenario")
-        if not set(cautions) >= set(known := self.map.scenario.cautions):
+        if not set(cautions) >= set(base_cautions := self.map.scenario.cautions):
             raise UnmappedError("it changes the cautions")
-        self.cautions = tuple(one for one in cautions if one not in known)
-        return found.numbers
+        self.cautions = tuple(one for one in cautions if one not in base_cautions)
+        return inputs.numbers
 
     def _write_settings(self, changes: Sequence[tuple[NumberNode, float]]) -> JsonTable:
         """Return the entries to set in the document; a row is set as a whole."""
@@ -140,10 +140,10 @@ class _Measurement:
 
     def check(self, changes: Mapping[int, float]) -> None:
         """Raise `UnmappedError` where the map does not say what is built."""
-        made = self.map
-        row = self.build([(made.controls[k].node, value) for k, value in changes.items()])
-        predicted = made.predict(changes)
-        moved = [made.controls[k] for k, value in changes.items() if value != made.controls[k].value]
+        input_map = self.map
+        row = self.build([(input_map.controls[k].node, value) for k, value in changes.items()])
+        predicted = input_map.predict(changes)
+        moved = [input_map.controls[k] for k, value in changes.items() if value != input_map.controls[k].value]
         if self.cautions != tuple(caution for one in moved for caution in one.said):
             raise UnmappedError("it changes the cautions")
         wrong = [name for name, value in row.items() if not is_same(predicted[name], value, 10.0)]
@@ -256,18 +256,18 @@ class _Measurement:
 
     def _reach_ends(self) -> None:
         """Widen the range of every control as far as its map holds: to the ends of its slider, or less far."""
-        made = self.map
+        input_map = self.map
         for upward in (True, False):
-            every = range(len(made.controls))
+            every = range(len(input_map.controls))
             _, late = self._try_ends(every, upward, SMALLEST_SHIFT)  # refused at once, or no effect yet
             left = [k for k in every if k not in late]
             for share in SHORTER:
                 reached, left = self._try_ends(left, upward, share)
                 for k, x in reached:
-                    one = made.controls[k]
+                    one = input_map.controls[k]
                     one.low, one.high = min(one.low, x), max(one.high, x)
-        made.left_out |= {one.path: self.reason for one in made.controls if one.low == one.high}
-        made.controls = [one for one in made.controls if one.low < one.high]
+        input_map.left_out |= {one.path: self.reason for one in input_map.controls if one.low == one.high}
+        input_map.controls = [one for one in input_map.controls if one.low < one.high]
 
     def _try_ends(
         self, numbers: Sequence[int], upward: bool, share: float
@@ -287,21 +287,21 @@ class _Measurement:
 
     def _map_row(self, row: NumberRow) -> None:
         """The numbers of a row: each is linear, and none minds the others."""
-        made, others = self.map, len(self.map.controls)
-        made.rows.append(row)
+        input_map, others = self.map, len(self.map.controls)
+        input_map.rows.append(row)
         try:
-            made.controls += [self._begin_item(node) for node in row.items]
+            input_map.controls += [self._begin_item(node) for node in row.items]
             for shares in PATTERNS:
-                turns = enumerate(made.controls[others:])
+                turns = enumerate(input_map.controls[others:])
                 places = {others + k: one.low + shares[k % len(shares)] * (one.high - one.low) for k, one in turns}
                 self.check(places)
         except UnmappedError:
-            made.rows.pop()
-            del made.controls[others:]
+            input_map.rows.pop()
+            del input_map.controls[others:]
             raise
-        for a, b in itertools.product(range(others), range(others, len(made.controls))):
-            if made.controls[a].terms.keys() & made.controls[b].terms.keys():
-                made.apart.add((a, b))
+        for a, b in itertools.product(range(others), range(others, len(input_map.controls))):
+            if input_map.controls[a].terms.keys() & input_map.controls[b].terms.keys():
+                input_map.apart.add((a, b))
 
     def _begin_item(self, node: NumberNode) -> MappedControl:
         slider, value = node["slider"], node["value"]
@@ -314,8 +314,8 @@ class _Measurement:
 
     def _multiply(self, a: int, b: int) -> None:
         """Coefficients of the products of two controls from which the same numbers follow."""
-        made = self.map
-        one, two = made.controls[a], made.controls[b]
+        input_map = self.map
+        one, two = input_map.controls[a], input_map.controls[b]
         shared = [name for name in one.terms if name in two.terms]
         if not shared:
             return
@@ -323,31 +323,31 @@ class _Measurement:
         try:
             row = self.build([(one.node, x), (two.node, y)])
         except UnmappedError:
-            made.apart.add((a, b))
+            input_map.apart.add((a, b))
             return
-        predicted = made.predict({a: x, b: y})
+        predicted = input_map.predict({a: x, b: y})
         for name in shared:
             if not is_same(row[name], predicted[name], 3.0):
-                inverted = name in made.inverted
+                inverted = name in input_map.inverted
                 missing = invert(row[name], inverted) - invert(predicted[name], inverted)
-                made.products[name, a, b] = missing / (one.change(name, x) * two.change(name, y))
+                input_map.products[name, a, b] = missing / (one.change(name, x) * two.change(name, y))
 
     def _try_pairs(self) -> None:
         """Try pairs of which some number follows, or which a builder may compare, at opposite ends."""
-        made, trials = self.map, list[dict[int, float]]()
-        for a, b in itertools.combinations(range(len(made.controls)), 2):
-            one, two = made.controls[a], made.controls[b]
+        input_map, trials = self.map, list[dict[int, float]]()
+        for a, b in itertools.combinations(range(len(input_map.controls)), 2):
+            one, two = input_map.controls[a], input_map.controls[b]
             if one.said and two.said:  # both could give one sentence
-                made.apart.add((a, b))
-            if (a, b) in made.apart or not _may_interact(one, two):
+                input_map.apart.add((a, b))
+            if (a, b) in input_map.apart or not _may_interact(one, two):
                 continue
             for x, y in ((one.low, two.high), (one.high, two.low)):
                 if x != one.value and y != two.value:
                     trials.append({a: x, b: y})
         failed = {cast("Pair", tuple(trials[number])) for number in self.sort_out(trials)}
-        made.apart |= failed
-        made.ordered = set(filter(None, map(self._find_order, sorted(failed))))
-        made.apart -= {pair for one, other in made.ordered for pair in ((one, other), (other, one))}
+        input_map.apart |= failed
+        input_map.ordered = set(filter(None, map(self._find_order, sorted(failed))))
+        input_map.apart -= {pair for one, other in input_map.ordered for pair in ((one, other), (other, one))}
 
     def _find_order(self, pair: Pair) -> Pair | None:
         """Return a pair that a builder refuses in the wrong order only, the smaller one first."""
@@ -355,12 +355,12 @@ class _Measurement:
         low, high = max(one.low, two.low), min(one.high, two.high)
         if one.node["unit"] != two.node["unit"] or one.value >= two.value or low >= high:
             return None  # their order is not the cause
-        kept = [
+        trials = [
             (one.low, two.high),
             *((low + part * (high - low), low + (part + NARROW) * (high - low)) for part in WITHIN),
         ]
-        turned = [(y, x) for x, y in kept[1:]]
-        right = self.sort_out([{a: x, b: y} for x, y in kept])
+        turned = [(y, x) for x, y in trials[1:]]
+        right = self.sort_out([{a: x, b: y} for x, y in trials])
         wrong = self.sort_out([{a: x, b: y} for x, y in turned])
         return (a, b) if not right and len(wrong) == len(turned) else None
 

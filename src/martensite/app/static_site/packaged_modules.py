@@ -79,8 +79,8 @@ def _list_places(source: RunSource) -> list[Path]:
 
 def provide_rounding(text: str, scenario: Scenario, source: RunSource) -> float:
     """Return the effect of rounding on a run: of the package, or measured; see `measure_rounding`."""
-    known = _read_rounding().get(_digest_run(text, source))
-    return measure_rounding(scenario) if known is None else known
+    share = _read_rounding().get(_digest_run(text, source))
+    return measure_rounding(scenario) if share is None else share
 
 
 def list_runs(texts: Iterable[str]) -> list[PackagedRun]:
@@ -95,7 +95,7 @@ def list_runs(texts: Iterable[str]) -> list[PackagedRun]:
 
 def write_modules(texts: Iterable[str], folder: Path = MODULES) -> tuple[list[str], list[str]]:
     """Compile missing modules of scenarios and delete all others; return the names of both."""
-    runs, known = list_runs(texts), _read_rounding(folder)
+    runs, old_shares = list_runs(texts), _read_rounding(folder)
     wanted, present = {one.file: one.source for one in runs}, {path.name for path in folder.glob("*" + SUFFIX)}
     missing, old = sorted(wanted.keys() - present), sorted(present - wanted.keys())
     with ThreadPoolExecutor(min(MOST_COMPILERS, os.cpu_count() or 1)) as pool:
@@ -103,7 +103,7 @@ def write_modules(texts: Iterable[str], folder: Path = MODULES) -> tuple[list[st
             (folder / name).write_bytes(_compress(module))
     for name in old:
         (folder / name).unlink()
-    shares = {one.key: known[one.key] if one.key in known else measure_rounding(one.scenario) for one in runs}
+    shares = {one.key: old_shares[one.key] if one.key in old_shares else measure_rounding(one.scenario) for one in runs}
     (folder / ROUNDING).write_text(json.dumps(shares, indent=0, sort_keys=True) + "\n", encoding="utf-8")
     _read_rounding.cache_clear()
     return missing, old

@@ -29,7 +29,7 @@ SCALARS = ("duration", "tolerance", "samples", "step", "mechanism", "inertial", 
 def describe_static(
     name: str,
     text: str,
-    made: InputMap,
+    input_map: InputMap,
     source: RunSource,
     module: str,
     *,
@@ -41,38 +41,38 @@ def describe_static(
     Args:
         name: name of the scenario.
         text: its document.
-        made: map of its controls.
+        input_map: map of its controls.
         source: C of its runs.
         module: file name of its module.
         magnified: effect of rounding (`measure_rounding`).
         result: a run of the scenario, of any duration; by default a new run.
     """
-    scenario = made.scenario
+    scenario = input_map.scenario
     compiled = compile_march(scenario.whole)
-    order = order_entries(made, compiled)
+    order = order_entries(input_map, compiled)
     entries = {entry: k for k, entry in enumerate(order)}
     return {
         "name": name,
         "text": text,
         "module": module,
         "layout": describe_layout(compiled, source),
-        "form": made.form,
-        "units": _list_units(made),
-        "inputs": [_write_number(made.numbers[entry]) for entry in order],
-        "places": _list_places(made, compiled, entries),
-        "readings": [base64.b64encode(one.tobytes()).decode() for one in made.samples],
-        **_describe_map(made, entries),
+        "form": input_map.form,
+        "units": _list_units(input_map),
+        "inputs": [_write_number(input_map.numbers[entry]) for entry in order],
+        "places": _list_places(input_map, compiled, entries),
+        "readings": [base64.b64encode(one.tobytes()).decode() for one in input_map.samples],
+        **_describe_map(input_map, entries),
         **_describe_outputs(scenario, compiled, magnified),
         **describe_page(scenario, result or scenario.run(runtime=None if scenario.whole.sample_time() else "floats")),
     }
 
 
-def order_entries(made: InputMap, compiled: CompiledMarch) -> list[str]:
+def order_entries(input_map: InputMap, compiled: CompiledMarch) -> list[str]:
     """Return the names of the inputs, parameters first."""
     bounds = range(len(compiled.envelope))
     ordered = [f"p:{path}" for path in compiled.paths]
     ordered += [*SCALARS, *(f"low:{k}" for k in bounds), *(f"high:{k}" for k in bounds)]
-    for number, shape in enumerate(made.drives):
+    for number, shape in enumerate(input_map.drives):
         ordered += [f"drive:{number}.{name}:{k}" for name in SEGMENT for k in range(shape.segments)]
         ordered += [f"drive:{number}.{name}:{k}" for name in TONE for k in range(shape.tones)]
     return ordered
@@ -82,11 +82,11 @@ def _write_number(value: float) -> float | str:
     return value if math.isfinite(value) else "Infinity" if value > 0.0 else "-Infinity"
 
 
-def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int]) -> JsonTable:
+def _list_places(input_map: InputMap, compiled: CompiledMarch, entries: dict[str, int]) -> JsonTable:
     drives, readings = list[JsonTable](), 0
-    system = made.scenario.whole
+    system = input_map.scenario.whole
     heated = {system.drive_at(port): port for port in system.actuators()}
-    for number, (shape, drive) in enumerate(zip(made.drives, system.drives(), strict=True)):
+    for number, (shape, drive) in enumerate(zip(input_map.drives, system.drives(), strict=True)):
         at = entries.get(f"drive:{number}.start:0", 0)
         own: JsonTable = {"segments": shape.segments, "tones": shape.tones, "at": at, "readings": readings}
         table = {"name": drive.name, "how": _describe_unit(drive.name, drive.unit), "port": heated.get(drive.name, "")}
@@ -98,26 +98,33 @@ def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int
         "low": first,
         "high": first + len(compiled.envelope),
         "drives": drives,
-        "shown": _list_shown(made, entries),
+        "shown": _list_shown(input_map, entries),
     }
 
 
 def _describe_unit(name: str, unit: str) -> JsonTable:
     """Return the display of a signal: shown = SI · factor + offset."""
-    shown = units.of_column(name, unit)
-    offset = units.from_si(0.0, shown, unit)
-    return {"unit": unit, "shown": shown, "factor": units.from_si(1.0, shown, unit) - offset, "offset": offset}
+    display_unit = units.of_column(name, unit)
+    offset = units.from_si(0.0, display_unit, unit)
+    return {
+        "unit": unit,
+        "shown": display_unit,
+        "factor": units.from_si(1.0, display_unit, unit) - offset,
+        "offset": offset,
+    }
 
 
-def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
+def _list_shown(input_map: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
     """Return the parameters with a control that depend on the control of another path."""
-    places, own = made.scenario.places, {node["path"]: node["value"] for node in list_numbers(made.form)}
-    moved = {name: control.path for control in made.controls for name in control.terms if name.startswith("p:")}
+    places, own = input_map.scenario.places, {node["path"]: node["value"] for node in list_numbers(input_map.form)}
+    moved = {name: control.path for control in input_map.controls for name in control.terms if name.startswith("p:")}
     moves = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())
-    return [(entries[name], path) for name, path, by in moves if path != by and own.get(path) == made.numbers[name]]
+    return [
+        (entries[name], path) for name, path, by in moves if path != by and own.get(path) == input_map.numbers[name]
+    ]
 
 
-def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
+def _describe_map(input_map: InputMap, entries: dict[str, int]) -> JsonTable:
     controls = [
         {
             "path": one.path,
@@ -127,23 +134,23 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
             "terms": [[entries[name], *term] for name, term in one.terms.items()],
             "said": list(one.said),
         }
-        for one in made.controls
+        for one in input_map.controls
     ]
     return {
         "controls": controls,
-        "products": [[entries[name], a, b, c] for (name, a, b), c in made.products.items()],
-        "inverted": [entries[name] for name in sorted(made.inverted)],
-        "apart": [list(pair) for pair in sorted(made.apart)],
-        "rows": {row.path: row.describe() for row in made.rows},
-        "ordered": [list(pair) for pair in sorted(made.ordered)],
-        "elsewhere": list(made.left_out),
+        "products": [[entries[name], a, b, c] for (name, a, b), c in input_map.products.items()],
+        "inverted": [entries[name] for name in sorted(input_map.inverted)],
+        "apart": [list(pair) for pair in sorted(input_map.apart)],
+        "rows": {row.path: row.describe() for row in input_map.rows},
+        "ordered": [list(pair) for pair in sorted(input_map.ordered)],
+        "elsewhere": list(input_map.left_out),
     }
 
 
-def _list_units(made: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
+def _list_units(input_map: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
     """Return the spellings by SI unit, with size and zero: SI = number · size + zero."""
     factors: dict[str, dict[str, tuple[float, float]]] = {}
-    for node in (*list_numbers(made.form), *(row.items[0] for row in made.rows)):
+    for node in (*list_numbers(input_map.form), *(row.items[0] for row in input_map.rows)):
         unit = node["unit"] or "1"
         if unit not in factors:
             everyday = ((spelling, how) for spelling, (declared, *how) in units.EVERYDAY.items() if declared == unit)

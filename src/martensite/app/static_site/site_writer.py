@@ -92,11 +92,11 @@ def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], 
     scenario = build_packaged(text)
     source = write_source(scenario, list_waveforms(scenario))
     module, binary = name_module(source), provide_module(source)  # the first, since it needs a compiler
-    made = measure_map(text)
-    magnified = provide_rounding(text, made.scenario, source)
-    table = describe_static(name, text, made, source, module, magnified=magnified)
+    input_map = measure_map(text)
+    magnified = provide_rounding(text, input_map.scenario, source)
+    table = describe_static(name, text, input_map, source, module, magnified=magnified)
     files = {f"{name}.json": write_message(table), module: binary}
-    entry = {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
+    entry = {"name": name, "title": input_map.scenario.title, "text": text, "file": f"{name}.json", "module": module}
     return files, entry
 
 
@@ -120,12 +120,12 @@ def make_site_folder(folder: Path) -> Generator[None]:
     """Make the folder of a page; new folders are removed after an error."""
     check_folder(folder)
     runs = folder / RUNS
-    made = [one for one in (runs, *runs.parents) if not one.exists()]
+    new_folders = [one for one in (runs, *runs.parents) if not one.exists()]
     try:
         runs.mkdir(parents=True, exist_ok=True)
         yield
     except BaseException as error:
-        for one in made[-1:]:
+        for one in new_folders[-1:]:
             shutil.rmtree(one, ignore_errors=True)
         if isinstance(error, OSError):
             raise _describe_failure(folder, error) from None

@@ -35,8 +35,8 @@ def describe_stepped(text: str, paths: tuple[str, ...], ready: bool = False) -> 
     if ready and not has_module(source):
         raise InputError("The module of this structure is not compiled.")
     module = _encode_module(source)  # the first, since it may need a compiler
-    made = measure_map(text, paths)
-    table = describe_static("", text, made, source, "", result=_run_piece(made.scenario))
+    input_map = measure_map(text, paths)
+    table = describe_static("", text, input_map, source, "", result=_run_piece(input_map.scenario))
     return {"scenario": table, "module": module}
 
 

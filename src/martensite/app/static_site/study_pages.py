@@ -47,11 +47,11 @@ def write_studies(folder: Path, runs: Path) -> None:
         (folder / PAGES / f"{name}.html").write_text(render_page(page, figure is not None), encoding="utf-8")
 
 
-def render_page(page: JsonTable, drawn: bool) -> str:
+def render_page(page: JsonTable, has_figure: bool) -> str:
     """Return a study as HTML without scripts: figure, digest, printed and computed values, sources."""
     name, title, results = page["name"], escape(page["title"]), page["results"] or {}
     about = escape(page["guide"][0]) if page["guide"] else title
-    image = f'<img src="{name}.svg" alt="{escape(page["figure"])}">' if drawn else ""
+    image = f'<img src="{name}.svg" alt="{escape(page["figure"])}">' if has_figure else ""
     rows = "\n".join(_render_claim(claim) for claim in results.get("claims", ()))
     heads = "".join(f'<th scope="col">{one}</th>' for one in HEADINGS)
     digest = "\n".join(

@@ -71,8 +71,8 @@ class SweepDrawing:
             return [-(-self.size // MOST_DRAWN)]
         shape = [len(one) for one in self.levels]
         steps = [1] * len(shape)
-        while np.prod(drawn := [-(-n // k) for n, k in zip(shape, steps, strict=True)]) > MOST_DRAWN:
-            steps[int(np.argmax(drawn))] += 1
+        while np.prod(counts := [-(-n // k) for n, k in zip(shape, steps, strict=True)]) > MOST_DRAWN:
+            steps[int(np.argmax(counts))] += 1
         return steps
 
     def kept(self, rows: Rows) -> Rows:
@@ -96,16 +96,16 @@ class SweepDrawing:
         table: JsonTable = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
         for first, last in _list_stretches(sorted(chunks)):
             rows = np.arange(self.rows(first)[0], self.rows(last)[-1] + 1)
-            kept = self.kept(rows)
-            if len(kept):
-                self._add(table, rows, kept)
+            drawn_rows = self.kept(rows)
+            if len(drawn_rows):
+                self._add(table, rows, drawn_rows)
         return table
 
-    def _add(self, found: JsonTable, rows: Rows, kept: Rows) -> None:
-        region, places = slice(int(rows[0]), int(rows[-1]) + 1), kept - rows[0]
-        found["rows"] += kept.tolist()
-        found["status"] += self.store.group[STATUS][region][places].tolist()
-        for name, column in found["columns"].items():
+    def _add(self, table: JsonTable, rows: Rows, drawn_rows: Rows) -> None:
+        region, places = slice(int(rows[0]), int(rows[-1]) + 1), drawn_rows - rows[0]
+        table["rows"] += drawn_rows.tolist()
+        table["status"] += self.store.group[STATUS][region][places].tolist()
+        for name, column in table["columns"].items():
             values = self.store.group[name][region][places].tolist()
             column += [round_digits(value, DIGITS) for value in values]
 

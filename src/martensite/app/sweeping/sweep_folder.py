@@ -68,9 +68,9 @@ class SweepFolder:
         """Remove a store."""
         path = self.path(key)
         with hold_store(path):
-            gone = path.with_name(f".{path.name}.gone")
-            path.rename(gone)
-        shutil.rmtree(gone)
+            trash = path.with_name(f".{path.name}.gone")
+            path.rename(trash)
+        shutil.rmtree(trash)
 
 
 def find_store(request: Request, folder: Path) -> Path:

@@ -140,18 +140,20 @@ def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | Non
     return (None if field_faults else plan), field_faults
 
 
-def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults) -> None:
-    for k, words in enumerate(known.measures):
-        found.attempt(f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole))
+def _check_measures(scenario: Scenario, request: SweepRequest, field_faults: FieldFaults) -> None:
+    for k, words in enumerate(request.measures):
+        field_faults.attempt(f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole))
 
 
-def _check_axes(scenario: Scenario, known: SweepRequest, chosen: AbstractDesign | None, found: FieldFaults) -> None:
+def _check_axes(
+    scenario: Scenario, request: SweepRequest, chosen: AbstractDesign | None, field_faults: FieldFaults
+) -> None:
     """Check syntax and bounds of each axis, and its levels in a grid."""
     targets = list_targets(scenario)
-    for k, words in enumerate(known.over):
-        one = found.attempt(f"over.{k}", lambda words=words: parse_axis(words, targets))
+    for k, words in enumerate(request.over):
+        one = field_faults.attempt(f"over.{k}", lambda words=words: parse_axis(words, targets))
         if one is not None:
-            found.attempt(f"over.{k}", lambda one=one: _check_axis(scenario, one, chosen))
+            field_faults.attempt(f"over.{k}", lambda one=one: _check_axis(scenario, one, chosen))
 
 
 def _check_axis(scenario: Scenario, one: FreeNumber, chosen: AbstractDesign | None) -> None:
@@ -200,19 +202,19 @@ def quote_words(words: str) -> str:
     return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
 
 
-def write_command(name: str, asked: SweepRequest, workers: int = 0, step: str = "") -> str:
+def write_command(name: str, request: SweepRequest, workers: int = 0, step: str = "") -> str:
     """Return the command `martensite sweep …` for a scenario in `name`.toml."""
     pieces = ["martensite sweep", quote_words(f"{name}.toml")]
-    pieces += [f"--over {quote_words(words)}" for words in asked.over]
-    if asked.sample != "grid":
-        pieces.append(f"--sample {quote_words(asked.sample)}")
-    pieces += [f"--output {quote_words(words)}" for words in asked.measures]
+    pieces += [f"--over {quote_words(words)}" for words in request.over]
+    if request.sample != "grid":
+        pieces.append(f"--sample {quote_words(request.sample)}")
+    pieces += [f"--output {quote_words(words)}" for words in request.measures]
     options = {
-        "seed": asked.seed or None,
+        "seed": request.seed or None,
         "step": quote_words(step) if step else None,
-        "runtime": asked.runtime,
+        "runtime": request.runtime,
         "workers": workers or None,
-        "chunk-size": asked.chunk if asked.chunk != CHUNK else None,
+        "chunk-size": request.chunk if request.chunk != CHUNK else None,
     }
     pieces += [f"--{option} {value}" for option, value in options.items() if value is not None]
     return " ".join(pieces)

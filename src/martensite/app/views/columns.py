@@ -24,10 +24,10 @@ def list_columns(result: Result) -> JsonTable:
     the displayed unit with factor and offset (shown = SI · factor + offset), its long name and its symbol.
     """
     fine = add_step_rows(result)
-    kept = choose_curve_rows(fine)
+    rows = choose_curve_rows(fine)
     return {
-        "times": fine.times[kept].tolist(),
-        "columns": {name: c[kept].tolist() for name, c in fine.columns.items()},
+        "times": fine.times[rows].tolist(),
+        "columns": {name: c[rows].tolist() for name, c in fine.columns.items()},
         "ends": {name: list(result.find_range(name)) for name in result.columns},
         "outputs": {name: describe_column(result, name) for name in result.columns},
     }
@@ -42,11 +42,11 @@ def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
 
 def choose_curve_rows(result: Result) -> list[int]:
     """Return the drawn rows of a run: evenly spaced, and the extremes of each column."""
-    kept = choose_rows(len(result.times))
-    if len(kept) == len(result.times):
-        return kept
+    rows = choose_rows(len(result.times))
+    if len(rows) == len(result.times):
+        return rows
     ends = [place for name in result.columns for place in (int(result[name].argmin()), int(result[name].argmax()))]
-    return sorted({*kept, *ends})
+    return sorted({*rows, *ends})
 
 
 def describe_column(result: Result, name: str) -> JsonTable:

@@ -48,7 +48,7 @@ def describe_energy(result: Result) -> JsonTable:
     result = add_step_rows(result)
     ways = find_ways(result)
     energies = integrate_energies(result, ways or [])
-    kept = choose_curve_rows(result)
+    rows = choose_curve_rows(result)
     stored = energies.electrical - energies.lost
     named: list[tuple[str, str, str, str, float, Any]] = [
         ("electrical", "E", "electrical energy in", "J", 1.0, energies.electrical),
@@ -67,11 +67,11 @@ def describe_energy(result: Result) -> JsonTable:
             "long_name": words,
             "shown": unit,
             "factor": factor,
-            "values": values[kept].tolist(),
+            "values": values[rows].tolist(),
         }
         for key, symbol, words, unit, factor, values in named
     ]
-    efficiency = None if ways is None else energies.efficiency[kept].tolist()
+    efficiency = None if ways is None else energies.efficiency[rows].tolist()
     return {"courses": courses, "efficiency": efficiency, "sentence": NO_WORK if ways is None else ""}
 
 

@@ -78,37 +78,37 @@ class Formulas:
             self.choices[flag.row] = self._forced[k] if k < len(self._forced) else bool(flag.value)
         return self.choices[flag.row]
 
-    def collect(self, **found: Any) -> JsonTable:
+    def collect(self, **results: Any) -> JsonTable:
         """Return the data for the page: the needed rows, the choices, and the results with rows for numbers."""
         places = dict.fromkeys(self.choices)
-        placed = {name: self._place(one, places) for name, one in found.items()}
-        kept = self._list_needed(places)
-        numbers = {row: k for k, row in enumerate(kept)}
-        rows = [self._renumber(self.rows[row], numbers) for row in kept]
+        placed = {name: self._place(one, places) for name, one in results.items()}
+        needed_rows = self._list_needed(places)
+        numbers = {row: k for k, row in enumerate(needed_rows)}
+        rows = [self._renumber(self.rows[row], numbers) for row in needed_rows]
         choices = [[numbers[row], int(outcome)] for row, outcome in self.choices.items()]
         return {"rows": rows, "choices": choices, **{name: _replace(one, numbers) for name, one in placed.items()}}
 
-    def _place(self, found: Any, places: dict[int, None]) -> Any:
+    def _place(self, result: Any, places: dict[int, None]) -> Any:
         """Return the results with `_Row` for numbers."""
-        if isinstance(found, dict):
-            return {name: self._place(one, places) for name, one in found.items()}
-        if isinstance(found, list | tuple):
-            return [self._place(one, places) for one in found]
-        if found is None or isinstance(found, str):
-            places.update(dict.fromkeys(int(row) for row in re.findall("\x02(\\d+):", found or "")))
-            return found
-        row = self.constant(found).row
+        if isinstance(result, dict):
+            return {name: self._place(one, places) for name, one in result.items()}
+        if isinstance(result, list | tuple):
+            return [self._place(one, places) for one in result]
+        if result is None or isinstance(result, str):
+            places.update(dict.fromkeys(int(row) for row in re.findall("\x02(\\d+):", result or "")))
+            return result
+        row = self.constant(result).row
         places[row] = None
         return _Row(row)
 
     def _list_needed(self, places: Iterable[int]) -> list[int]:
-        seen, left = set[int](), list(places)
+        needed_rows, left = set[int](), list(places)
         while left:
             row = left.pop()
-            if row not in seen:
-                seen.add(row)
+            if row not in needed_rows:
+                needed_rows.add(row)
                 left += [] if self.rows[row][0] in LEAVES else self.rows[row][1:]
-        return sorted(seen)
+        return sorted(needed_rows)
 
     def _renumber(self, row: list[Any], numbers: Mapping[int, int]) -> list[Any]:
         return row if row[0] in LEAVES else [row[0], *(numbers[one] for one in row[1:])]
@@ -125,14 +125,14 @@ class _Row(int):
     """The index of a row."""
 
 
-def _replace(found: Any, numbers: Mapping[int, int]) -> Any:
-    if isinstance(found, dict):
-        return {name: _replace(one, numbers) for name, one in cast("JsonTable", found).items()}
-    if isinstance(found, list):
-        return [_replace(one, numbers) for one in cast("list[Any]", found)]
-    if isinstance(found, str):
-        return re.sub("\x02(\\d+):", lambda m: f"\x02{numbers[int(m[1])]}:", found)
-    return numbers[found] if isinstance(found, _Row) else found
+def _replace(result: Any, numbers: Mapping[int, int]) -> Any:
+    if isinstance(result, dict):
+        return {name: _replace(one, numbers) for name, one in cast("JsonTable", result).items()}
+    if isinstance(result, list):
+        return [_replace(one, numbers) for one in cast("list[Any]", result)]
+    if isinstance(result, str):
+        return re.sub("\x02(\\d+):", lambda m: f"\x02{numbers[int(m[1])]}:", result)
+    return numbers[result] if isinstance(result, _Row) else result
 
 
 def _write_operator(name: str, plain: Callable[..., Any]) -> Callable[..., Any]:
@@ -216,7 +216,7 @@ def explore_choices(
     left: list[list[bool]] = [[]]
     while left and most:
         forced, most = left.pop(0), most - 1
-        table, found = build(forced)
+        table, result = build(forced)
         outcomes = list(table.choices.values())
-        yield table, found
+        yield table, result
         left += [[*outcomes[:k], not outcomes[k]] for k in range(len(forced), len(outcomes))]

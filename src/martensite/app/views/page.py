@@ -79,8 +79,8 @@ def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
 
 def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | str]:
     """Return the parameters of formulas, by path."""
-    asked = {row[1] for one in views.values() for row in one["rows"] if row[0] == "p"}
-    return {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves() if leaf.path in asked}
+    paths = {row[1] for one in views.values() for row in one["rows"] if row[0] == "p"}
+    return {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves() if leaf.path in paths}
 
 
 def _describe_motor(scenario: Scenario) -> JsonTable:
@@ -171,8 +171,8 @@ def _describe_key(result: Result) -> JsonTable:
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
             words = "stroke ({})" if name == result.coordinate else "range of {}"
-            shown, size = choose_difference_unit(output.unit, name)
-            how = {"column": name, "size": size, "unit": "" if shown == "1" else shown}
+            display_unit, size = choose_difference_unit(output.unit, name)
+            how = {"column": name, "size": size, "unit": "" if display_unit == "1" else display_unit}
             strokes.append({"words": words.format(output.long_name), **how})
     ports = list(result.system.actuators())
     peaks = [_describe_peak(result, ports, *one) for one in PEAKS] if ports else []
@@ -182,7 +182,7 @@ def _describe_key(result: Result) -> JsonTable:
 def _describe_peak(result: Result, ports: Sequence[str], name: str, words: str, choose: Any) -> JsonTable:
     columns = [result.system.label(port, name) for port in ports]
     unit = result.unit(columns[0])
-    shown = units.choose_readable_unit(unit)
-    size, zero = units.find_conversion(shown, unit)
-    spelled = "" if shown == "1" else typeset_unit(shown)
+    display_unit = units.choose_readable_unit(unit)
+    size, zero = units.find_conversion(display_unit, unit)
+    spelled = "" if display_unit == "1" else typeset_unit(display_unit)
     return {"words": words, "columns": columns, "least": choose is min, "size": size, "zero": zero, "unit": spelled}
