@@ -153,14 +153,14 @@ def fit_calorimetry(
     ones = [records] if isinstance(records, Record) else list(records)
     ramps = [ramp for one, grams in _pair_masses(ones, mass) for ramp in cut_ramps(one, grams, rate)]
     sign, remarks = _find_common_sign(ramps)
-    found, left = _find_all_peaks(ramps, sign, baseline)
+    peaks, left = _find_all_peaks(ramps, sign, baseline)
     remarks += left
     assumed = "W/g" if any(find_heat_unit(one) == PLAIN for one in ones) else ""
-    values = {name: one for name in TEMPERATURES if (one := _find_temperature(name, found)) is not None}
-    capacity, heat = _find_capacities(found), _average_areas(found)
-    remarks += [*_list_remarks(found), *_judge_capacities(capacity)]
+    values = {name: one for name in TEMPERATURES if (one := _find_temperature(name, peaks)) is not None}
+    capacity, heat = _find_capacities(peaks), _average_areas(peaks)
+    remarks += [*_list_remarks(peaks), *_judge_capacities(capacity)]
     good = {name: one for name, one in capacity.items() if PLAUSIBLE[0] < one.value < PLAUSIBLE[1]}
-    return Calorimetry(tuple(found), baseline, values, heat, good, assumed, tuple(remarks))
+    return Calorimetry(tuple(peaks), baseline, values, heat, good, assumed, tuple(remarks))
 
 
 def _pair_masses(
@@ -179,15 +179,15 @@ def _find_all_peaks(ramps: Sequence[HeatRamp], sign: float, baseline: str) -> tu
     Raises:
         DataError: no ramp has a complete peak.
     """
-    found, left = list[RampPeaks](), list[str]()
+    peaks, left = list[RampPeaks](), list[str]()
     for ramp in ramps:
         try:
-            found.append(find_peaks(ramp, sign, baseline))
+            peaks.append(find_peaks(ramp, sign, baseline))
         except DataError as error:
             left.append(str(error))
-    if not found:
+    if not peaks:
         raise DataError(left[-1])
-    return found, left
+    return peaks, left
 
 
 def _find_common_sign(ramps: Sequence[HeatRamp]) -> tuple[float, list[str]]:
@@ -214,9 +214,9 @@ def _pick_temperature(name: str, peaks: Sequence[HeatPeak]) -> float | None:
     return one.low if name in ("A_s", "M_f") else one.high
 
 
-def _find_temperature(name: str, found: Sequence[RampPeaks]) -> MeasuredValue | None:
+def _find_temperature(name: str, peaks: Sequence[RampPeaks]) -> MeasuredValue | None:
     """Return a temperature as the mean over ramps, or at rate 0 from ramps of several rates."""
-    own = [one for one in found if one.ramp.is_heating is name.startswith("A")]
+    own = [one for one in peaks if one.ramp.is_heating is name.startswith("A")]
     pairs = [(abs(one.ramp.rate), x) for one in own if (x := _pick_temperature(name, one.peaks)) is not None]
     if not pairs:
         return None
@@ -225,9 +225,9 @@ def _find_temperature(name: str, found: Sequence[RampPeaks]) -> MeasuredValue | 
     return _average([x for _, x in pairs])
 
 
-def _has_rates(found: Sequence[RampPeaks]) -> bool:
+def _has_rates(peaks: Sequence[RampPeaks]) -> bool:
     """Return whether ramps of one direction have several rates."""
-    return len(list(list_rates([one.ramp for one in found]))) > 1
+    return len(list(list_rates([one.ramp for one in peaks]))) > 1
 
 
 def _average(values: Sequence[float]) -> MeasuredValue:
@@ -237,29 +237,29 @@ def _average(values: Sequence[float]) -> MeasuredValue:
     return MeasuredValue(float(np.mean(values)), error, count - 1)
 
 
-def _average_areas(found: Sequence[RampPeaks]) -> MeasuredValue:
+def _average_areas(peaks: Sequence[RampPeaks]) -> MeasuredValue:
     """Return the mean of the areas; its error follows from the scatter of ramps of one direction."""
-    ways = [[one.enthalpy for one in found if one.ramp.is_heating is way] for way in (True, False)]
+    ways = [[one.enthalpy for one in peaks if one.ramp.is_heating is way] for way in (True, False)]
     means = [float(np.mean(way)) for way in ways if way]
-    freedom = len(found) - len(means)
+    freedom = len(peaks) - len(means)
     square = sum((x - np.mean(way)) ** 2 for way in ways for x in way)
-    error = math.sqrt(float(square) / freedom / len(found)) if freedom else math.nan
+    error = math.sqrt(float(square) / freedom / len(peaks)) if freedom else math.nan
     return MeasuredValue(float(np.mean(means)), error, freedom)
 
 
-def _find_capacities(found: Sequence[RampPeaks]) -> dict[str, MeasuredValue]:
+def _find_capacities(peaks: Sequence[RampPeaks]) -> dict[str, MeasuredValue]:
     """Return the heat capacities beyond the peaks, from ramps of different signed rates."""
-    inverse = [1.0 / one.ramp.rate for one in found]
-    if len(found) < 2 or np.ptp(inverse) < 0.2 * max(map(abs, inverse)):
+    inverse = [1.0 / one.ramp.rate for one in peaks]
+    if len(peaks) < 2 or np.ptp(inverse) < 0.2 * max(map(abs, inverse)):
         return {}
-    low, high = min(one.span[0] for one in found), max(one.span[1] for one in found)
-    lowest = max(float(one.ramp.temperature[0]) for one in found)
-    highest = min(float(one.ramp.temperature[-1]) for one in found)
+    low, high = min(one.span[0] for one in peaks), max(one.span[1] for one in peaks)
+    lowest = max(float(one.ramp.temperature[0]) for one in peaks)
+    highest = min(float(one.ramp.temperature[-1]) for one in peaks)
     values: dict[str, MeasuredValue] = {}
     for name, ends in (("M", (lowest, low)), ("A", (high, highest))):
         if ends[1] - ends[0] > 2.0:
-            rows = [(one.ramp.temperature >= ends[0]) & (one.ramp.temperature <= ends[1]) for one in found]
-            means = [float(np.mean(one.capacity[row])) for one, row in zip(found, rows, strict=True)]
+            rows = [(one.ramp.temperature >= ends[0]) & (one.ramp.temperature <= ends[1]) for one in peaks]
+            means = [float(np.mean(one.capacity[row])) for one, row in zip(peaks, rows, strict=True)]
             values[name] = fit_powers(inverse, means, (0, 1)).coefficient(0)
     return values
 
@@ -273,9 +273,9 @@ def _judge_capacities(values: Mapping[str, MeasuredValue]) -> Iterator[str]:
         )
 
 
-def _list_remarks(found: Sequence[RampPeaks]) -> Iterator[str]:
+def _list_remarks(peaks: Sequence[RampPeaks]) -> Iterator[str]:
     """Yield remarks on areas and numbers of peaks."""
-    up, down = ([one.enthalpy for one in found if one.ramp.is_heating is way] for way in (True, False))
+    up, down = ([one.enthalpy for one in peaks if one.ramp.is_heating is way] for way in (True, False))
     for ones, way in ((up, "heating"), (down, "cooling")):
         if not ones:
             yield f"There is no complete ramp on {way}, so its temperatures are missing."
@@ -284,7 +284,7 @@ def _list_remarks(found: Sequence[RampPeaks]) -> Iterator[str]:
             f"The area is {1e-3 * np.mean(up):.3g} J/g on heating and {1e-3 * np.mean(down):.3g} J/g on cooling: a "
             "transformation may be incomplete."
         )
-    for one in found:
+    for one in peaks:
         if len(one.peaks) == 2 and not one.ramp.is_heating:
             yield f"The hotter of two peaks on {one.ramp.label} is taken for the R-phase."
         elif len(one.peaks) > 2:

@@ -104,13 +104,15 @@ class _Scan:
     def run(self, most: int, least: float) -> Extremes:
         """Return the extremes until they are too small, the limit is reached, or the record ends."""
         sign, vertex = self._first()
-        found: list[_Vertex] = []
+        vertices: list[_Vertex] = []
         first_sign = sign
-        while vertex is not None and len(found) < most and self._clear(found, vertex, least):
-            found.append(vertex)
+        while vertex is not None and len(vertices) < most and self._clear(vertices, vertex, least):
+            vertices.append(vertex)
             sign = -sign
             vertex = self._vertex(vertex.time + self.half, sign)
-        return Extremes(tuple(v.time for v in found), tuple(v.value for v in found), first_sign, _estimate_noise(found))
+        return Extremes(
+            tuple(v.time for v in vertices), tuple(v.value for v in vertices), first_sign, _estimate_noise(vertices)
+        )
 
     def _first(self) -> tuple[float, _Vertex | None]:
         """Return the largest extreme with a vertex, and its sign."""
@@ -163,16 +165,16 @@ class _Scan:
             freedom=len(angle) - 3,
         )
 
-    def _clear(self, found: list[_Vertex], vertex: _Vertex, least: float) -> bool:
+    def _clear(self, vertices: list[_Vertex], vertex: _Vertex, least: float) -> bool:
         """Return whether an extreme is above the noise and large enough compared with the first."""
-        if not found:
+        if not vertices:
             return True
-        size = 0.5 * abs(vertex.value - found[-1].value)
-        error = _estimate_noise([*found, vertex]) * math.sqrt(3.0 / (vertex.freedom + 3))
-        return size >= max(least * found[0].size, _CLEAR * error)
+        size = 0.5 * abs(vertex.value - vertices[-1].value)
+        error = _estimate_noise([*vertices, vertex]) * math.sqrt(3.0 / (vertex.freedom + 3))
+        return size >= max(least * vertices[0].size, _CLEAR * error)
 
 
-def _estimate_noise(found: list[_Vertex]) -> float:
+def _estimate_noise(vertices: list[_Vertex]) -> float:
     """Return the standard deviation of the rows about the sinusoids."""
-    freedom = sum(vertex.freedom for vertex in found)
-    return math.sqrt(sum(vertex.squares for vertex in found) / freedom) if freedom else 0.0
+    freedom = sum(vertex.freedom for vertex in vertices)
+    return math.sqrt(sum(vertex.squares for vertex in vertices) / freedom) if freedom else 0.0

@@ -77,8 +77,8 @@ class FreeAmbient:
 
     def _chosen(self, parts: list[Interval]) -> Interval:
         """Return the part with the best ambient; the union of all parts without a best ambient."""
-        held = [part for part in parts if part[0] <= self.ambient <= part[1]] or parts
-        return (held[0][0], held[-1][1]) if held else (math.nan, math.nan)
+        best_parts = [part for part in parts if part[0] <= self.ambient <= part[1]] or parts
+        return (best_parts[0][0], best_parts[-1][1]) if best_parts else (math.nan, math.nan)
 
     def bounded(self, level: float = LEVEL) -> bool:
         """Return whether there is a best ambient with a complete interval."""

@@ -251,12 +251,12 @@ def judge_film(points: FilmPoints, level: float = LEVEL) -> FilmReport:
 
 
 def _report_ambient(points: FilmPoints) -> AmbientReport:
-    found = {form: fit_free_ambient(points, FORMS[form][-1]) for form in list(FORMS)[:3]}
+    fits = {form: fit_free_ambient(points, FORMS[form][-1]) for form in list(FORMS)[:3]}
     return AmbientReport(
         shifts=tuple(shift_ambients(points)),
         per_kelvin=film_per_kelvin(points),
         slope_per_kelvin=slope_per_kelvin(points),
         without_slope=find_level_ambient(points),
         confounding=find_confounding(points),
-        free={form: fit for form, fit in found.items() if fit is not None},
+        free={form: fit for form, fit in fits.items() if fit is not None},
     )

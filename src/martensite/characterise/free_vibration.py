@@ -117,32 +117,32 @@ def log_decrement(
     return _fit_extremes(again)
 
 
-def _fit_extremes(found: Extremes) -> LogDecrement:
+def _fit_extremes(extremes: Extremes) -> LogDecrement:
     """Return the exponential through extremes."""
-    peaks = (len(found.values) + 1) // 2
+    peaks = (len(extremes.values) + 1) // 2
     if peaks < FEWEST_PEAKS:
         raise DataError(
             f"A logarithmic decrement needs at least {FEWEST_PEAKS} peaks, but "
             f"{peaks} {'was' if peaks == 1 else 'were'} found; record longer, begin right after "
             "the release, or use smaller extremes."
         )
-    offset, amplitude, ratio = _fit_decay(found)
+    offset, amplitude, ratio = _fit_decay(extremes)
     return LogDecrement(
         decrement=propagate_errors(lambda r: -2.0 * math.log(r), ratio),
-        period=_fit_period(found, ratio.value),
+        period=_fit_period(extremes, ratio.value),
         offset=offset,
         amplitude=amplitude,
-        extremes=found,
+        extremes=extremes,
     )
 
 
-def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredValue]:
+def _fit_decay(extremes: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredValue]:
     """Fit x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
-    count, values = len(found.values), np.asarray(found.values)
+    count, values = len(extremes.values), np.asarray(extremes.values)
     middle, size = 0.5 * (values[0] + values[1]), 0.5 * abs(values[0] - values[1])
     last = 0.5 * abs(values[-1] - values[-2])
     steps = np.arange(count)
-    signs, shares = found.first_sign * (-1.0) ** steps, (values - middle) / size
+    signs, shares = extremes.first_sign * (-1.0) ** steps, (values - middle) / size
 
     def residuals(guess: tuple[float, ...]) -> Any:
         shift, amplitude, ratio = guess
@@ -153,9 +153,9 @@ def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredV
     return shift.scaled(size, middle), amplitude.scaled(size), ratio
 
 
-def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
+def _fit_period(extremes: Extremes, ratio: float) -> MeasuredValue:
     """Fit T_d to the times of half cycles, weighted by amplitude."""
-    times = np.asarray(found.times) - found.times[0]
+    times = np.asarray(extremes.times) - extremes.times[0]
     steps = np.arange(len(times))
 
     def residuals(line: tuple[float, ...]) -> Any:

@@ -182,7 +182,7 @@ def _measure_peaks(x: Any, over: Any, smooth: Any, ends: tuple[int, int], tops: 
     """Return each peak of a group; areas are divided at the minima between peaks."""
     valleys = [a + int(np.argmin(smooth[a : b + 1])) for a, b in pairwise(tops)]
     edges = [ends[0], *valleys, ends[1]]
-    found: list[HeatPeak] = []
+    peaks: list[HeatPeak] = []
     for first, last in pairwise(edges):
         top = first + int(np.argmax(smooth[first : last + 1]))
         near = slice(max(top - 2, first), min(top + 3, last + 1))
@@ -190,8 +190,8 @@ def _measure_peaks(x: Any, over: Any, smooth: Any, ends: tuple[int, int], tops: 
         peak = float(x[top] - 0.5 * slope / bend) if bend < 0.0 else float(x[top])
         low, high = _find_crossing(x, smooth, first, top), _find_crossing(x, smooth, top, last)
         area = float(np.trapezoid(over[first : last + 1], x[first : last + 1]))
-        found.append(HeatPeak(low, peak, high, area))
-    return found
+        peaks.append(HeatPeak(low, peak, high, area))
+    return peaks
 
 
 def _find_crossing(x: Any, smooth: Any, first: int, last: int) -> float:

@@ -118,9 +118,9 @@ def find_heat_unit(record: Record) -> str:
     return record.units[_find_name(record)]
 
 
-def read_mass(said: Mapping[str, str]) -> float | None:
+def read_mass(header_entries: Mapping[str, str]) -> float | None:
     """Return the sample mass [kg] in the lines above a table; None without one."""
-    for key, text in said.items():
+    for key, text in header_entries.items():
         if re.search(r"\bsize\b|mass|weight|einwaage", key):
             unit = next((u for u in ("mg", "g") if re.search(rf"\b{u}\b", f"{text} {key}")), "")
             number = re.search(r"\d+(?:[.,]\d+)?", text)

@@ -237,12 +237,12 @@ def _describe_jitter(path: LoopPath) -> list[str]:
 
 
 def _list_remarks(stress: float, deviation: float, number: int, cycles: int) -> tuple[str, ...]:
-    found: list[str] = []
+    remarks: list[str] = []
     if cycles > 1:
-        found.append(f"Cycle {number} of {cycles} is used.")
+        remarks.append(f"Cycle {number} of {cycles} is used.")
     if deviation > WANDERING and deviation > STEADY * abs(stress):
-        found.append(
+        remarks.append(
             f"The stress of {stress / 1e6:.4g} MPa varies by {deviation / 1e6:.2g} MPa (standard "
             "deviation): is the cycle isobaric?"
         )
-    return tuple(found)
+    return tuple(remarks)

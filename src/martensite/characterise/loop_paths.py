@@ -115,8 +115,8 @@ def smooth_legs(values: Any, turns: Sequence[int]) -> tuple[Any, int]:
 
 def smooth_rows(values: Any) -> tuple[Any, int]:
     """Return local parabolas through some rows with the window of least generalised cross-validation, and its rows."""
-    found = min(_try_windows(values), key=lambda one: one[0], default=(0.0, values, 0))
-    return found[1], found[2]
+    best_trial = min(_try_windows(values), key=lambda one: one[0], default=(0.0, values, 0))
+    return best_trial[1], best_trial[2]
 
 
 def _try_windows(values: Any) -> Iterator[tuple[float, Any, int]]:

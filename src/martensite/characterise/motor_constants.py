@@ -77,13 +77,13 @@ class SteadyRunning:
         """
         pairs = zip(self.voltages, self.currents, strict=True)
         behind = [voltage - resistance * current for voltage, current in pairs]
-        found = fit_powers(self.speeds, behind, (1,)).coefficient(1)
-        if found.value <= 0.0:
+        constant = fit_powers(self.speeds, behind, (1,)).coefficient(1)
+        if constant.value <= 0.0:
             raise DataError(
-                f"With R = {resistance:.4g} ohm the motor constant K is {found.value:.3g} V s/rad, but must be "
+                f"With R = {resistance:.4g} ohm the motor constant K is {constant.value:.3g} V s/rad, but must be "
                 "above 0. Check R and the signs of the columns."
             )
-        return found
+        return constant
 
 
 def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> Winding:
@@ -223,7 +223,7 @@ def estimate_motor_constants(
         _refuse_fast(run_up, formulas["inductance"](*(one.value for one in inputs)) / ohms.value)
     numbers = {name: propagate_errors(formula, *inputs) for name, formula in formulas.items()}
     coil_known = current_rise is not None or inductance is not None
-    found = MotorConstants(
+    constants = MotorConstants(
         resistance=ohms,
         constant=numbers["constant"],
         friction=numbers["friction"],
@@ -231,7 +231,7 @@ def estimate_motor_constants(
         inductance=numbers["inductance"] if coil_known else None,
         inertia=numbers["inertia"] if run_up is not None else None,
     )
-    return replace(found, remarks=tuple(_list_remarks(found, winding, current_rise, run_up)))
+    return replace(constants, remarks=tuple(_list_remarks(constants, winding, current_rise, run_up)))
 
 
 def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
@@ -270,10 +270,10 @@ def _refuse_fast(run_up: Rise, tau_e: float) -> None:
 
 
 def _list_remarks(
-    found: MotorConstants, winding: Winding, current_rise: Rise | None, run_up: Rise | None
+    constants: MotorConstants, winding: Winding, current_rise: Rise | None, run_up: Rise | None
 ) -> Iterator[str]:
     """Yield remarks on doubtful or unsupported results."""
-    time, offset = found.run_up_time, winding.offset
+    time, offset = constants.run_up_time, winding.offset
     if time is not None and time > LONG:
         yield (
             f"R J/(K_T K_B) = {time:.3g} s is long for a small motor: doubt J and R before anything is built on them."
@@ -283,7 +283,7 @@ def _list_remarks(
             f"The line through the held rotor has {offset.value:.3g} V at no current (brushes or "
             "supply): R, which takes it to go through zero, is wrong by that."
         )
-    for name, estimate in (("b", found.friction), ("F_c", found.dry_friction)):
+    for name, estimate in (("b", constants.friction), ("F_c", constants.dry_friction)):
         low, high = estimate.interval()
         if high < 0.0:
             yield f"{name} = {estimate.value:.3g} is below 0, as no friction is: check the columns."

@@ -184,9 +184,9 @@ def _weigh_slopes(x: Any, y: Any, terms: Sequence[int], origin: float | None, fi
     rise = rises @ values
     rise = np.maximum(rise, FLATTEST * np.abs(rise).max())
     weighted = columns / rise[:, None]
-    found = np.linalg.lstsq(weighted, (y - rise * (x - fitted)) / rise, rcond=None)[0]
+    coefficients = np.linalg.lstsq(weighted, (y - rise * (x - fitted)) / rise, rcond=None)[0]
     spread = np.linalg.pinv(weighted.T @ weighted)
-    return _Turn(fitted + (y - columns @ found) / rise, found, spread)
+    return _Turn(fitted + (y - columns @ coefficients) / rise, coefficients, spread)
 
 
 def _as_floats(numbers: Any) -> tuple[float, ...]:
@@ -241,7 +241,7 @@ def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence
     """
     from scipy.optimize import least_squares
 
-    found = least_squares(
+    solution = least_squares(
         lambda numbers: residuals(tuple(map(float, numbers))),
         start,
         jac="3-point",
@@ -249,14 +249,14 @@ def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence
         max_nfev=MOST_EVALUATIONS,
         **dict.fromkeys(("ftol", "xtol", "gtol"), TOLERANCE),
     )
-    if not found.success:
+    if not solution.success:
         raise SolveError(f"A least-squares fit has not converged after {MOST_EVALUATIONS} steps.")
-    freedom = len(found.fun) - len(start)
-    variance = 2.0 * found.cost / freedom if freedom else math.nan
-    upper = np.linalg.qr(found.jac, mode="r")
+    freedom = len(solution.fun) - len(start)
+    variance = 2.0 * solution.cost / freedom if freedom else math.nan
+    upper = np.linalg.qr(solution.jac, mode="r")
     if not np.abs(np.diag(upper)).min() > 0.0:
         raise SolveError("A least-squares fit has not converged: one parameter has no effect.")
     errors = np.sqrt(variance * np.sum(np.linalg.inv(upper) ** 2, axis=1))
-    pairs = zip(found.x, errors, strict=True)
+    pairs = zip(solution.x, errors, strict=True)
     estimates = tuple(MeasuredValue(float(value), float(error), freedom) for value, error in pairs)
-    return NonlinearFit(estimates, tuple(map(float, found.fun)))
+    return NonlinearFit(estimates, tuple(map(float, solution.fun)))

@@ -67,20 +67,20 @@ class StraightLine:
 def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> StraightLine:
     """Return the least-squares line through some rows; with ten or more, without outliers."""
     kelvin, strain = temperatures[rows], strains[rows]
-    kept = np.ones(kelvin.size, dtype=bool)
+    inliers = np.ones(kelvin.size, dtype=bool)
     while True:
-        at, level = float(kelvin[kept].mean()), float(strain[kept].mean())
-        off = kelvin[kept] - at
-        slope = float(off @ strain[kept] / (off @ off))
+        at, level = float(kelvin[inliers].mean()), float(strain[inliers].mean())
+        off = kelvin[inliers] - at
+        slope = float(off @ strain[inliers] / (off @ off))
         left = np.abs(strain - level - slope * (kelvin - at))
-        robust = OUTLYING * _DEVIATION * float(np.median(left[kept]))
-        near = kept & (left <= max(robust, EXACT))
-        if kelvin.size < MANY or near.all() or near.sum() in (kept.sum(), *range(MANY)):
+        robust = OUTLYING * _DEVIATION * float(np.median(left[inliers]))
+        near = inliers & (left <= max(robust, EXACT))
+        if kelvin.size < MANY or near.all() or near.sum() in (inliers.sum(), *range(MANY)):
             break
-        kept = near
-    scatter = math.sqrt(float(np.mean(left[kept] ** 2)))
-    span = float(kelvin[kept][0]), float(kelvin[kept][-1])
-    return StraightLine(at, level, slope, span, int(kept.sum()), scatter)
+        inliers = near
+    scatter = math.sqrt(float(np.mean(left[inliers] ** 2)))
+    span = float(kelvin[inliers][0]), float(kelvin[inliers][-1])
+    return StraightLine(at, level, slope, span, int(inliers.sum()), scatter)
 
 
 def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLine, StraightLine]:

@@ -172,22 +172,22 @@ class TangentFit:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return remarks in sentences; remarks on cycles begin with their names."""
-        said = [f"{points.name}: {text}" for points in self.levels for text in points.remarks]
-        for name, found in (("C_A", self.reverse), ("C_M", self.forward)):
-            low, high = found.slope_interval()
-            if not (found.slope > 0.0 and (low > 0.0 or len(self.levels) == 2)):
-                said.append(
+        remarks = [f"{points.name}: {text}" for points in self.levels for text in points.remarks]
+        for name, direction in (("C_A", self.reverse), ("C_M", self.forward)):
+            low, high = direction.slope_interval()
+            if not (direction.slope > 0.0 and (low > 0.0 or len(self.levels) == 2)):
+                remarks.append(
                     f"{name} is not found: its interval, {low / 1e6:.3g} to {high / 1e6:.3g} "
                     "MPa/K, allows temperatures that do not rise with stress."
                 )
-            elif found.widening < 1.0 - LEVEL:
-                slopes = (1e-6 / found.own[each].values[1] for each in found.names)
-                said.append(
-                    f"{' and '.join(found.names)} rise differently with stress, by themselves at "
+            elif direction.widening < 1.0 - LEVEL:
+                slopes = (1e-6 / direction.own[each].values[1] for each in direction.names)
+                remarks.append(
+                    f"{' and '.join(direction.names)} rise differently with stress, by themselves at "
                     f"{' and '.join(f'{slope:.3g}' for slope in slopes)} MPa/K: {name} is a "
                     "compromise."
                 )
-        return tuple(said)
+        return tuple(remarks)
 
     def guess(self, ends: str = "tangents") -> dict[str, float]:
         """Return the identified law parameters by canonical name, in SI.
@@ -205,20 +205,20 @@ class TangentFit:
         """
         if ends not in ENDS:
             raise ParameterError(f"Argument `ends` is `{ends}`. {suggest_name(ends, ENDS)}")
-        found: dict[str, float] = {}
+        parameters: dict[str, float] = {}
         for name, one in (("C_A", self.reverse), ("C_M", self.forward)):
             strip = one.start.value, one.finish.value
             wider = COSINE if ends == "cosine" else 1.0
             middle, half = 0.5 * sum(strip), 0.5 * wider * (strip[1] - strip[0])
-            found |= dict(zip(one.names, (middle - half, middle + half), strict=True))
+            parameters |= dict(zip(one.names, (middle - half, middle + half), strict=True))
             if one.slope > 0.0:
-                found[name] = one.slope
-        found |= {"eps_L": self.strain.mean.value}
+                parameters[name] = one.slope
+        parameters |= {"eps_L": self.strain.mean.value}
         for name in ("H_min", "H_sat", "H_k", "sigma_crit"):
             estimate: MeasuredValue | None = getattr(self.strain, name)
             if estimate is not None:
-                found[name] = estimate.value
-        return found
+                parameters[name] = estimate.value
+        return parameters
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """Return all values by name in SI, for JSON; without the rows."""

@@ -132,9 +132,9 @@ def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangen
         cold = fit_line(kelvin, strain, _outer_rows(kelvin, ends[0], "cold", where))
         hot = fit_line(kelvin, strain, _outer_rows(kelvin, ends[1], "hot", where))
     half = _find_half((cold, hot), kelvin, strain)
-    found = BranchTangents(cold, steep, hot, half, (float(kelvin[0]), float(kelvin[-1])))
-    _check_lines(found, where)
-    return found
+    tangents = BranchTangents(cold, steep, hot, half, (float(kelvin[0]), float(kelvin[-1])))
+    _check_lines(tangents, where)
+    return tangents
 
 
 def _is_straight(kelvin: Any, strain: Any) -> bool:
@@ -194,15 +194,15 @@ def _find_half(outer: tuple[StraightLine, StraightLine], kelvin: Any, strain: An
 # ---------------------------------------------------------------- error texts
 
 
-def _check_lines(found: BranchTangents, where: str) -> None:
+def _check_lines(tangents: BranchTangents, where: str) -> None:
     """Raise `DataError` unless the outer lines are separate and flat compared with the steep line."""
-    limit = FLATTER * abs(found.steep.slope)
-    sides = (("cold", found.cold), ("hot", found.hot))
+    limit = FLATTER * abs(tangents.steep.slope)
+    sides = (("cold", tangents.cold), ("hot", tangents.hot))
     steep = [side for side, line in sides if abs(line.slope) > limit]
     if len(steep) == 1:
         raise _incomplete_transformation(steep[0], where)
-    scatter = max(found.cold.scatter, found.hot.scatter)
-    if steep or abs(found.transformation_strain) < max(CLEAR * scatter, LEAST_STRAIN):
+    scatter = max(tangents.cold.scatter, tangents.hot.scatter)
+    if steep or abs(tangents.transformation_strain) < max(CLEAR * scatter, LEAST_STRAIN):
         raise _no_transformation(where)
 
 

@@ -164,15 +164,15 @@ def find_tangent_points(record: Record, *, stress: float | None = None, cycle: i
 
 def _read_branch(cut: IsobaricCycle, way: str) -> BranchTangents:
     rows = getattr(cut, way)
-    found = branch_tangents(rows.temperature, rows.strain, f"`{cut.name}` on {way}")
-    strain = found.transformation_strain
+    tangents = branch_tangents(rows.temperature, rows.strain, f"`{cut.name}` on {way}")
+    strain = tangents.transformation_strain
     if strain < 0.0:
         raise DataError(
             f"The strain of `{cut.name}` is larger in austenite than in martensite, by "
             f"{-strain:.3g}. Elongation must be positive: change the sign of the strain and, in compression, "
             "the sign of the stress."
         )
-    return found
+    return tangents
 
 
 def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
@@ -195,22 +195,22 @@ def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_star
     return float(heating.hot.value(at) - cooling.hot.value(at))
 
 
-def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[str]:
+def _list_remarks(rows: CycleBranch, tangents: BranchTangents, way: str) -> list[str]:
     """Return remarks on a short range beyond a transformation, or few rows within it."""
-    said: list[str] = []
-    between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)
+    remarks: list[str] = []
+    between = sum(tangents.low <= kelvin <= tangents.high for kelvin in rows.temperature)
     if between < FEW_ROWS:
-        said.append(
+        remarks.append(
             f"On {way} only {between} rows lie between start and finish: both are uncertain by "
             "about the distance of rows."
         )
-    for side, line, room in zip(("below", "above"), ("cold", "hot"), found.room(), strict=True):
+    for side, line, room in zip(("below", "above"), ("cold", "hot"), tangents.room(), strict=True):
         if room < SHORT:
-            said.append(
+            remarks.append(
                 f"On {way} the record goes only {room:.2g} widths of the transformation {side} "
                 f"it: the {line} line is uncertain."
             )
-    return said
+    return remarks
 
 
 def find_all_cycles(record: Record, *, stress: float | None = None) -> list[TangentPoints | str]:
@@ -223,10 +223,10 @@ def find_all_cycles(record: Record, *, stress: float | None = None) -> list[Tang
     Raises:
         DataError: the record has no full cycle.
     """
-    found: list[TangentPoints | str] = []
+    cycles: list[TangentPoints | str] = []
     for number in range(cut_cycle(record, stress=stress).cycles):
         try:
-            found.append(find_tangent_points(record, stress=stress, cycle=number))
+            cycles.append(find_tangent_points(record, stress=stress, cycle=number))
         except DataError as error:
-            found.append(str(error))
-    return found
+            cycles.append(str(error))
+    return cycles

@@ -79,10 +79,10 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
 
     sign = math.copysign(1.0, last - values[0])
     try:
-        found = fit_residuals(residuals, (0.0, sign, _guess_time(at, shares)))
+        fit = fit_residuals(residuals, (0.0, sign, _guess_time(at, shares)))
     except SolveError as error:
         raise DataError(f"No exponential fits the record of {span:.4g} s. Record until the values settle.") from error
-    final, change, tau = found.estimates
+    final, change, tau = fit.estimates
     if not 0.0 < tau.value < 1.0:
         raise DataError(
             f"The fitted time constant, {span * tau.value:.4g} s, is longer than the record of {span:.4g} s. "
@@ -92,8 +92,8 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
         tau.scaled(span),
         final.scaled(scale, last),
         change.scaled(scale),
-        scale * found.rms,
-        _lag_correlation(found.residuals),
+        scale * fit.rms,
+        _lag_correlation(fit.residuals),
     )
 
 

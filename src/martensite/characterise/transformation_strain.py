@@ -68,11 +68,11 @@ class StrainFit:
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """Return all numbers by name, for JSON."""
-        found: dict[str, Any] = {"form": self.form, "deviation": self.deviation}
+        entries: dict[str, Any] = {"form": self.form, "deviation": self.deviation}
         for name in ("mean", "H_min", "H_sat", "H_k", "sigma_crit"):
             estimate = getattr(self, name)
-            found[name] = None if estimate is None else estimate.to_dict(level)
-        return found
+            entries[name] = None if estimate is None else estimate.to_dict(level)
+        return entries
 
 
 @dataclass(frozen=True)
@@ -170,11 +170,11 @@ def _refine_shape(stresses: Sequence[float], strains: Sequence[float], shape: _S
     solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
         solved = _solve_shape(stresses, strains, shape)
-    found = solved or {n: MeasuredValue(getattr(shape, n), math.nan, 0) for n in NAMES}
-    values = [found[name].value for name in NAMES]
+    estimates = solved or {n: MeasuredValue(getattr(shape, n), math.nan, 0) for n in NAMES}
+    values = [estimates[name].value for name in NAMES]
     pairs = zip(stresses, strains, strict=True)
     left = [saturating_strain(*values, stress=s) - h for s, h in pairs]
-    low, high, rate, crit = (found[name] for name in NAMES)
+    low, high, rate, crit = (estimates[name] for name in NAMES)
     return StrainFit("saturating", mean, low, high, rate, crit if shape.crit else None, root_mean_square(left))
 
 
@@ -194,15 +194,15 @@ def _solve_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Sh
         return [(saturating_strain(*numbers.values(), stress=s) - h) / shape.high for s, h in pairs]
 
     try:
-        found = fit_residuals(residuals, [getattr(shape, name) / units[name] for name in free])
+        fit = fit_residuals(residuals, [getattr(shape, name) / units[name] for name in free])
     except SolveError:
         return None
-    numbers, top = unpack(found.values), max(stresses)
+    numbers, top = unpack(fit.values), max(stresses)
     if numbers["low"] < 0.0:
         return _solve_shape(stresses, strains, replace(shape, low=0.0))
     inside = LEAST_RATE <= numbers["rate"] * top <= MOST_RATE
     if not (inside and numbers["low"] < numbers["high"] and 0.0 <= numbers["crit"] < top):
         return None
-    pairs = zip(free, found.estimates, strict=True)
+    pairs = zip(free, fit.estimates, strict=True)
     fitted = {name: estimate.scaled(units[name]) for name, estimate in pairs}
     return dict.fromkeys(NAMES, MeasuredValue(0.0)) | fitted

@@ -54,9 +54,9 @@ class BatchRunner:
 
     def with_grid(self, grid: TimeGrid) -> BatchRunner:
         """Return a runner with other steps or other signals."""
-        found = copy(self)
-        found.grid = grid
-        return found
+        runner = copy(self)
+        runner.grid = grid
+        return runner
 
     def place(self, path: str) -> int:
         """Return the index of a parameter in a row of a table."""
@@ -64,17 +64,17 @@ class BatchRunner:
 
     def table(self, values: Mapping[str, Any], count: int) -> Numbers:
         """Return the parameters of runs (count, parameters), with changes by path."""
-        found = np.repeat(self.base[None, :], count, axis=0)
+        table = np.repeat(self.base[None, :], count, axis=0)
         for path, column in values.items():
-            found[:, self.place(path)] = column
-        return found
+            table[:, self.place(path)] = column
+        return table
 
     def run_many(self, table: Numbers) -> Numbers:
         """Return the outputs (runs, samples, outputs) of a table (runs, parameters); NaN for failed runs."""
         if not self.native:
-            found = [self._march_floats(row) for row in table]
+            runs = [self._march_floats(row) for row in table]
             failed = np.full((self._samples, len(self.outputs)), np.nan)
-            return np.stack([failed if rows is None else rows for rows in found])
+            return np.stack([failed if rows is None else rows for rows in runs])
         pieces = [self._march_lanes(table[k : k + LANES]) for k in range(0, len(table), LANES)]
         return np.concatenate(pieces)
 
@@ -86,16 +86,16 @@ class BatchRunner:
 
         given = values.tolist(), self.grid, 1, self._places
         rows, worst = march_lanes(self.compiled, *given)
-        found = rows[self.first :, :, 0]
-        return found if worst[0, 0] <= SOLVED and np.isfinite(found).all() else None
+        outputs = rows[self.first :, :, 0]
+        return outputs if worst[0, 0] <= SOLVED and np.isfinite(outputs).all() else None
 
     def run_driven(self, values: Numbers, grid: LaneGrid) -> Numbers:
         """Compute outputs (batch, samples, outputs) of one parameter set, with signals by element; NaN if it fails."""
         if self.native:
             return self._judge_lanes(list(np.repeat(values[:, None], LANES, axis=1)), grid)
-        found = [self._march_floats(values, grid.lane(lane)) for lane in range(grid.lengths.shape[1])]
+        runs = [self._march_floats(values, grid.lane(lane)) for lane in range(grid.lengths.shape[1])]
         failed = np.full((self._samples, len(self.outputs)), np.nan)
-        return np.stack([failed if rows is None else rows for rows in found])
+        return np.stack([failed if rows is None else rows for rows in runs])
 
     def run_lanes(self, table: Numbers, grid: LaneGrid) -> Numbers:
         """Compute outputs (batch, samples, outputs) of a table (batch, parameters) in C."""
@@ -107,10 +107,10 @@ class BatchRunner:
             return self._difference(values, seeds)
         from martensite.simulate.native_slopes import march_slopes
 
-        found = march_slopes(self.compiled, values.tolist(), seeds, self.grid, self._places)
-        rows, slopes = found.rows[self.first :], found.slopes[self.first :]
+        run = march_slopes(self.compiled, values.tolist(), seeds, self.grid, self._places)
+        rows, slopes = run.rows[self.first :], run.slopes[self.first :]
         finite = np.isfinite(rows).all() and np.isfinite(slopes).all()
-        return (rows, slopes) if found.residual <= SOLVED and finite else None
+        return (rows, slopes) if run.residual <= SOLVED and finite else None
 
     @property
     def _samples(self) -> int:
@@ -124,9 +124,9 @@ class BatchRunner:
         from martensite.simulate.native import march_lanes
 
         rows, worst = march_lanes(self.compiled, values, grid, LANES, self._places)
-        found = np.moveaxis(rows[self.first :], 2, 0)
-        found[~(worst[0] <= SOLVED) | ~np.isfinite(found).all(axis=(1, 2))] = np.nan
-        return found
+        outputs = np.moveaxis(rows[self.first :], 2, 0)
+        outputs[~(worst[0] <= SOLVED) | ~np.isfinite(outputs).all(axis=(1, 2))] = np.nan
+        return outputs
 
     def _march_floats(self, values: Numbers, grid: TimeGrid | None = None) -> Numbers | None:
         grid = grid or self.grid

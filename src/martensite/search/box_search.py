@@ -179,9 +179,9 @@ class BoxSearch:
         """Return a point with its derivatives, computed once; None if the run fails."""
         key = z.tobytes()
         if key not in self._memory:
-            found = self._memory[key] = self.objective.differentiate(z)
-            if found is not None and not self.objective.partial:
-                self.note_points(z[None], JudgedPoints(np.array([found.goal]), found.slack[None]))
+            point = self._memory[key] = self.objective.differentiate(z)
+            if point is not None and not self.objective.partial:
+                self.note_points(z[None], JudgedPoints(np.array([point.goal]), point.slack[None]))
         return self._memory[key]
 
     @property
@@ -225,8 +225,8 @@ class BoxSearch:
         self.ends.append(self.judge(end[None])[0].goal if one is None else one.goal)
 
     def _is_nearly_feasible(self, z: Numbers) -> bool:
-        found = self.differentiate(z)
-        return found is not None and bool((found.slack >= -NEARLY_FEASIBLE).all())
+        point = self.differentiate(z)
+        return point is not None and bool((point.slack >= -NEARLY_FEASIBLE).all())
 
     def _follow_slopes(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
         """Return the end of SLSQP, or of L-BFGS-B without constraints."""
@@ -262,14 +262,14 @@ class BoxSearch:
 
     def _follow_values(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
         place = _MovingPart(begin, fixed, self)
-        found = import_module("scipy.optimize").minimize(
+        solution = import_module("scipy.optimize").minimize(
             lambda u: self.judge(place.whole(u)[None])[0].goal,
             begin[~fixed],
             method="Nelder-Mead",
             bounds=place.bounds,
             options={"maxiter": self.iterations, "xatol": 1e-2, "fatol": GOAL_TOLERANCE},
         )
-        return place.whole(found.x)
+        return place.whole(solution.x)
 
     def tell(self, text: str, done: float) -> None:
         """Report the progress."""
@@ -293,16 +293,16 @@ class _MovingPart:
 
     def whole(self, u: Numbers) -> Numbers:
         """Return all parameters from the moving ones."""
-        found = self._begin.copy()
-        found[self._moving] = u
-        return np.clip(found, 0.0, self._search.objective.widths)
+        parameters = self._begin.copy()
+        parameters[self._moving] = u
+        return np.clip(parameters, 0.0, self._search.objective.widths)
 
     def minimise(self, cost: Callable[[PointSlopes], tuple[float, Numbers]], given: dict[str, Any]) -> Numbers:
         """Minimise a cost by a method of SciPy, and return its end."""
 
         def value(u: Numbers) -> tuple[float, Numbers]:
-            found, slope = cost(self(u))
-            return found, slope[self._moving]
+            cost_value, slope = cost(self(u))
+            return cost_value, slope[self._moving]
 
         options = given["options"] | {"maxiter": self._search.iterations}
         with suppress(_SpentError):
@@ -319,12 +319,12 @@ class _MovingPart:
             self.last = z
         if self._left < 0:
             raise _SpentError
-        found = self._search.differentiate(z)
-        if found is not None and found.goal < FAILED_GOAL:
-            lost = found.slack < -NEARLY_FEASIBLE
-            if lost.any() and not found.slack_slope[lost].any():
+        point = self._search.differentiate(z)
+        if point is not None and point.goal < FAILED_GOAL:
+            lost = point.slack < -NEARLY_FEASIBLE
+            if lost.any() and not point.slack_slope[lost].any():
                 self._left -= STUCK_RUNS  # no free parameter moves
-            return found
+            return point
         first = self._search.differentiate(self._begin)
         count = 0 if first is None else len(first.slack)
         size = len(z)

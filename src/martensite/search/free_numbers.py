@@ -118,18 +118,18 @@ class SearchRange:
         """
         words = parse_free(text) if isinstance(text, str) else text
         convert = convert or (lambda quantity: units.parse_quantity(quantity, unit))
-        made = cls(words.name, scale=words.scale, by=words.by, count=words.count)
+        search_range = cls(words.name, scale=words.scale, by=words.by, count=words.count)
         try:
             if words.start is not None:
-                made = replace(made, start=convert(words.start))
+                search_range = replace(search_range, start=convert(words.start))
             if words.form == "spread":
-                return _read_spread(made, words, unit, convert)
+                return _read_spread(search_range, words, unit, convert)
             values = [None if one is None else convert(one) for one in words.values]
         except UnitError as error:
             raise UnitError(f"Free parameter `{words.name}`: {error}") from None
         if words.form == "levels":
-            return replace(made, choices=tuple(one for one in values if one is not None))
-        return replace(made, low=values[0], high=values[1]) if values else made
+            return replace(search_range, choices=tuple(one for one in values if one is not None))
+        return replace(search_range, low=values[0], high=values[1]) if values else search_range
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -146,16 +146,18 @@ class SearchRange:
         return text + (f" {self.scale}" if self.scale else "")
 
 
-def _read_spread(made: SearchRange, words: FreeText, unit: str, convert: Callable[[str], float]) -> SearchRange:
+def _read_spread(search_range: SearchRange, words: FreeText, unit: str, convert: Callable[[str], float]) -> SearchRange:
     centre, spread = words.values
     size = str(spread)
     relative = size.endswith("%")
     if relative and unit == "K":
         raise ParameterError(f"The spread of the temperature `{words.name}` must be a difference, such as `± 2 K`.")
-    found = units.parse_quantity(size, "1") if relative else read_difference(size, unit)
-    if not found > 0.0:
+    deviation = units.parse_quantity(size, "1") if relative else read_difference(size, unit)
+    if not deviation > 0.0:
         raise ParameterError(f"The spread of `{words.name}` must be above 0, but is {size}.")
-    return replace(made, start=convert(centre) if centre else made.start, spread=found, relative=relative)
+    return replace(
+        search_range, start=convert(centre) if centre else search_range.start, spread=deviation, relative=relative
+    )
 
 
 def read_difference(text: str, unit: str) -> float:
@@ -278,9 +280,9 @@ class FreeNumber:
         return path == self.path or path.endswith("." + self.path)
 
 
-def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
+def find_targets(name: str, all_targets: Iterable[Target]) -> list[Target]:
     """Return the parameters at a path in system or scenario, or otherwise all with this ending."""
-    targets = list(known)
+    targets = list(all_targets)
     names = {*find_paths(name, [one.name for one in targets])}
     paths = {*find_paths(name, [one.path for one in targets])}
     if name in names or name in paths:
@@ -288,28 +290,28 @@ def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
     return [one for one in targets if one.name in names or one.path in paths]
 
 
-def find_alike(name: str, known: Sequence[Target], several: bool = True) -> list[Target]:
+def find_alike(name: str, all_targets: Sequence[Target], several: bool = True) -> list[Target]:
     """Return the parameters at a path or an ending of paths.
 
     Args:
         name: path, or ending of paths.
-        known: available parameters.
+        all_targets: available parameters.
         several: True to accept several parameters of the same unit and value.
 
     Raises:
         ParameterError: there is no match, or several that differ.
     """
-    found = find_targets(name, known)
-    if not found:
-        raise make_missing_error(name, known)
-    if len(found) > 1 and not (several and len({(one.unit, one.value) for one in found}) == 1):
-        raise ParameterError(f"`{name}` is ambiguous: {', '.join(one.name for one in found)}.")
-    return found
+    targets = find_targets(name, all_targets)
+    if not targets:
+        raise make_missing_error(name, all_targets)
+    if len(targets) > 1 and not (several and len({(one.unit, one.value) for one in targets}) == 1):
+        raise ParameterError(f"`{name}` is ambiguous: {', '.join(one.name for one in targets)}.")
+    return targets
 
 
-def make_missing_error(name: str, known: Iterable[Target]) -> ParameterError:
+def make_missing_error(name: str, all_targets: Iterable[Target]) -> ParameterError:
     """Return the error for an unknown parameter, with the nearest valid names."""
-    names = [one.name for one in known]
+    names = [one.name for one in all_targets]
     endings = {one.rpartition(".")[2] for one in names} if "." not in name else {*names}
     return ParameterError(f"There is no parameter `{name}`. {suggest_name(name, endings, LISTS)}")
 
@@ -368,10 +370,10 @@ def choose_bounds(
 
 def _choose_box(name: str, target: Target, starts: Sequence[float], factor: float) -> tuple[float, float]:
     least, most = target.bounds
-    known = [start for start in starts if math.isfinite(start)]
-    if target.unit == "K" and known:
-        return max(min(known) - BOX_TEMPERATURE, least), min(max(known) + BOX_TEMPERATURE, most)
-    sizes = [start for start in known if start != 0.0]
+    finite_starts = [start for start in starts if math.isfinite(start)]
+    if target.unit == "K" and finite_starts:
+        return max(min(finite_starts) - BOX_TEMPERATURE, least), min(max(finite_starts) + BOX_TEMPERATURE, most)
+    sizes = [start for start in finite_starts if start != 0.0]
     if sizes:
         ends = [e for one in sizes if one * sizes[-1] > 0.0 for e in (one / factor, one * factor)]
         return max(min(ends), least), min(max(ends), most)

@@ -79,12 +79,12 @@ def _parse_values(text: str) -> tuple[str, tuple[str | None, ...], int | None]:
     """Return the form of values, their texts, and the number of levels of a range."""
     if not text:
         return "", (), None
-    if (found := _RANGE.fullmatch(text)) is not None:
-        ends = _share_unit(found[1], found[2])
-        return ("range", ends, int(found[3]) if found[3] else None) if any(ends) else ("none", (), None)
-    if (found := _SPREAD.fullmatch(text)) is not None:
-        relative = found[2].endswith("%")
-        return "spread", ((found[1] or None, found[2]) if relative else _share_unit(found[1], found[2])), None
+    if (match := _RANGE.fullmatch(text)) is not None:
+        ends = _share_unit(match[1], match[2])
+        return ("range", ends, int(match[3]) if match[3] else None) if any(ends) else ("none", (), None)
+    if (match := _SPREAD.fullmatch(text)) is not None:
+        relative = match[2].endswith("%")
+        return "spread", ((match[1] or None, match[2]) if relative else _share_unit(match[1], match[2])), None
     levels = _share_unit(*text.split(","))
     return ("levels" if all(levels) else "none"), levels, None
 

@@ -76,8 +76,8 @@ class Identifiability:
         if self.refused:
             return (f"{list_names(names) or 'No parameter'} {_is_or_are(names)} determined.",)
         worst = format_number(100.0 * max(self.uncertainties), 2)
-        held = "All parameters are" if len(names) > 1 else f"{list_names(names)} is"
-        return (f"{held} determined. The least certain direction has an error of {worst} % of the search range.",)
+        subject = "All parameters are" if len(names) > 1 else f"{list_names(names)} is"
+        return (f"{subject} determined. The least certain direction has an error of {worst} % of the search range.",)
 
     def to_dict(self) -> dict[str, Any]:
         """Return all values by name and the sentences, for JSON."""
@@ -125,17 +125,17 @@ def assess_identifiability(
     if not 0.0 < noise < math.inf:
         raise ParameterError(f"Argument `noise` must be above 0, but is {noise:g}.")
     sizes = np.zeros(len(free))
-    found = np.linalg.svd(matrix, compute_uv=False)
-    sizes[: len(found)] = found
+    singular_values = np.linalg.svd(matrix, compute_uv=False)
+    sizes[: len(singular_values)] = singular_values
     directions = _find_directions(matrix, free, noise, precision)
-    seen = len(free) - sum(one.exact for one in directions)
+    rank = len(free) - sum(one.exact for one in directions)
     spread = np.linalg.norm(matrix, axis=0) / (noise * math.sqrt(len(matrix)))
     return Identifiability(
         free.names,
         tuple(map(float, spread)),
         tuple(map(float, sizes)),
-        tuple(noise / s if k < seen and s else math.inf for k, s in enumerate(map(float, sizes))),
-        float(sizes[0] / sizes[-1]) if seen == len(free) and sizes[-1] else math.inf,
+        tuple(noise / s if k < rank and s else math.inf for k, s in enumerate(map(float, sizes))),
+        float(sizes[0] / sizes[-1]) if rank == len(free) and sizes[-1] else math.inf,
         directions,
     )
 
@@ -154,9 +154,9 @@ def _find_directions(
     exact = find_weak_directions(columns, nothing, prefer=lambda v: gauge(v / norms))
     exact = [v / norms / np.linalg.norm(v / norms) for v in exact]
     weak = find_weak_directions(matrix, noise, exact, gauge)
-    told = [_describe_direction(matrix, free, v, noise, True) for v in exact]
-    told += [_describe_direction(matrix, free, _drop_negligible(matrix, v, noise), noise, False) for v in weak]
-    return tuple(told)
+    directions = [_describe_direction(matrix, free, v, noise, True) for v in exact]
+    directions += [_describe_direction(matrix, free, _drop_negligible(matrix, v, noise), noise, False) for v in weak]
+    return tuple(directions)
 
 
 def _drop_negligible(matrix: Matrix, direction: Vector, limit: float) -> Vector:
@@ -171,13 +171,13 @@ def _describe_direction(
     """Return a unit vector per search range as parameters and amounts."""
     order = sorted(np.flatnonzero(direction).tolist(), key=lambda i: -abs(float(direction[i])))
     moved = direction * _choose_stretch(free, direction, order)
-    seen = float(np.linalg.norm(matrix @ direction))
+    effect = float(np.linalg.norm(matrix @ direction))
     return WeakDirection(
         tuple(free.names[i] for i in order),
         tuple(free.units[i] for i in order),
         tuple(float(moved[i]) * free.scales[i] for i in order),
         tuple(free.relative(i, moved) for i in order),
-        noise / seen if seen and not exact else math.inf,
+        noise / effect if effect and not exact else math.inf,
         float(np.linalg.norm(matrix @ moved)) / (noise * math.sqrt(len(matrix))),
         exact,
     )

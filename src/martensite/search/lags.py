@@ -49,16 +49,16 @@ def filter_lag(times: Any, inputs: Any, time_constant: float, *, early: bool = F
 
         keep = float(np.exp(-steps[0] / time_constant))
         return u[:1] + lfilter([(1.0 - keep) * early, (1.0 - keep) * (not early)], [1.0, -keep], u - u[:1], axis=0)
-    kept = np.exp(-steps / time_constant).tolist()
-    columns = [_follow(kept, column[0], column[1:] if early else column[:-1]) for column in u.T.tolist()]
+    decay_factors = np.exp(-steps / time_constant).tolist()
+    columns = [_follow(decay_factors, column[0], column[1:] if early else column[:-1]) for column in u.T.tolist()]
     return np.array(columns).T
 
 
-def _follow(kept: Sequence[float], start: float, levels: Sequence[float]) -> list[float]:
-    found = [start]
-    for keep, level in zip(kept, levels, strict=True):
-        found.append(level + (found[-1] - level) * keep)
-    return found
+def _follow(decay_factors: Sequence[float], start: float, levels: Sequence[float]) -> list[float]:
+    lagged_levels = [start]
+    for keep, level in zip(decay_factors, levels, strict=True):
+        lagged_levels.append(level + (lagged_levels[-1] - level) * keep)
+    return lagged_levels
 
 
 def fit_lag(filtered: Filter, outputs: Any, ends: tuple[float, float], lags: int, refined: int = 0) -> Lag:

@@ -77,16 +77,16 @@ def descend_squares(
         return point
 
     def residuals(x: Numbers) -> Numbers:
-        found = evaluate(whole(x), False)
-        return penalty if found is None else weights * found.residuals
+        outcome = evaluate(whole(x), False)
+        return penalty if outcome is None else weights * outcome.residuals
 
     def jacobian(x: Numbers) -> Numbers:
-        found = evaluate(whole(x), True)
-        if found is None:
+        outcome = evaluate(whole(x), True)
+        if outcome is None:
             return np.zeros((len(penalty), len(moving)))
-        return (weights * found.jacobian.T[moving]).T
+        return (weights * outcome.jacobian.T[moving]).T
 
-    found = import_module("scipy.optimize").least_squares(
+    outcome = import_module("scipy.optimize").least_squares(
         residuals,
         np.clip(begin[moving], INSIDE, 1.0 - INSIDE),
         jacobian,
@@ -99,4 +99,4 @@ def descend_squares(
         loss=loss,
         f_scale=scale,
     )
-    return Descended(whole(found.x), float(found.cost), found.status > 0)
+    return Descended(whole(outcome.x), float(outcome.cost), outcome.status > 0)

@@ -88,7 +88,7 @@ class Profile:
     @property
     def sentence(self) -> str:
         """Return the interval, or the reason for an open side, in everyday units."""
-        share, shown = f"{100.0 * self.level:g} %", format_quantity(self.value, self.unit)
+        share, value_text = f"{100.0 * self.level:g} %", format_quantity(self.value, self.unit)
         low, high = (format_quantity(end.at, self.unit) for end in (self.below, self.above))
         below, above = self.below.reason == "limit", self.above.reason == "limit"
         if below and above:
@@ -103,7 +103,7 @@ class Profile:
         if self.better is not None:
             at = format_quantity(self.better.at, self.unit)
             warning = f" A better fit was found at {at}: the fit was not at its optimum; repeat it."
-        return f"`{self.name}` = {shown}, {words}.{warning}"
+        return f"`{self.name}` = {value_text}, {words}.{warning}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields by name and the interval, for JSON."""

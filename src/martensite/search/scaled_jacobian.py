@@ -90,9 +90,9 @@ def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
     Dependence of columns must not depend on the search ranges.
     """
     norms = np.linalg.norm(jacobian, axis=0)
-    seen = norms > _ROUNDING * np.max(norms)
-    sizes = np.where(seen, norms, 1.0)
-    return np.where(seen, jacobian / sizes, 0.0), sizes
+    nonzero_columns = norms > _ROUNDING * np.max(norms)
+    sizes = np.where(nonzero_columns, norms, 1.0)
+    return np.where(nonzero_columns, jacobian / sizes, 0.0), sizes
 
 
 def reduce_rows(jacobian: Matrix) -> Matrix:

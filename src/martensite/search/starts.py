@@ -94,7 +94,7 @@ def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: 
         values = np.asarray(costs(np.atleast_2d(columns.T)), np.float64)
         return np.where(np.isnan(values), math.inf, values)
 
-    found = import_module("scipy.optimize").differential_evolution(
+    solution = import_module("scipy.optimize").differential_evolution(
         batch,
         [(0.0, 1.0)] * size,
         maxiter=generations,
@@ -104,6 +104,6 @@ def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: 
         vectorized=True,
         updating="deferred",
     )
-    if not math.isfinite(float(found.fun)):
+    if not math.isfinite(float(solution.fun)):
         raise SolveError("No point within the bounds could be simulated; narrow the bounds.")
-    return Start(tuple(found.x.tolist()), float(found.fun))
+    return Start(tuple(solution.x.tolist()), float(solution.fun))

@@ -112,21 +112,21 @@ class Uncertainty:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Return remarks on the errors: undetermined, confounded, too few independent samples."""
-        found: list[str] = []
+        sentences: list[str] = []
         if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
-            found.append(f"The data do not determine {list_names(lost)}.")
+            sentences.append(f"The data do not determine {list_names(lost)}.")
         for one, other, value in self.confounded():
             together = "increase together" if value > 0.0 else "compensate each other"
-            found.append(
+            sentences.append(
                 f"`{one}` and `{other}` {together} (correlation {value:.3f}), so the data hardly separate them."
             )
         if self.widening > 1.1:
-            found.append(
+            sentences.append(
                 f"The residuals are autocorrelated: {self.samples} samples count as "
                 f"{format_number(self.effective, 2)} independent samples. The intervals were widened by a factor of "
                 f"{format_number(self.widening, 2)}."
             )
-        return tuple(found)
+        return tuple(sentences)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """Return all values by name and the remarks, for JSON."""

@@ -115,7 +115,7 @@ class WeakDirection:
 def find_weak_directions(
     jacobian: Matrix,
     limit: float,
-    known: Sequence[Vector] = (),
+    previous_directions: Sequence[Vector] = (),
     prefer: Callable[[Vector], bool] = lambda direction: False,
 ) -> list[Vector]:
     """Return the independent sparse unit vectors v with ‖J v‖ ≤ limit that are not known already.
@@ -124,23 +124,27 @@ def find_weak_directions(
     """
     square = reduce_rows(jacobian)
     wanted = int(np.sum(np.linalg.svd(square, compute_uv=False) <= limit))
-    chosen = list(known)
+    chosen = list(previous_directions)
     sets: list[tuple[int, ...]] = []
     for size in range(1, square.shape[1] + 1):
         if len(chosen) >= wanted or math.comb(square.shape[1], size) > MANY_SETS:
             break
-        found = _search_sets(square, limit, size, sets)
-        sets += [tuple(np.flatnonzero(v).tolist()) for v in found]
-        for direction in sorted(found, key=lambda v: not prefer(v)):
+        directions = _search_sets(square, limit, size, sets)
+        sets += [tuple(np.flatnonzero(v).tolist()) for v in directions]
+        for direction in sorted(directions, key=lambda v: not prefer(v)):
             if len(chosen) < wanted and _is_independent(direction, chosen):
                 chosen.append(direction)
-    return (chosen + _search_by_elimination(square, limit, chosen, wanted))[len(known) :]
+    return (chosen + _search_by_elimination(square, limit, chosen, wanted))[len(previous_directions) :]
 
 
 def _search_sets(square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]) -> list[Vector]:
     """Return the weak directions of all minimal sets of one size, the weakest first."""
-    held = [set(one) for one in smaller]
-    sets = [one for one in combinations(range(square.shape[1]), size) if not any(small <= set(one) for small in held)]
+    smaller_sets = [set(one) for one in smaller]
+    sets = [
+        one
+        for one in combinations(range(square.shape[1]), size)
+        if not any(small <= set(one) for small in smaller_sets)
+    ]
     if not sets:
         return []
     columns = np.moveaxis(square[:, np.asarray(sets)], 0, 1)
@@ -154,15 +158,15 @@ def _search_by_elimination(square: Matrix, limit: float, chosen: Sequence[Vector
 
     The largest component of every known direction is fixed, so that the next direction differs.
     """
-    kept = list(range(square.shape[1]))
-    found: list[Vector] = []
+    columns = list(range(square.shape[1]))
+    directions: list[Vector] = []
     for direction in chosen:
-        kept.remove(max(kept, key=lambda i: abs(float(direction[i]))))
-    while len(chosen) + len(found) < wanted and _find_weakest(square, kept)[0] <= limit:
-        direction = _eliminate_columns(square, kept, limit)
-        found += [direction] if _is_independent(direction, [*chosen, *found]) else []
-        kept.remove(int(np.argmax(np.abs(direction))))
-    return found
+        columns.remove(max(columns, key=lambda i: abs(float(direction[i]))))
+    while len(chosen) + len(directions) < wanted and _find_weakest(square, columns)[0] <= limit:
+        direction = _eliminate_columns(square, columns, limit)
+        directions += [direction] if _is_independent(direction, [*chosen, *directions]) else []
+        columns.remove(int(np.argmax(np.abs(direction))))
+    return directions
 
 
 def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> Vector:

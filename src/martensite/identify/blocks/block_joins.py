@@ -187,10 +187,10 @@ class FeedbackLoop(AbstractComposite):
         return self.with_parts(blocks=(forward, self.blocks[1].adapt_to(y, dt)))
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        made = super().fence_in(theta[:-1], states[:, :-1], dt)
+        loop = super().fence_in(theta[:-1], states[:, :-1], dt)
         low, high = float(np.min(states[:, -1])), float(np.max(states[:, -1]))
         middle, half = 0.5 * (low + high), max(0.5 * (high - low), LEAST * max(abs(low), abs(high), LEAST))
-        return made.with_parts(fence_low=middle - BEYOND * half, fence_high=middle + BEYOND * half)
+        return loop.with_parts(fence_low=middle - BEYOND * half, fence_high=middle + BEYOND * half)
 
     def start(self) -> Numbers:
         return np.append(super().start(), 0.0)
@@ -207,8 +207,8 @@ class FeedbackLoop(AbstractComposite):
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
         forward, own = self.blocks[0].as_linear(linear, theta, x, dt)
-        made = self._adapt_back(forward, own, x, dt)
-        return made, np.concatenate([own, made.blocks[1].start(), [0.0]])
+        loop = self._adapt_back(forward, own, x, dt)
+        return loop, np.concatenate([own, loop.blocks[1].start(), [0.0]])
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         return [*super().describe_numbers(theta[:-1]), ("feedback gain", float(theta[-1]), "1")]

@@ -79,8 +79,8 @@ class Duhem(AbstractRanged):
             if name.startswith("log_"):
                 rows.append((name.removeprefix("log_"), half * float(np.exp(value)), "1"))
             elif name.endswith("logit"):
-                shown = name.removesuffix("logit") + "share"
-                rows.append((shown, float(1.0 / (1.0 + np.exp(-value))), "1"))
+                share_name = name.removesuffix("logit") + "share"
+                rows.append((share_name, float(1.0 / (1.0 + np.exp(-value))), "1"))
             else:
                 rows.append((name, self.low + half * (1.0 + value), "1"))
         return rows

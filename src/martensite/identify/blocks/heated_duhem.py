@@ -151,14 +151,14 @@ class HeatedDuhem(AbstractBlock):
         return rise, z, rise, z
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        rise, z, seen, moved = state
+        rise, z, lagged_rise, moved = state
         new_rise, new_z = _heat_step(xp, self._heat(xp, theta), rise, z, x[0], dt)
-        temperature = theta[5] + theta[16] * seen
+        temperature = theta[5] + theta[16] * lagged_rise
         position = theta[18] * moved
         after = (
             new_rise,
             new_z,
-            _lag_ramp(xp, theta[17], seen, rise, new_rise, dt),
+            _lag_ramp(xp, theta[17], lagged_rise, rise, new_rise, dt),
             _lag_ramp(xp, theta[19], moved, z, new_z, dt),
         )
         if self.gives == "both":

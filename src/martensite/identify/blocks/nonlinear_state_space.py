@@ -34,28 +34,28 @@ NEWTON_STEPS = 30
 Map = Callable[[Namespace, Column, Column], Column]
 
 
-def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[Scalar]:
-    """Return the fixed point s = held(xp, s, given) of Newton's method from `start`, with derivatives by `given`."""
+def fixed_point(xp: Namespace, point_map: Map, start: Column, given: Column) -> list[Scalar]:
+    """Return the fixed point s = point_map(xp, s, given) by Newton's method from `start`, with derivatives by `given`."""
     fixed = [xp.detach(value) for value in given]
 
     def turn(*state: Scalar) -> Column:
-        step = _compute_newton_step(xp, held, state, fixed, fixed)
+        step = _compute_newton_step(xp, point_map, state, fixed, fixed)
         return [s - d for s, d in zip(state, step, strict=True)]
 
     root = xp.repeat(NEWTON_STEPS, turn, *(xp.detach(s) for s in start))
     root = [xp.detach(s) for s in root]
-    newton = _compute_newton_step(xp, held, root, fixed, given)
+    newton = _compute_newton_step(xp, point_map, root, fixed, given)
     return [xp.implicit_root(s, s - d) for s, d in zip(root, newton, strict=True)]
 
 
-def _compute_newton_step(xp: Namespace, held: Map, state: Column, fixed: Column, given: Column) -> list[Scalar]:
+def _compute_newton_step(xp: Namespace, point_map: Map, state: Column, fixed: Column, given: Column) -> list[Scalar]:
     """Return Newton's step with the matrix at `fixed` and the residual at `given`."""
 
     def away(xp: Namespace, s: Column) -> Column:
-        return [a - b for a, b in zip(s, held(xp, s, fixed), strict=True)]
+        return [a - b for a, b in zip(s, point_map(xp, s, fixed), strict=True)]
 
     _, matrix = compute_jacobian(xp, away, list(state))
-    residual = [a - b for a, b in zip(state, held(xp, state, given), strict=True)]
+    residual = [a - b for a, b in zip(state, point_map(xp, state, given), strict=True)]
     return solve_linear(matrix, [residual])[0]
 
 
@@ -110,18 +110,18 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     def _linear(self) -> int:
         return len(super().numbers())
 
-    def _products(self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar) -> list[Scalar]:
+    def _products(self, xp: Namespace, poles: Column, cascade_state: Column, u: Scalar, dt: Scalar) -> list[Scalar]:
         """Return h φ."""
-        states = zip(self._scale_states(xp, poles, held, dt), self.given()[3:], strict=False)
+        states = zip(self._scale_states(xp, poles, cascade_state, dt), self.given()[3:], strict=False)
         limited = [xp.clip(r, -fence, fence) for r, fence in states]
         limited.append(xp.clip((u - self.middle) / self.half, -FARTHEST, FARTHEST))
         return [self.half * _multiply_values(limited, monomial) for monomial in self.monomials()]
 
-    def _scale_states(self, xp: Namespace, poles: Column, held: Column, dt: Scalar) -> list[Scalar]:
+    def _scale_states(self, xp: Namespace, poles: Column, cascade_state: Column, dt: Scalar) -> list[Scalar]:
         """Return the states relative to their reach."""
         wide = self.half * self.reach
         scaled: list[Scalar] = []
-        for k, value in enumerate(held):
+        for k, value in enumerate(cascade_state):
             away = k - int(self.order) % 2
             if away > 0 and away % 2:  # the change in a section of second order
                 d2 = sections.second_order(xp, poles[k - 1], poles[k], dt).d2
@@ -132,8 +132,8 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
         poles = [float(p) for p in theta[: int(self.order)]]
-        held = self._scale_states(floats, poles, list(states[:, int(self.nk) :].T), dt)
-        largest = [RANGE_FACTOR * float(np.max(np.abs(one))) for one in held]
+        scaled_states = self._scale_states(floats, poles, list(states[:, int(self.nk) :].T), dt)
+        largest = [RANGE_FACTOR * float(np.max(np.abs(one))) for one in scaled_states]
         return self.with_parts(
             **{f"fence{k}": min(max(one, LEAST_REACH), FARTHEST) for k, one in enumerate(largest, 1)}
         )
@@ -162,17 +162,17 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         n, p, nk = int(self.order), self.outputs, int(self.nk)
         line = [x[0], *state[:nk]]
-        u, held = line[nk], state[nk:]
-        products = self._products(xp, theta[:n], held, u, dt)
+        u, cascade_state = line[nk], state[nk:]
+        products = self._products(xp, theta[:n], cascade_state, u, dt)
         fed = self._feed_states(theta, u, products)
-        made = sections.step_cascade(xp, n, list(theta[:n]), list(held), fed[0], dt, fed[1:])
-        y = self._sum_outputs(theta[: self._linear], [*made.signals, *([u] if nk == 0 else [])])
+        cascade = sections.step_cascade(xp, n, list(theta[:n]), list(cascade_state), fed[0], dt, fed[1:])
+        y = self._sum_outputs(theta[: self._linear], [*cascade.signals, *([u] if nk == 0 else [])])
         if self.output_terms == "yes":
             last = theta[len(theta) - p * len(products) :]
             for place, weight in enumerate(last):
                 j, i = divmod(place, len(products))
                 y[j] = y[j] + weight * products[i]
-        return y, (*line[:nk], *made.state)
+        return y, (*line[:nk], *cascade.state)
 
     def twin(self) -> AbstractBlock:
         return StateSpace(order=self.order, outs=self.outs, nk=self.nk, offset=self.offset)
@@ -180,9 +180,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     def as_linear(
         self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
     ) -> tuple[NonlinearStateSpace, Numbers]:
-        made = np.zeros(len(self.numbers()))
-        made[: self._linear] = theta
-        return self.with_parts(reach=self._largest_departure(theta, x[:, 0], dt)), made
+        parameters = np.zeros(len(self.numbers()))
+        parameters[: self._linear] = theta
+        return self.with_parts(reach=self._largest_departure(theta, x[:, 0], dt)), parameters
 
     def _largest_departure(self, theta: Numbers, x: Numbers, dt: float) -> float:
         """Return the largest departure of a state from the middle of the input, in half widths."""
@@ -191,9 +191,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         half, middle = self.half, self.middle
         most = 0.0
         for u in map(float, x):
-            made = sections.step_cascade(floats, n, poles, state, u, dt)
-            state = made.state
-            pairs = zip(made.signals, made.unit_gain, strict=True)
+            cascade = sections.step_cascade(floats, n, poles, state, u, dt)
+            state = cascade.state
+            pairs = zip(cascade.signals, cascade.unit_gain, strict=True)
             most = max(most, *(abs(v - middle * gain) for v, gain in pairs))
         return max(most / half, LEAST_REACH)
 

@@ -76,8 +76,8 @@ class AbstractComposite(AbstractBlock):
         return np.concatenate([np.zeros(0), *(block.start() for block in self.blocks)])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        drawn = (block.sample_parameters(rng, duration, dt) for block in self.blocks)
-        return np.concatenate([np.zeros(0), *drawn])
+        parameter_sets = (block.sample_parameters(rng, duration, dt) for block in self.blocks)
+        return np.concatenate([np.zeros(0), *parameter_sets])
 
     def priors(self) -> tuple[Numbers, Numbers]:
         expected, weights = zip(*(block.priors() for block in self.blocks), strict=True)
@@ -131,10 +131,10 @@ class SideBySide(AbstractComposite):
         return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        held = self.split(state, lambda block: block.states())
+        block_states = self.split(state, lambda block: block.states())
         outputs: list[Scalar] = []
         after: list[Scalar] = []
-        for (block, own, taken), (_, before) in zip(self._shares(theta, x), held, strict=True):
+        for (block, own, taken), (_, before) in zip(self._shares(theta, x), block_states, strict=True):
             y, s = block.step(xp, own, before, taken, dt)
             outputs += y
             after += s

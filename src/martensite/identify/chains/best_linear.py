@@ -73,11 +73,11 @@ def fit_weights(block: TransferFunction | StateSpace, given: Numbers, pairs: Seq
     return LinearStart(theta, 1.0, float(weights[-1, 0]) if single else 0.0, error)
 
 
-def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[np.intp]:
+def _find_weights(block: TransferFunction | StateSpace, given_count: int) -> NDArray[np.intp]:
     """Return the places of the linear numbers of the first output; all outputs sum the same signals."""
     first = ("weight", "c1_", "d1_")
     names = block.numbers()
-    return np.array([i for i in range(known, len(names)) if names[i].startswith(first)], np.intp)
+    return np.array([i for i in range(given_count, len(names)) if names[i].startswith(first)], np.intp)
 
 
 def _solve_squares(
@@ -111,11 +111,11 @@ def _collect_signals(
     single = isinstance(engine.blocks[0], TransferFunction)
     for u, y in pairs:
         for chunk in engine.sensitivities(theta, u):
-            known = np.all(np.isfinite(y[chunk.rows]), axis=1)
+            finite_rows = np.all(np.isfinite(y[chunk.rows]), axis=1)
             first = chunk.outputs[:, :1] if single else chunk.outputs[:, :0]
             ones = np.ones((len(chunk.outputs), 1))
             x = np.hstack([first, chunk.slopes[:, 0, own], ones])
-            yield x[known], y[chunk.rows][known]
+            yield x[finite_rows], y[chunk.rows][finite_rows]
 
 
 LAGS = 256

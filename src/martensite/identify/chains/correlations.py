@@ -129,12 +129,12 @@ def correlate_residuals(
     e, w = np.asarray(residuals, dtype=float), np.asarray(signal, dtype=float)
     if e.shape != w.shape or e.ndim != 1:
         raise DataError(f"Residuals and signal must be equally many, not {e.shape}, {w.shape}.")
-    known = np.isfinite(e)
-    count = int(known.sum())
+    finite_rows = np.isfinite(e)
+    count = int(finite_rows.sum())
     if count < 2:
         return None
-    e = np.where(known, e - e[known].mean(), 0.0)
-    w = np.where(known, w - w[known].mean(), 0.0)
+    e = np.where(finite_rows, e - e[finite_rows].mean(), 0.0)
+    w = np.where(finite_rows, w - w[finite_rows].mean(), 0.0)
     size = math.sqrt(float(e @ e) * float(w @ w))
     if size == 0.0:
         return None

@@ -86,8 +86,8 @@ def thin_records(pairs: Sequence[Pair], factor: int) -> list[Pair]:
         count = len(u) // factor
         if count:
             blocks = y[: count * factor].reshape(count, factor, -1)
-            known = np.isfinite(blocks)
-            sums, counts = np.where(known, blocks, 0.0).sum(axis=1), known.sum(axis=1)
+            finite_samples = np.isfinite(blocks)
+            sums, counts = np.where(finite_samples, blocks, 0.0).sum(axis=1), finite_samples.sum(axis=1)
             mean = np.where(2 * counts >= factor, sums / np.maximum(counts, 1), np.nan)
             thinned.append((u[: count * factor].reshape(count, factor, -1).mean(axis=1), mean))
     return thinned

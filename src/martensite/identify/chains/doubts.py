@@ -30,8 +30,12 @@ def describe_copies(records: Sequence[Sampled]) -> Iterator[str]:
     for record in records:
         for source, u in zip(record.input_names, record.inputs.T, strict=True):
             for name, y in zip(record.output_names, record.outputs.T, strict=True):
-                known = np.isfinite(y)
-                if known.sum() > 2 and np.ptp(u[known]) > 0.0 and _measure_rest(u[known], y[known]) < EXACT:
+                finite_rows = np.isfinite(y)
+                if (
+                    finite_rows.sum() > 2
+                    and np.ptp(u[finite_rows]) > 0.0
+                    and _measure_rest(u[finite_rows], y[finite_rows]) < EXACT
+                ):
                     yield (
                         f"{record.name}: output `{name}` is input `{source}` again, but for a factor and an offset; "
                         "there is nothing to be found. Is it the column that was meant?"

@@ -209,15 +209,15 @@ class _Estimation:
         """Return the pull with the best prediction of held-out parts of the records."""
         errors = dict.fromkeys(STRENGTHS, 0.0)
         for fold in range(THIRDS):
-            seen = [hide_block(r, cut_block(r, fold, THIRDS)) for r in self.thin]
-            if not all(np.isfinite(r.outputs).any(axis=0).all() for r in seen):
+            training_records = [hide_block(r, cut_block(r, fold, THIRDS)) for r in self.thin]
+            if not all(np.isfinite(r.outputs).any(axis=0).all() for r in training_records):
                 continue
             chains = list(bases)
             for strength in STRENGTHS:
                 goal = self._goal_for(self.thin, replace(self.goal, strength=strength, bases=tuple(bases)), 3)
-                ends = refine_all(chains, seen, goal, lambda count, of: None)
+                ends = refine_all(chains, training_records, goal, lambda count, of: None)
                 chains = [end.chain for end in ends] or chains
-                errors[strength] += measure_left_out(ends[0], self.thin, seen, goal) if ends else np.inf
+                errors[strength] += measure_left_out(ends[0], self.thin, training_records, goal) if ends else np.inf
         return min(STRENGTHS, key=lambda strength: errors[strength])
 
     def _describe(self, last: SearchEnd, fits: Sequence[float], coarse: Sequence[float]) -> ChainEstimate:

@@ -224,7 +224,7 @@ def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
 
 
 def whiten_chain(
-    chain: Chain, found: Found, wanted: Sequence[RecordResidual], options: Options
+    chain: Chain, minimum: Found, wanted: Sequence[RecordResidual], options: Options
 ) -> tuple[Found, tuple[RecordResidual, ...]]:
     """Return the minimum of the prediction error, with noise model and chain in turns."""
     aims = tuple(wanted)
@@ -232,13 +232,13 @@ def whiten_chain(
     for _ in range(NOISE_TURNS):
         squares = ResidualSquares(chain.engine, aims, options.ridge or 0.0, *prior)
         residuals: list[Numbers] = []
-        theta = found.theta[: len(chain.theta)]
-        for aim, state in zip(aims, squares.initial(found.theta), strict=True):
+        theta = minimum.theta[: len(chain.theta)]
+        for aim, state in zip(aims, squares.initial(minimum.theta), strict=True):
             computed = chain.with_theta(theta).simulate(aim.record, state)
             residuals.append(((aim.record.outputs - computed) * aim.scale())[aim.skip :])
         whitening = noise_model(residuals, options.noise)
         # a record of one sample has no noise
         aims = tuple(replace(a, whitening=whitening) if len(a.record) > 1 else a for a in aims)
         squares = ResidualSquares(chain.engine, aims, options.ridge or 0.0, *prior)
-        found = minimise_cost(squares, found.theta, options.iterations)
-    return found, aims
+        minimum = minimise_cost(squares, minimum.theta, options.iterations)
+    return minimum, aims

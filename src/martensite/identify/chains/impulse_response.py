@@ -90,9 +90,9 @@ def _build_regressors(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[P
         begin = length if len(u) >= 10 * length else 0
         for first in range(begin, len(u), ROWS * max(every, 1)):
             rows = slice(first, min(first + ROWS, len(u)))
-            known = np.all(np.isfinite(y[rows]), axis=1)
+            finite_rows = np.all(np.isfinite(y[rows]), axis=1)
             x = lagged[rows].reshape(rows.stop - rows.start, -1)
-            yield x[known], y[rows][known]
+            yield x[finite_rows], y[rows][finite_rows]
 
 
 def _find_likeliest(sums: _Sums, length: int) -> Numbers:

@@ -260,8 +260,10 @@ def _describe_direction(moves: Numbers, direction: Numbers, names: Sequence[str]
     size = np.abs(direction)
     order = [int(i) for i in np.argsort(-size, kind="stable") if size[i] > SMALL * size.max()]
     rest = int(np.sum(size > SLIGHT * size.max())) - len(order)
-    shown = order[:NAMED]
-    first = float(moves[shown[0]])
+    main_indices = order[:NAMED]
+    first = float(moves[main_indices[0]])
     return Flat(
-        tuple(names[i] for i in shown), tuple(float(moves[i]) / first for i in shown), rest + len(order) - len(shown)
+        tuple(names[i] for i in main_indices),
+        tuple(float(moves[i]) / first for i in main_indices),
+        rest + len(order) - len(main_indices),
     )

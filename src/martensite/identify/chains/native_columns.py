@@ -166,7 +166,7 @@ def _print_rows(
     values: dict[int, str],
     reads: dict[int, str],
     writes: Sequence[str],
-    begun: dict[int, str],
+    first_terms: dict[int, str],
     state: str,
 ) -> list[str]:
     """Return the code of one sample of some columns; all are read before any is written."""
@@ -176,8 +176,8 @@ def _print_rows(
     lines = [f"const double q{c} = {places[c]};" for c in sorted({e.column for e in entries})]
     for row, target in enumerate([*writes, *states_of]):
         text = _print_sum(row, entries, values)
-        if row in begun:
-            text = begun[row] if text == "0.0" else f"{begun[row]} + {text}"
+        if row in first_terms:
+            text = first_terms[row] if text == "0.0" else f"{first_terms[row]} + {text}"
         lines.append(f"{target} = {text};")
     return lines
 

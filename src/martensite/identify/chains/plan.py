@@ -175,11 +175,11 @@ def _differentiate_block(
 
 def _count_work(program: Program, slopes: dict[int, Any]) -> int:
     """Return the number of operations per sample."""
-    graph, seen = program.graph, set[int]()
+    graph, nodes = program.graph, set[int]()
     stack = [slope.index for slope in slopes.values()]
     while stack:
         index = stack.pop()
-        if index not in seen and graph.depends[index] & VARYING:
-            seen.add(index)
+        if index not in nodes and graph.depends[index] & VARYING:
+            nodes.add(index)
             stack += graph.children(index)
-    return len(seen)
+    return len(nodes)

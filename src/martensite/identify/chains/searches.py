@@ -45,11 +45,13 @@ def hide_block(record: Sampled, block: slice) -> Sampled:
     return record.with_outputs(outputs)
 
 
-def measure_left_out(end: SearchEnd, records: Sequence[Sampled], seen: Sequence[Sampled], goal: Goal) -> float:
+def measure_left_out(
+    end: SearchEnd, records: Sequence[Sampled], training_records: Sequence[Sampled], goal: Goal
+) -> float:
     """Return the squared error on held-out outputs, over their variances."""
-    states = goal.bare_squares(end.chain, seen).initial(end.found.theta)
+    states = goal.bare_squares(end.chain, training_records).initial(end.found.theta)
     total = 0.0
-    for record, part, state in zip(records, seen, states, strict=True):
+    for record, part, state in zip(records, training_records, states, strict=True):
         away = (record.outputs - end.chain.simulate(record.inputs, state)) / np.nanstd(record.outputs, axis=0)
         total += float(np.nansum(np.where(np.isnan(part.outputs), away, 0.0) ** 2))
     return total if np.isfinite(total) else np.inf
@@ -101,14 +103,14 @@ def _refine_one(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchE
     """Return the nearest minimum, or where the search was halted; None without a step."""
     chain = replace(chain, interval=records[0].interval)
     squares = goal.squares(chain, records)
-    begun = squares.extend_parameters(chain.theta)
+    start = squares.extend_parameters(chain.theta)
     best: list[Found] = []
 
     def watch(count: int, value: float, theta: Numbers) -> None:
         best[:] = [Found(theta, value, count, False)]
 
     try:
-        end = minimise_cost(squares, begun, goal.options.iterations, watch=watch)
+        end = minimise_cost(squares, start, goal.options.iterations, watch=watch)
     except HaltedSearchError:
         if not best:
             return None

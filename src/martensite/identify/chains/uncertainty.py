@@ -107,8 +107,8 @@ class ChainUncertainty:
             columns = slice(first, first + len(theta))
             slopes = slopes_of_shown(block, theta)
             scaled = slopes / self.scale[columns]
-            gone = np.linalg.norm(scaled @ self.null[columns], axis=1)
-            open_ = gone > UNDETERMINED * np.linalg.norm(scaled, axis=1)
+            null_sizes = np.linalg.norm(scaled @ self.null[columns], axis=1)
+            open_ = null_sizes > UNDETERMINED * np.linalg.norm(scaled, axis=1)
             moved = np.linalg.norm(slopes[:, lost[columns]], axis=1)
             numbers += list_rows(k + 1, block, theta, slopes, self.covariance[columns, columns], open_, moved)
             first = columns.stop

@@ -51,9 +51,9 @@ class BlockedRecord:
     fitted: bool = True
     """False if it is scored only."""
 
-    def blocks(self, held: bool) -> tuple[slice, ...]:
+    def blocks(self, is_held_out: bool) -> tuple[slice, ...]:
         """Return the held-out blocks, or the blocks to choose by."""
-        return self.held if held else self.chosen_by
+        return self.held if is_held_out else self.chosen_by
 
     def hide(self, whole: bool) -> Sampled:
         """Return the record without held-out outputs, and without outputs to choose by unless `whole`."""
@@ -124,14 +124,14 @@ def run_blocks(chain: Chain | None, blocked: Sequence[BlockedRecord], whole: boo
     return [free_run(chain, one.hide(whole) if one.fitted else one.record, AUTO) for one in blocked]
 
 
-def measure_blocks(blocked: Sequence[BlockedRecord], runs: Sequence[Numbers], held: bool) -> BlockErrors:
+def measure_blocks(blocked: Sequence[BlockedRecord], runs: Sequence[Numbers], is_held_out: bool) -> BlockErrors:
     """Return the errors of runs on the held-out blocks, or on the blocks to choose by."""
     scale = np.nanstd(np.concatenate([one.record.outputs for one in blocked if one.fitted]), axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     rows: list[tuple[Numbers, Numbers]] = []
     pieces: list[float] = []
     for one, run in zip(blocked, runs, strict=True):
-        for block in one.blocks(held):
+        for block in one.blocks(is_held_out):
             y, error = one.record.outputs[block], (one.record.outputs - run)[block] / scale
             rows.append((y / scale, error))
             squares = [float(np.nanmean(part**2)) for part in np.array_split(error, PIECES) if np.isfinite(part).any()]
@@ -157,10 +157,10 @@ def compare_errors(before: BlockErrors, after: BlockErrors, level: float = CERTA
     return ErrorFall(float(np.mean(falls)), width, 1.0 - (second / first) ** 0.5 if first > 0.0 else 0.0)
 
 
-def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
+def describe_silence(blocked: Sequence[BlockedRecord], is_held_out: bool) -> str:
     """Return why blocks are uninformative: inputs or outputs are constant in all, or both in most; else empty."""
-    what = "blocks held out" if held else "blocks to choose by"
-    pairs = [(one.record, block) for one in blocked for block in one.blocks(held)]
+    what = "blocks held out" if is_held_out else "blocks to choose by"
+    pairs = [(one.record, block) for one in blocked for block in one.blocks(is_held_out)]
     quiet = [_keeps_still(record.inputs, block, STILL) for record, block in pairs]
     mute = [_keeps_still(record.outputs, block, 5.0 * STILL) for record, block in pairs]
     count = len(pairs) if all(quiet) or all(mute) else sum(map(and_, quiet, mute))
@@ -168,7 +168,7 @@ def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
         return ""
     return (
         f"In {count} of the {len(pairs)} {what} the input or the output does not move: they cannot tell which model is "
-        f"right. Record so that the input moves throughout, or give {'--other' if held else '--validate'} a log."
+        f"right. Record so that the input moves throughout, or give {'--other' if is_held_out else '--validate'} a log."
     )
 
 

@@ -93,12 +93,14 @@ class _Climb:
         try:
             with np.errstate(all="ignore"):  # a structure may grow without bound
                 estimate = estimate_chain(text, visible, options, tell, self.clock.halt)
-                chosen_by, held = self._measure(estimate.chain)
+                chosen_by, held_out_errors = self._measure(estimate.chain)
         except MartensiteError as error:
             return LadderTrial(
                 text, numbers, None, no_errors, no_errors, measure_processor_time() - started, str(error)
             )
-        return LadderTrial(text, numbers, estimate.chain, chosen_by, held, measure_processor_time() - started)
+        return LadderTrial(
+            text, numbers, estimate.chain, chosen_by, held_out_errors, measure_processor_time() - started
+        )
 
     def _measure(self, chain: Chain | None) -> tuple[BlockErrors, BlockErrors]:
         """Return the errors of a model, or of the mean, on the blocks to choose by and on held-out blocks."""
@@ -312,7 +314,7 @@ def _pick_best(trials: Sequence[LadderTrial]) -> LadderTrial:
     return min(near, key=lambda one: (one.numbers, _rank(one)), default=best)
 
 
-def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Sequence[str]) -> Ladder:
+def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], reasons: Sequence[str]) -> Ladder:
     """Return the chosen structure, fitted to all data that are not held out, and its test on held-out data."""
     chosen = climb.best or climb.rungs[0].trials[0]
     chain, whole = chosen.chain, False
@@ -324,7 +326,7 @@ def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Seq
     runs = run_blocks(chain, climb.blocked, whole)
     errors = measure_blocks(climb.blocked, runs, True)
     fitted = [one.record for one in climb.blocked if one.fitted]
-    doubts = [describe_step(fitted), *(describe_silence(climb.blocked, held) for held in (False, True))]
+    doubts = [describe_step(fitted), *(describe_silence(climb.blocked, is_held_out) for is_held_out in (False, True))]
     doubts += describe_exchange(fitted, errors.fit)
     return Ladder(
         climb.blocked,
@@ -335,7 +337,7 @@ def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Seq
         errors,
         tuple(_check_held(chain, climb.blocked, whole)),
         tuple(tests),
-        tuple(said),
+        tuple(reasons),
         tuple(_score_apart(chain, apart)),
         tuple(text for text in doubts if text),
         tuple(remarks),

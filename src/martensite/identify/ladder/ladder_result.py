@@ -101,9 +101,9 @@ class Ladder:
         scores += f", rms error {', '.join(sizes)}" if sizes else ""
         if self.predicts:
             return f"{text} predicts: {scores}."
-        found = self.prediction
-        rival = found.best_rival if self.gain.certain else MEAN
-        if not self.gain.certain or not found.beats_rivals:
+        prediction = self.prediction
+        rival = prediction.best_rival if self.gain.certain else MEAN
+        if not self.gain.certain or not prediction.beats_rivals:
             return f"{text} does not predict better than the {rival}: {scores}."
         return f"{text} does not predict: it explains less than {100.0 * EXPLAINED:.0f} %: {scores}."
 

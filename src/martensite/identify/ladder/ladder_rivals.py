@@ -31,13 +31,13 @@ def run_lag(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
     """Return all records as the linear function of lagged inputs that explains the fitted outputs best."""
     fitted = [one for one in blocked if one.fitted]
     y = np.concatenate([one.hide(whole).outputs for one in fitted])
-    known = np.isfinite(y).all(axis=1)
+    finite_rows = np.isfinite(y).all(axis=1)
 
     def gather(lag: float) -> Numbers:
-        return np.concatenate([_filter_inputs(one, lag) for one in fitted])[known]
+        return np.concatenate([_filter_inputs(one, lag) for one in fitted])[finite_rows]
 
     ends = fitted[0].record.interval, max(one.record.duration for one in fitted)
-    best = fit_lag(gather, y[known], ends, LAGS, refined=2)
+    best = fit_lag(gather, y[finite_rows], ends, LAGS, refined=2)
     return [best.zeros + _filter_inputs(one, best.time_constant) @ best.gains for one in blocked]
 
 
@@ -50,14 +50,14 @@ def repeat_cycles(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers
     """Return the fitted outputs whole periods earlier; None unless every record that is held out is periodic."""
     runs: list[Numbers] = []
     for one in blocked:
-        seen = one.hide(whole).outputs if one.fitted else np.full_like(one.record.outputs, np.nan)
+        fitted_outputs = one.hide(whole).outputs if one.fitted else np.full_like(one.record.outputs, np.nan)
         period = find_period(one.record.inputs[:, 0])
-        found = np.full_like(seen, np.nan)
-        for back in range(period, len(seen), period) if period else ():
-            found[back:] = np.where(np.isnan(found[back:]), seen[:-back], found[back:])
-        if any(np.isnan(found[block]).any() for block in one.held):
+        run = np.full_like(fitted_outputs, np.nan)
+        for back in range(period, len(fitted_outputs), period) if period else ():
+            run[back:] = np.where(np.isnan(run[back:]), fitted_outputs[:-back], run[back:])
+        if any(np.isnan(run[block]).any() for block in one.held):
             return None
-        runs.append(found)
+        runs.append(run)
     return runs
 
 
