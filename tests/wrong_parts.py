@@ -423,8 +423,8 @@ class Early(SupplySag):
 class Mute(Stuck):
     """Does nothing, and decides by a value."""
 
-    def reading(self, xp: Any, sensor: str, reading: Any, held: Any, active: Any) -> Any:
-        return reading if reading > 0.0 else held
+    def reading(self, xp: Any, sensor: str, reading: Any, last_reading: Any, active: Any) -> Any:
+        return reading if reading > 0.0 else last_reading
 
 
 # ---------------------------------------------------------------- blocks and measures
@@ -547,16 +547,16 @@ class Greedy(Isobaric):
 class Idle(Isobaric):
     """Proposes no scenario."""
 
-    def propose(self, found: Any, records: Any, known: Any) -> Iterator[Proposal]:
+    def propose(self, experiment: Any, records: Any, assumptions: Any) -> Iterator[Proposal]:
         yield from ()
 
 
 class Stubborn(Isobaric):
     """Assumes a length that is given."""
 
-    def propose(self, found: Any, records: Any, known: Any) -> Iterator[Proposal]:
-        known.sentences.append("`element.length` is assumed to be 100 mm: without effect.")
-        yield from super().propose(found, records, known)
+    def propose(self, experiment: Any, records: Any, assumptions: Any) -> Iterator[Proposal]:
+        assumptions.sentences.append("`element.length` is assumed to be 100 mm: without effect.")
+        yield from super().propose(experiment, records, assumptions)
 
 
 def make_wrong_command() -> Any:

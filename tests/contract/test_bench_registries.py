@@ -314,7 +314,7 @@ class Early(SupplySag):
 class Mute(Stuck):
     """Does nothing."""
 
-    def reading(self, xp: Any, sensor: str, reading: Any, held: Any, active: Any) -> Any:
+    def reading(self, xp: Any, sensor: str, reading: Any, last_reading: Any, active: Any) -> Any:
         return reading
 
 

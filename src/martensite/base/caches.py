@@ -88,10 +88,10 @@ def is_private_file(path: Path) -> bool:
     return stat.S_ISREG(status.st_mode) and private
 
 
-def keep_private(made: Path, path: Path, mode: int = 0o600) -> None:
+def keep_private(new_file: Path, path: Path, mode: int = 0o600) -> None:
     """Move a new file to its place in a cache and deny other users write access."""
-    made.chmod(mode)
-    made.replace(path)
+    new_file.chmod(mode)
+    new_file.replace(path)
 
 
 def _describe_danger(path: Path, reason: str) -> OSError:

@@ -37,19 +37,19 @@ def replace_file(path: Path) -> Generator[Path]:
             raise DataError(f"The folder of `{path}` does not exist; create it first.")
     except OSError as error:  # a name that is too long
         raise _describe_failure(path, error) from None
-    part, held = path.with_name(f".{path.name[:40]}.{os.urandom(4).hex()}.part"), _held.get()
+    part, pending_parts = path.with_name(f".{path.name[:40]}.{os.urandom(4).hex()}.part"), _held.get()
     _unfinished[part] = os.getpid()
     try:
         with _catch_termination(), rescue_answer(lambda: _remove_part(part) or ""):
             yield part
-            if held is None:
+            if pending_parts is None:
                 part.replace(path)
             else:
-                held[part] = path
+                pending_parts[part] = path
     except OSError as error:
         raise _describe_failure(path, error) from error
     finally:
-        if held is None or part not in held:
+        if pending_parts is None or part not in pending_parts:
             _remove_part(part)
 
 
@@ -60,11 +60,11 @@ def replace_together() -> Generator[None]:
     Raises:
         DataError: a file cannot be written.
     """
-    held: dict[Path, Path] = {}
-    token = _held.set(held)
+    pending_parts: dict[Path, Path] = {}
+    token = _held.set(pending_parts)
 
     def remove_parts() -> str:
-        for part in held:
+        for part in pending_parts:
             _remove_part(part)
         return ""
 
@@ -72,7 +72,7 @@ def replace_together() -> Generator[None]:
         with _catch_termination(), rescue_answer(remove_parts):
             yield
             with hold_interrupts():
-                for part, path in held.items():
+                for part, path in pending_parts.items():
                     try:
                         part.replace(path)
                     except OSError as error:

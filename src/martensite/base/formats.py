@@ -18,37 +18,37 @@ def write_quantity(value: float, unit: str, digits: int = 6) -> str:
     """Return a value given in the SI `unit` as text in a readable unit; `none` for an infinite limit."""
     if math.isinf(value):
         return "none"
-    shown = units.choose_readable_unit(unit)
-    number = f"{units.from_si(value, shown, unit):.{digits}g}"
-    return number if shown == "1" else f"{number} {shown}"
+    display_unit = units.choose_readable_unit(unit)
+    number = f"{units.from_si(value, display_unit, unit):.{digits}g}"
+    return number if display_unit == "1" else f"{number} {display_unit}"
 
 
-def show_quantity(value: float, unit: str, digits: int = 4, shown: str = "") -> str:
+def show_quantity(value: float, unit: str, digits: int = 4, display_unit: str = "") -> str:
     """Return a value given in the SI `unit` as screens show it, such as `93.94 °C`.
 
     Args:
         value: value in the SI `unit`.
         unit: SI unit.
         digits: significant digits.
-        shown: unit to convert to; by default the readable one.
+        display_unit: unit to convert to; by default the readable one.
     """
     if math.isinf(value):
         return "none"
-    shown = shown or units.choose_readable_unit(unit)
-    number = f"{units.from_si(value, shown, unit):.{digits}g}"
-    return f"{number} {typeset_unit(shown)}".rstrip()
+    display_unit = display_unit or units.choose_readable_unit(unit)
+    number = f"{units.from_si(value, display_unit, unit):.{digits}g}"
+    return f"{number} {typeset_unit(display_unit)}".rstrip()
 
 
 def write_difference(value: float, unit: str, digits: int = 4, name: str = "") -> str:
     """Return a difference given in the SI `unit` as text in a readable unit, of a column if it has a name."""
-    shown, factor = choose_difference_unit(unit, name)
-    return f"{value / factor:.{digits}g}" + (f" {shown}" if shown != "1" else "")
+    display_unit, factor = choose_difference_unit(unit, name)
+    return f"{value / factor:.{digits}g}" + (f" {display_unit}" if display_unit != "1" else "")
 
 
 def choose_difference_unit(unit: str, name: str = "") -> tuple[str, float]:
     """Return the readable unit of a difference, of a column if it has a name, and its size in the SI `unit`."""
-    shown = units.of_column(name, unit)
-    return {"degC": "K"}.get(shown, shown), units.find_conversion(shown, unit)[0]
+    display_unit = units.of_column(name, unit)
+    return {"degC": "K"}.get(display_unit, display_unit), units.find_conversion(display_unit, unit)[0]
 
 
 def write_percent(share: float, digits: int = 0) -> str:

@@ -97,11 +97,11 @@ def _find_class(name: str) -> Any:
         cls = getattr(cls, one, None)
     if cls is None:
         raise DataError(f"Class `{path}` of module `{home}` is unknown here; import that module first.")
-    made: Any = cls
+    any_class: Any = cls
     if isinstance(cls, type) and (
-        issubclass(cls, Parametrised | Enum) or is_dataclass(made) or hasattr(made, "_fields")
+        issubclass(cls, Parametrised | Enum) or is_dataclass(any_class) or hasattr(any_class, "_fields")
     ):
-        return made
+        return any_class
     raise DataError(f"`{name}` is no class of a part or of a record.")
 
 

@@ -252,10 +252,10 @@ class Parametrised:
         raise AttributeError(f"`{type(self).__name__}` is frozen; use `.with_values(...)`.")
 
     def __repr__(self) -> str:
-        shown = (
+        settings = (
             (name, self.__dict__[name]) for name, d in self.declarations.items() if self.__dict__[name] != d.default
         )
-        return f"{type(self).__name__}({', '.join(f'{name}={_shorten(value)}' for name, value in shown)})"
+        return f"{type(self).__name__}({', '.join(f'{name}={_shorten(value)}' for name, value in settings)})"
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and self.__dict__ == other.__dict__

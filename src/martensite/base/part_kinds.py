@@ -37,8 +37,8 @@ def _list_classes(annotation: Any) -> list[type[Any]]:
 def require_part(owner: type[Any], title: str, name: str, value: Any, kind: type[Any]) -> None:
     """Raise `ParameterError` if a part is a class, or not an object of the declared classes of this `kind`."""
     if isinstance(value, type):
-        made = value.__name__
-        raise ParameterError(f"`{name}` of `{title}` is the class `{made}`; give an object, such as `{made}(...)`.")
+        label = value.__name__
+        raise ParameterError(f"`{name}` of `{title}` is the class `{label}`; give an object, such as `{label}(...)`.")
     allowed = find_annotated(owner, name)
     parts = tuple(one for one in allowed if issubclass(one, kind))
     if not parts or isinstance(value, allowed):
@@ -51,5 +51,5 @@ def require_part(owner: type[Any], title: str, name: str, value: Any, kind: type
 def refuse_unnamed(title: str, given: tuple[Any, ...], names: Any) -> None:
     """Raise `ParameterError` if values are given without names."""
     if given:
-        shown = ", ".join(f"{name}=..." for name in list(names)[:3])
-        raise ParameterError(f"`{title}` takes its values by name; write `{title}({shown})`.")
+        example = ", ".join(f"{name}=..." for name in list(names)[:3])
+        raise ParameterError(f"`{title}` takes its values by name; write `{title}({example})`.")

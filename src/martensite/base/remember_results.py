@@ -16,14 +16,14 @@ R = TypeVar("R")
 
 def remember(function: Callable[[T], R]) -> Callable[[T], R]:
     """Return the function with its result kept for each immutable argument; a result must not refer to the argument."""
-    kept: dict[int, tuple[ref[Any], R]] = {}
+    cache: dict[int, tuple[ref[Any], R]] = {}
 
     @wraps(function)
     def look_up(argument: T) -> R:
         key = id(argument)
-        entry = kept.get(key)
+        entry = cache.get(key)
         if entry is None or entry[0]() is not argument:
-            entry = kept[key] = (ref(argument, lambda _: kept.pop(key, None)), function(argument))
+            entry = cache[key] = (ref(argument, lambda _: cache.pop(key, None)), function(argument))
         return entry[1]
 
     return look_up

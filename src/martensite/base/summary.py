@@ -78,11 +78,11 @@ class DataTable:
 
     def drop_details(self) -> DataTable:
         """Return the table without columns for pages."""
-        kept = [k for k in range(len(self.head)) if k not in self.detail]
+        columns = [k for k in range(len(self.head)) if k not in self.detail]
         return DataTable(
-            [self.head[k] for k in kept],
-            [[row[k].replace("`", "") + self._tag(i) * (k == 0) for k in kept] for i, row in enumerate(self.rows)],
-            [place for place, k in enumerate(kept) if k in self.right],
+            [self.head[k] for k in columns],
+            [[row[k].replace("`", "") + self._tag(i) * (k == 0) for k in columns] for i, row in enumerate(self.rows)],
+            [place for place, k in enumerate(columns) if k in self.right],
             tones=self.tones,
         )
 

@@ -101,12 +101,12 @@ def read_product(spelling: str) -> UnitProduct | None:
         return None
     factor, exponents = 1.0, [0] * len(_BASES)
     for place, (sign, symbol, power) in enumerate(parts):
-        known = _find_symbol(symbol)
-        if known is None or bool(sign) != bool(place):
+        product = _find_symbol(symbol)
+        if product is None or bool(sign) != bool(place):
             return None
         times = int(power or 1) * (-1 if sign == "/" else 1)
-        factor *= known.factor**times
-        exponents = [a + times * b for a, b in zip(exponents, known.exponents, strict=True)]
+        factor *= product.factor**times
+        exponents = [a + times * b for a, b in zip(exponents, product.exponents, strict=True)]
     return UnitProduct(factor, tuple(exponents))
 
 
@@ -119,5 +119,5 @@ def _find_symbol(symbol: str) -> UnitProduct | None:
     if symbol not in EVERYDAY and symbol not in _SCALED:
         return None
     unit, factor = EVERYDAY[symbol][:2] if symbol in EVERYDAY else _SCALED[symbol]
-    known = read_product(unit)
-    return known and UnitProduct(factor * known.factor, known.exponents)
+    product = read_product(unit)
+    return product and UnitProduct(factor * product.factor, product.exponents)

@@ -91,11 +91,11 @@ class BoardLog:
         from martensite.show.figures.style import make_figure, use_style
 
         table, headings = self.table(), self.headings()
-        shown = [k for k, name in enumerate(self.names) if name not in ("time", "status")]
+        columns = [k for k, name in enumerate(self.names) if name not in ("time", "status")]
         with use_style():
-            figure = make_figure(7.0, 1.0 + 1.6 * len(shown))
-            for row, k in enumerate(shown):
-                axes = figure.add_subplot(len(shown), 1, row + 1)
+            figure = make_figure(7.0, 1.0 + 1.6 * len(columns))
+            for row, k in enumerate(columns):
+                axes = figure.add_subplot(len(columns), 1, row + 1)
                 axes.step(table[:, 0], table[:, k], where="post")
                 axes.set(ylabel=headings[k])
             axes.set(xlabel="time [s]")

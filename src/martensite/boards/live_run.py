@@ -147,24 +147,24 @@ def make_project(scenario: Scenario, board: str, folder: Path) -> None:
         build_firmware(scenario, board, name=folder.name).write(folder)
 
 
-def run_live(asked: LiveRun, project: Path, log: Path, tell: Tell, stop: threading.Event) -> dict[str, Any]:
+def run_live(run: LiveRun, project: Path, log: Path, tell: Tell, stop: threading.Event) -> dict[str, Any]:
     """Run, or listen to, the board of a project; report progress, write a log, and return all its columns.
 
     Raises:
         InputError: the port cannot be opened, or the board has another firmware.
         SolveError: the board does not answer, or the link failed.
     """
-    calibration = {"points": {}, "settings": {}, **(asked.calibration or {})}
+    calibration = {"points": {}, "settings": {}, **(run.calibration or {})}
     write_file(project / CALIBRATION, json.dumps(calibration, indent=1) + "\n")
-    tell({"stage": "compiling and starting the emulator" if asked.port == EMULATOR else "opening the port"})
-    with Session.open(project, asked.port) as session:
-        if asked.calibration is None and asked.word:
+    tell({"stage": "compiling and starting the emulator" if run.port == EMULATOR else "opening the port"})
+    with Session.open(project, run.port) as session:
+        if run.calibration is None and run.word:
             accept_nominal(session)
-        watch = LiveWatch(session, tell, stop, name_wanted(session) if asked.word and not asked.levels.strip() else {})
+        watch = LiveWatch(session, tell, stop, name_wanted(session) if run.word and not run.levels.strip() else {})
         units = list_units(session, watch.wanted)
-        tell({"stage": "running" if asked.word else "listening", "units": units})
-        ended = _run_watched(asked, session, watch)
-        safe = _confirm_disarmed(session) if asked.word else "Dry run: nothing was armed."
+        tell({"stage": "running" if run.word else "listening", "units": units})
+        ended = _run_watched(run, session, watch)
+        safe = _confirm_disarmed(session) if run.word else "Dry run: nothing was armed."
         if watch.log is not None and len(watch.log):
             watch.log.write(log, session.link.reader.counts)
         rig = write_rig_scenario(session.firmware["scenario"])
@@ -191,16 +191,16 @@ def list_units(session: Session, wanted: Iterable[str]) -> dict[str, str]:
     return {"time": "s", **telemetry, **beside, **{f"true {name}": unit for name, unit in true.items()}}
 
 
-def _run_watched(asked: LiveRun, session: Session, watch: LiveWatch) -> str:
+def _run_watched(run: LiveRun, session: Session, watch: LiveWatch) -> str:
     """Return why the run ended early, or an empty text."""
     try:
-        if not asked.word:
-            session.listen(LISTENED if asked.duration is None else asked.duration, watch)
-        elif asked.levels.strip():
-            session.play(asked.list_levels(), word=asked.word, watch=watch)
+        if not run.word:
+            session.listen(LISTENED if run.duration is None else run.duration, watch)
+        elif run.levels.strip():
+            session.play(run.list_levels(), word=run.word, watch=watch)
         else:
-            seconds = session.scenario.duration if asked.duration is None else asked.duration
-            session.follow(session.list_references(), seconds, word=asked.word, watch=watch)
+            seconds = session.scenario.duration if run.duration is None else run.duration
+            session.follow(session.list_references(), seconds, word=run.word, watch=watch)
     except RunStopped:
         return "Stopped."
     except BoardStopped as error:

@@ -74,8 +74,8 @@ def open_session(source: BoardSource) -> Iterator[Session]:
     """Yield an open session with a board."""
     from martensite.boards.session import Session
 
-    with Session.open(source.project, source.port) as found:
-        yield found
+    with Session.open(source.project, source.port) as session:
+        yield session
 
 
 @contextmanager
@@ -104,30 +104,30 @@ def _describe_latest(label: str, log: BoardLog) -> str:
     return f"{label}: " + ", ".join(f"{name} {value:.4g}" for name, value in names)
 
 
-def answer_log(session: Session, found: BoardLog, options: LogOptions, before: list[Block] | None = None) -> None:
+def answer_log(session: Session, log: BoardLog, options: LogOptions, before: list[Block] | None = None) -> None:
     """Write log and figure, and print a summary."""
     from martensite.show.figures.style import write_figure
     from martensite.show.terminal import print_summary
 
     counts = session.link.reader.counts
     if options.out is not None:
-        found.write(options.out, counts)
+        log.write(options.out, counts)
     if options.figure is not None:
-        write_figure(found.plot(), options.figure)
-    table = found.table()
+        write_figure(log.plot(), options.figure)
+    table = log.table()
     rows = (
         [
             [heading, f"{column.min():.5g}", f"{column.max():.5g}", f"{column[-1]:.5g}"]
-            for heading, column in zip(found.headings(), table.T, strict=True)
+            for heading, column in zip(log.headings(), table.T, strict=True)
         ]
-        if len(found)
+        if len(log)
         else []
     )
-    words = f"{len(found)} samples; frames: {counts.good} good, {counts.describe()}"
+    words = f"{len(log)} samples; frames: {counts.good} good, {counts.describe()}"
     blocks: list[Block] = [
         *(before or []),
         Sentence(words),
         DataTable(("column", "least", "largest", "last"), rows, right=(1, 2, 3)),
     ]
-    data = {"samples": len(found), **vars(counts)}
+    data = {"samples": len(log), **vars(counts)}
     print_summary(Summary("", blocks, data), options.json, Outputs(options.out, options.figure).paths())

@@ -29,12 +29,12 @@ def _process(one: Any, convert: Any, ctx: Any, value: Any) -> Any:
         return convert(ctx, value)
     several, kind = one.multiple or one.nargs == -1, one.type_descriptor.annotation
     if value is None:
-        found = () if several else None
+        plain_value = () if several else None
     elif several:
-        found = [Path(each) for each in value] if kind == list[Path] else [*value]
+        plain_value = [Path(each) for each in value] if kind == list[Path] else [*value]
     else:
-        found = Path(value) if kind is Path else value
-    return found if one.callback is None else one.callback(ctx, one, found)
+        plain_value = Path(value) if kind is Path else value
+    return plain_value if one.callback is None else one.callback(ctx, one, plain_value)
 
 
 def _is_plain(one: Any, value: Any) -> bool:

@@ -40,26 +40,26 @@ def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> Tun
     length = _read_duration(options, scenario)
     with show_spinner("reading"):
         runs = _make_runs(bench, length, drive, scenario)
-    seen, others = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
+    training_plants, others = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     if options.method == "gradient":
-        found, tests, origin = _search_gains(runs, options, length, scenario, (seen, others), best)
+        tuned_bench, tests, origin = _search_gains(runs, options, length, scenario, (training_plants, others), best)
     else:
-        found, tests, origin = _apply_rule(runs, options, scenario, others)
-    outcome = TuningOutcome(scenario, options.method, found, drive, tests, origin)
+        tuned_bench, tests, origin = _apply_rule(runs, options, scenario, others)
+    outcome = TuningOutcome(scenario, options.method, tuned_bench, drive, tests, origin)
     with show_spinner("checking the tuned loop"):
-        verdict = judge_scenario(scenario, found.bench, found.judgement)
+        verdict = judge_scenario(scenario, tuned_bench.bench, tuned_bench.judgement)
     return TuningAnswer(
         verdict,
         summarise_tuning(outcome),
-        lambda: scenario.write_changed(found.after, f"tuned: {origin}"),
+        lambda: scenario.write_changed(tuned_bench.after, f"tuned: {origin}"),
         lambda: _plot_outcome(outcome),
     )
 
 
-def _plot_outcome(found: TuningOutcome) -> Figure:
+def _plot_outcome(outcome: TuningOutcome) -> Figure:
     from martensite.show.figures.tuning import plot_tuning
 
-    return plot_tuning(found.found, found.drive, found.scenario.title)
+    return plot_tuning(outcome.found, outcome.drive, outcome.scenario.title)
 
 
 def _find_bench(scenario: Scenario) -> Bench:

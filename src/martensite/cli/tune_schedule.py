@@ -67,13 +67,13 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> TuningAnswer:
     )
 
 
-def _summarise_schedule(scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop]) -> Summary:
+def _summarise_schedule(scenario: Scenario, schedule: DesignedSchedule, loops: list[LinearLoop]) -> Summary:
     margins = [compute_margins(one.loop) for one in loops]
-    pairs = list(zip(found.points, margins, strict=False))  # the last loop is the dead band
+    pairs = list(zip(schedule.points, margins, strict=False))  # the last loop is the dead band
     cells = [
         (
             one.branch,
-            write_quantity(one.at, found.unit, 3),
+            write_quantity(one.at, schedule.unit, 3),
             f"{one.Kp:.4g}",
             f"{one.Ki:.4g}",
             f"{has.sensitivity:.3f}",
@@ -83,6 +83,6 @@ def _summarise_schedule(scenario: Scenario, found: DesignedSchedule, loops: list
         for one, has in pairs
     ]
     rows: list[dict[str, Any]] = [vars(one) | vars(has) | {"sensitivity": has.sensitivity} for one, has in pairs]
-    data = {"title": scenario.title, "method": "schedule", "drive": found.drive, "points": rows}
+    data = {"title": scenario.title, "method": "schedule", "drive": schedule.drive, "points": rows}
     table = DataTable(HEAD, cells, right=tuple(range(1, len(HEAD))))
     return Summary(scenario.title, [table], data)

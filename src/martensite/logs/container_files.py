@@ -162,9 +162,9 @@ def read_tdms(path: Path) -> Columns:
             columns[f"{group.name} {name}" if name in columns else name] = values.astype(float)
             if "wf_increment" in channel.properties:
                 times.setdefault(values.size, np.asarray(channel.time_track(), dtype=float))
-    for length, found in times.items():
+    for length, clock in times.items():
         if not any("time" in name.lower() and len(column) == length for name, column in columns.items()):
-            columns[f"time [s]{'' if len(times) == 1 else f' {length}'}"] = found
+            columns[f"time [s]{'' if len(times) == 1 else f' {length}'}"] = clock
     return columns
 
 

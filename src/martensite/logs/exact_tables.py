@@ -173,10 +173,10 @@ def build_exact(
         DataError: a cell is not a finite number, time does not increase, or no row can be read.
     """
     wanted = [(column, head) for column, head in zip(raw.columns, headings, strict=True) if head.name != IGNORED]
-    kept = _choose_rows(raw, wanted, drop)
-    columns: dict[str, Numbers] = {head.name: _convert(column.numbers[kept], head) for column, head in wanted}
+    rows = _choose_rows(raw, wanted, drop)
+    columns: dict[str, Numbers] = {head.name: _convert(column.numbers[rows], head) for column, head in wanted}
     si_units = {head.name: head.unit for _, head in wanted}
-    numbers = raw.numbers[kept]
+    numbers = raw.numbers[rows]
     assumed: float | None = None
     if "time" in columns:
         _refuse_disorder(raw.name, numbers, columns["time"])
@@ -213,11 +213,11 @@ def _choose_rows(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]], 
     if not drop:
         _refuse_wrong(raw, wanted)
     wrong = [cell.row for column, _ in wanted for cell in column.wrong]
-    kept = np.flatnonzero(~np.isin(raw.numbers, wrong))
-    if not wanted or not kept.size:
+    rows = np.flatnonzero(~np.isin(raw.numbers, wrong))
+    if not wanted or not rows.size:
         raise DataError(f"`{raw.name}` has no numeric column or row.")
     times = next((column.numbers for column, head in wanted if head.name == "time"), None)
-    return kept if times is None or not drop else kept[np.append(True, np.diff(times[kept]) != 0.0)]
+    return rows if times is None or not drop else rows[np.append(True, np.diff(times[rows]) != 0.0)]
 
 
 def _refuse_wrong(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]]) -> None:

@@ -165,8 +165,8 @@ def _find_unit(spelling: str) -> str:
     listed = find_listed(spelling)
     if listed:
         return listed
-    known = len(spelling) > 1 and any(_is_convertible(spelling, si) for si in (*BY_UNIT, "1", "m/s", "Hz"))
-    return spelling if known else ""  # single letters that are not listed are physical constants
+    is_unit = len(spelling) > 1 and any(_is_convertible(spelling, si) for si in (*BY_UNIT, "1", "m/s", "Hz"))
+    return spelling if is_unit else ""  # single letters that are not listed are physical constants
 
 
 @lru_cache(maxsize=4096)

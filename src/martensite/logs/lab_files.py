@@ -164,8 +164,8 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     """Return a table with the meaning of its columns; arguments and errors as `read_lab_file`."""
     meant = guess_meanings(raw, named)
     blocks = leave_blocks(raw, meant)
-    known, clock = _find_times(raw, meant)
-    times, timed = (known, True) if known else _assume_times(raw, bool(blocks))
+    file_times, clock = _find_times(raw, meant)
+    times, timed = (file_times, True) if file_times else _assume_times(raw, bool(blocks))
     columns, si_units, listed = _convert_columns(raw, meant, times, clock)
     notes = [*raw.notes, *blocks, *times.notes, *_list_doubts(raw, meant, clock), *_mend_columns(columns, meant)]
     if columns.keys() <= {"time"}:

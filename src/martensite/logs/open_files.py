@@ -67,8 +67,8 @@ class Lines(Sequence[Line]):
 
     def select(self, fits: Callable[[str], bool]) -> Lines:
         """Return the lines whose text meets a condition."""
-        kept = np.fromiter((fits(line) for _, line in self), bool, len(self))
-        return self if kept.all() else Lines(self.data, self.starts[kept], self.numbers[kept])
+        mask = np.fromiter((fits(line) for _, line in self), bool, len(self))
+        return self if mask.all() else Lines(self.data, self.starts[mask], self.numbers[mask])
 
     def _decode_from(self, start: int) -> str:
         end = self.data.find(b"\n", start)

@@ -78,12 +78,12 @@ class _Reader:
     def _read_cells(self, rows: list[list[str]]) -> Numbers | None:
         if {len(row) for row in rows} != {len(self.columns)}:
             return None
-        found = [
+        columns = [
             self._read_column(one, cells) for one, cells in zip(self.columns, zip(*rows, strict=True), strict=True)
         ]
-        if any(numbers is None for numbers in found):
+        if any(numbers is None for numbers in columns):
             return None
-        table = np.array(found)
+        table = np.array(columns)
         return table if bool(np.isfinite(table).any(axis=0).all()) else None
 
     def _read_column(self, column: RawColumn, cells: Sequence[str]) -> Numbers | None:
@@ -102,8 +102,8 @@ def _find_reader(lines: Sequence[Line], sign: str, ends: RawTable) -> _Reader | 
     careful = np.array([one.numbers for one in ends.columns])
     for comma in (False, True):
         reader = _Reader(ends.columns, sign, comma)
-        found = reader.read(block)
-        if found is not None and np.array_equal(found, careful, equal_nan=True):
+        cells = reader.read(block)
+        if cells is not None and np.array_equal(cells, careful, equal_nan=True):
             return reader
     return None
 
@@ -114,10 +114,10 @@ def _insert_rows(ends: RawTable, place: int, middle: Lines, reader: _Reader) -> 
     table = np.empty((len(before), before.shape[1] + len(middle)))
     table[:, :place], table[:, place + len(middle) :] = before[:, :place], before[:, place:]
     for block in middle.list_blocks():
-        found = reader.read(block)
-        if found is None:
+        cells = reader.read(block)
+        if cells is None:
             return None
-        table[:, place : place + len(block)] = found
+        table[:, place : place + len(block)] = cells
         place += len(block)
     numbers = np.insert(ends.numbers, place - len(middle), middle.numbers)
     columns = tuple(replace(one, numbers=numbers) for one, numbers in zip(ends.columns, table, strict=True))

@@ -131,7 +131,7 @@ def find_table(
     body, again = _choose_block(rows, body, headings, where)
     table = [rows[k] for k in body]
     inside = [] if 0 in places else table[:40]
-    said = collect_said(rows[: body[0]]) | collect_said(inside) | _select_texts(units)
+    entries = collect_said(rows[: body[0]]) | collect_said(inside) | _select_texts(units)
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
     left, spoilt = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
     columns = _read_columns(table, headings, channels | units, style, places)
@@ -145,7 +145,7 @@ def find_table(
         np.array([number for number, _ in table]),
         [[cell[:60] for cell in row] for _, row in table[:20]],
         left,
-        said,
+        entries,
         again + doubt,
         _find_labels(rows, used, width),
     )
@@ -216,10 +216,10 @@ def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int],
 
 
 def _list_left(
-    rows: Sequence[Row], body: Sequence[int], known: tuple[set[int], set[int]], used: set[int], again: bool
+    rows: Sequence[Row], body: Sequence[int], sets: tuple[set[int], set[int]], used: set[int], again: bool
 ) -> tuple[tuple[LeftOut, ...], int]:
-    """Return omitted rows, and their number right above the table; `known` holds numeric rows and rows of its width."""
-    (numeric, same), inside = known, set(body)
+    """Return omitted rows, and their number right above the table; `sets` holds numeric rows and rows of its width."""
+    (numeric, same), inside = sets, set(body)
     spoilt = [k for k in range(body[0], body[-1] + 1) if k not in inside]
     behind = [] if again else range(body[-1] + 1, len(rows))
     above = _list_spoilt(rows, body[0], same, used)
@@ -326,11 +326,11 @@ def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> Raw
         raise DataError(f"`{path.name}` has no numeric columns.")
     time = next((len(array) for name, array in arrays.items() if name_column(name) == "time" and len(array) > 1), 0)
     length = time or max(lengths, key=lambda n: n * lengths[n])
-    kept = {name: np.asarray(array, dtype=float) for name, array in arrays.items() if len(array) == length}
-    others = len(arrays) - len(kept)
+    table_arrays = {name: np.asarray(array, dtype=float) for name, array in arrays.items() if len(array) == length}
+    others = len(arrays) - len(table_arrays)
     notes = (f"{others} arrays of another length than {length} are left out.",) if others else ()
     columns: list[RawColumn] = []
-    for name, array in kept.items():
+    for name, array in table_arrays.items():
         wrong = tuple(WrongCell(int(k) + 1, f"{array[k]}") for k in np.flatnonzero(np.isinf(array))[:20])
         numbers = clear_extremes(array)
         columns.append(RawColumn(name, "", "number", numbers, f"{array[0]:.9g}", wrong))

@@ -80,9 +80,9 @@ class Assembly:
         table = section_of(self.document, "mechanism")
         mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
         ports = mechanism.ports()
-        made = self._build_single(mechanism) if len(ports) == 1 else self._build_machine(mechanism, ports)
-        self._read_signals(made)
-        return made
+        system = self._build_single(mechanism) if len(ports) == 1 else self._build_machine(mechanism, ports)
+        self._read_signals(system)
+        return system
 
     def list_waveforms(self, system: AbstractSystem) -> Waveforms:
         """Return the waveform of a system with one drive, or the waveforms of several drives by name."""
@@ -99,9 +99,9 @@ class Assembly:
                 raise ParameterError(f"A scenario has [{MODEL}] or [{other}], not both.")
         if not isinstance(table.get("file"), str):
             raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
-        made = build_plant(read_model(self.folder / str(table["file"])))
-        self._read_signals(made)
-        names = made.mechanism.signals()
+        system = build_plant(read_model(self.folder / str(table["file"])))
+        self._read_signals(system)
+        names = system.mechanism.signals()
         if self.drive in self.document:
             if len(names) != 1 or self.waveforms:
                 raise ParameterError(
@@ -112,7 +112,7 @@ class Assembly:
             table = section_of(self.document, self.drive)
             refuse_unknown(table, ("waveform",), f"[{self.drive}]")
             self.waveforms[name] = self._waveform(table, unit, self.drive, name)
-        return made
+        return system
 
     def _build_single(self, mechanism: AbstractMechanism) -> System:
         if GROUP in self.document:
@@ -166,24 +166,24 @@ class Assembly:
         builder = Builder(material, origins=self.origins)
         elements = Builder(material, origins=self.origins, extra=("material",))
         place = f"{prefix}element"
-        made = build_with_plateaus(
+        actuator_element = build_with_plateaus(
             element, place, lambda described: elements.choose(ELEMENTS, described, place, draws=True)
         )
-        for caution in (find(material, made) for find in (law_caution, override_caution, rphase_caution)):
+        for caution in (find(material, actuator_element) for find in (law_caution, override_caution, rphase_caution)):
             if caution is not None and caution not in self.cautions:
                 self.cautions.append(caution)
         return {
-            "element": made,
+            "element": actuator_element,
             "environment": _build_environment(builder, tables, source.sets_temperature, prefix),
             "source": source,
         }
 
-    def _read_signals(self, made: AbstractSystem) -> None:
-        units, tables = made.signals(), section_of(self.document, SIGNALS, {})
+    def _read_signals(self, system: AbstractSystem) -> None:
+        units, tables = system.signals(), section_of(self.document, SIGNALS, {})
         for name, table in tables.items():
             if name not in units:
                 raise ParameterError(
-                    f"[{SIGNALS}.{name}]: `{made.mechanism.registered_name}` has no signal of that "
+                    f"[{SIGNALS}.{name}]: `{system.mechanism.registered_name}` has no signal of that "
                     f"name. {suggest_name(name, units)}"
                 )
             path = f"{SIGNALS}.{name}"

@@ -150,18 +150,18 @@ class BenchBuilder:
             raise ParameterError(f"`seed` does not stand in [{BENCH}]; write it in [{RUN}], such as `seed = 1`.")
         ((path, given),) = stands.items()
         table = {**section_of(document, BENCH, {}), PERIOD: given}
-        made: BenchSettings = Builder(origins=origins).build(BenchSettings, table, BENCH)
+        settings: BenchSettings = Builder(origins=origins).build(BenchSettings, table, BENCH)
         self.places.note(PERIOD, f"{path}.{PERIOD}")
         origins[f"{path}.{PERIOD}"] = "scenario"
-        return made
+        return settings
 
     def _component(
-        self, cls: type[Parametrised], row: Row, scales: PlaceUnits, extra: tuple[str, ...] = (), **made: object
+        self, cls: type[Parametrised], row: Row, scales: PlaceUnits, extra: tuple[str, ...] = (), **parts: object
     ) -> Any:
         """Return a component from a row with its path in the bench."""
         where, table, path = row
         origins = self.assembly.origins
-        builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, made=made)
+        builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, made=parts)
         part = builder.build(cls, table, path)
         self.places.note(where, path, scales)
         self.places.note_scales(where, part, scales)
@@ -174,11 +174,11 @@ class BenchBuilder:
         names = (NAME,) if path in PAIRS else ()
         cls = cast("type[AbstractSensor]", choose_class(SENSORS, table, path))
         given = {key: value for key, value in table.items() if key in mount}
-        seen = _list_texts(given.get("of")) or list(cls.sees)
+        quantities = _list_texts(given.get("of")) or list(cls.sees)
         outputs = self.plant.outputs()
-        first = outputs[seen[0]].unit if seen and seen[0] in outputs else "1"
+        first = outputs[quantities[0]].unit if quantities and quantities[0] in outputs else "1"
         unit = cls.unit or first
-        natural = seen[0].replace(".", "_") if seen and unit == first else str(table["kind"])
+        natural = quantities[0].replace(".", "_") if quantities and unit == first else str(table["kind"])
         name = name or str(table.get(NAME, natural.replace("-", "_")))
         where = f"sensors.{check_name(name, path)}"
         scales = PlaceUnits(readings={READING: unit}, named=(READING,))
@@ -190,9 +190,9 @@ class BenchBuilder:
         cls = choose_class(OBSERVERS, table, path)
         name = check_name(name or str(table["kind"]).replace("-", "_"), path)
         where = f"observers.{name}"
-        made = self._model(cls, table, path, where)
+        models = self._model(cls, table, path, where)
         scales = PlaceUnits(readings=_list_units(bench))
-        return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
+        return name, self._component(cls, (where, table, path), scales, tuple(models), **models)
 
     def _model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> dict[str, Any]:
         """Return the models of a component by declaration; empty for a component without a model."""
@@ -200,13 +200,13 @@ class BenchBuilder:
         if declared is None or declared.kind != "part" or declared.registry is not None:
             return {}
         own = table.get(MODEL, {})
-        made: dict[str, Any] = {MODEL: self._changed_plant((own,), f"{path}.{MODEL}", f"{where}.{MODEL}")}
+        models: dict[str, Any] = {MODEL: self._changed_plant((own,), f"{path}.{MODEL}", f"{where}.{MODEL}")}
         several = cls.declarations.get(MODELS)
         if several is not None and MODELS in table:
             rows: Any = table[MODELS]
             if not isinstance(rows, dict):
                 raise ParameterError(f"[{path}] `{MODELS}` must be tables by name, such as [{path}.{MODELS}.windy].")
-            made[MODELS] = type(several.default)(
+            models[MODELS] = type(several.default)(
                 **{
                     check_name(name, path): self._changed_plant(
                         (own, changes), f"{path}.{MODELS}.{name}", f"{where}.{MODELS}.{name}"
@@ -214,7 +214,7 @@ class BenchBuilder:
                     for name, changes in cast("Table", rows).items()
                 }
             )
-        return made
+        return models
 
     def _changed_plant(self, changes: tuple[Any, ...], path: str, where: str) -> AbstractSystem:
         """Return the plant with all changes of a model; the last of them are noted under a path."""
@@ -284,12 +284,12 @@ class BenchBuilder:
         """Return a controller with a zero reference."""
         where, table, path = row
         cls = choose_class(CONTROLLERS, table, path)
-        made = {REFERENCE: Constant(level=0.0), **self._model(cls, table, path, where)}
+        parts = {REFERENCE: Constant(level=0.0), **self._model(cls, table, path, where)}
         if PERIOD in cls.declarations:
             table = {**table, PERIOD: f"{bench.period!r} s"}
         full, moved = gather_nested(cls, table)
-        extra = (*made, PERIOD) if path == CONTROLLER else tuple(made)
-        built = self._component(cls, (where, full, path), scales, extra, **made)
+        extra = (*parts, PERIOD) if path == CONTROLLER else tuple(parts)
+        built = self._component(cls, (where, full, path), scales, extra, **parts)
         for inner, flat in moved.items():
             self.places.note(f"{where}.{inner}", f"{path}.{flat}")
             self.assembly.origins[f"{path}.{flat}"] = "scenario"

@@ -64,12 +64,12 @@ def write_points(results: Sequence[PointResult], path: Path) -> None:
     """
     several = len(results) > 1
     lines = [f"# case {i}: {r.law.registered_name}, {r.label}" for i, r in enumerate(results)]
-    headings = [f"{name} [{shown}]" for name, (_, shown) in COLUMNS.items()]
+    headings = [f"{name} [{display_unit}]" for name, (_, display_unit) in COLUMNS.items()]
     lines.append(",".join(["case [1]", *headings] if several else headings))
     for i, result in enumerate(results):
         columns = [
-            [units.from_si(value, shown, unit) for value in result[_NAMES.get(name, name)]]
-            for name, (unit, shown) in COLUMNS.items()
+            [units.from_si(value, display_unit, unit) for value in result[_NAMES.get(name, name)]]
+            for name, (unit, display_unit) in COLUMNS.items()
         ]
         for row in zip(*columns, strict=True):
             cells = [f"{value:.9g}" for value in row]

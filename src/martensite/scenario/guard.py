@@ -62,8 +62,8 @@ class FromPlant(Parametrised):
 
     def numbers(self) -> dict[str, Any]:
         """Return the numbers of a bound; None for an unknown one."""
-        known = {name: _known_number(getattr(self, name)) for name in ("temperature_limit", "hottest", "full")}
-        return {**known, "least_cooling": self.least_cooling}
+        numbers = {name: _known_number(getattr(self, name)) for name in ("temperature_limit", "hottest", "full")}
+        return {**numbers, "least_cooling": self.least_cooling}
 
 
 def complete_guard(
@@ -131,10 +131,10 @@ def _fill_rows(
     return {**rest, CHECKS: rows}, taken
 
 
-def _build_checks(bench: Bench, known: FromPlant, noisy: bool) -> dict[str, AbstractCheck]:
-    numbers = known.numbers()
-    sensed = checks_for(bench, noisy=noisy, temperature_limit=numbers["temperature_limit"], band=known.band)
-    return guard_for(bench.plant, **numbers, band=known.band, checks=sensed).checks.members()
+def _build_checks(bench: Bench, conditions: FromPlant, noisy: bool) -> dict[str, AbstractCheck]:
+    numbers = conditions.numbers()
+    sensed = checks_for(bench, noisy=noisy, temperature_limit=numbers["temperature_limit"], band=conditions.band)
+    return guard_for(bench.plant, **numbers, band=conditions.band, checks=sensed).checks.members()
 
 
 def _known_number(number: float) -> float | None:

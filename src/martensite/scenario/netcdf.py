@@ -150,8 +150,8 @@ def read_restarts(saved: LabelledData) -> tuple[list[Restart], list[str]]:
 
     def unpack(row: list[float]) -> PassState:
         parts = [tuple(row[a:b]) for a, b in zip([0, *ends], ends, strict=False)]
-        state, *known = parts
-        low, high, gap = (() if np.isnan(one).any() else one for one in known)
+        state, *extremes = parts
+        low, high, gap = (() if np.isnan(one).any() else one for one in extremes)
         return PassState(state, low, high, gap, *row[-len(WORST) :])
 
     table = variables[f"{RESTART}_state"].values.tolist()

@@ -63,8 +63,8 @@ class Places:
     def unit(self, leaf: Leaf) -> str:
         """Return the unit of a number of the system or bench."""
         begin = _find_longest(self.scales, leaf.path)
-        known = None if begin is None else self.scales[begin].known(leaf.declared)
-        return known or leaf.declared.unit
+        unit = None if begin is None else self.scales[begin].known(leaf.declared)
+        return unit or leaf.declared.unit
 
 
 def _find_longest(begins: Iterable[str], path: str) -> str | None:

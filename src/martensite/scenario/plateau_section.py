@@ -41,22 +41,22 @@ def build_with_plateaus(element: Table, path: str, build: Callable[[Table], Elem
     where = f"{path}.law.{KEY}"
     table = as_table(law[KEY], where)
     first, second = _read_test(table, where, (*TEST, SECOND)), table.get(SECOND)
-    kept = {name: value for name, value in law.items() if name != KEY}
-    given = next((name for name in DETERMINED if name in kept or name in element), None)
+    law_entries = {name: value for name, value in law.items() if name != KEY}
+    given = next((name for name in DETERMINED if name in law_entries or name in element), None)
     if given is not None:
         raise ParameterError(f"[{where}] The plateaus determine `{given}`; leave one of them out.")
     with name_section(where):
         if second is not None:
             slopes = first.estimate_slopes(_read_test(as_table(second, f"{where}.{SECOND}"), f"{where}.{SECOND}", TEST))
-            kept |= {name: exact_text(x, "Pa/K") for name, x in zip(TEMPERATURES[4:], slopes, strict=True)}
+            law_entries |= {name: exact_text(x, "Pa/K") for name, x in zip(TEMPERATURES[4:], slopes, strict=True)}
     begin = {name: exact_text(first.temperature + x, "K") for name, x in PLACEHOLDERS.items()}
     if law.get("kind") == "brinson":
         begin["sigma_f"] = "9 GPa"
-    made: Any = build({**element, "law": {**kept, **begin}})
+    trial_element: Any = build({**element, "law": {**law_entries, **begin}})
     with name_section(where):
-        values = convert_plateaus(made.law, first)
-    unit = {leaf.path: leaf.declared.unit for leaf in made.law.leaves()}
-    return build({**element, "law": {**kept, **{name: exact_text(x, unit[name]) for name, x in values.items()}}})
+        values = convert_plateaus(trial_element.law, first)
+    unit = {leaf.path: leaf.declared.unit for leaf in trial_element.law.leaves()}
+    return build({**element, "law": {**law_entries, **{name: exact_text(x, unit[name]) for name, x in values.items()}}})
 
 
 def _read_test(table: Table, path: str, keys: tuple[str, ...]) -> Plateaus:

@@ -96,18 +96,18 @@ def read_recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded
 def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
     """Return the waveform of a table in the `unit` of the source, and its end [s]."""
     if "file" not in table and "times" in table:
-        made = _list_numbers(table, path, unit)
-        return made, made.times[-1]
+        waveform = _list_numbers(table, path, unit)
+        return waveform, waveform.times[-1]
     refuse_unknown(table, ("kind", *_KEYS, "column"), f"[{path}]")
     column = _read_text(table, "column", path)
     with name_section(path):
         record = read_recorded({key: value for key, value in table.items() if key in _KEYS}, path, folder).read()
-        made = table_waveform(record, column)
+        waveform = table_waveform(record, column)
         if record.units[column] != unit:
             raise DataError(
                 f"Column `{column}` of record `{record.name}` is in {record.units[column]}, but the drive needs {unit}."
             )
-    return made, made.times[-1]
+    return waveform, waveform.times[-1]
 
 
 def build_followed(

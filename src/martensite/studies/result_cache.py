@@ -62,9 +62,9 @@ def _store_result(result: Any, path: Path) -> None:
         others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
         for old in others[:-PROGRAMS]:
             shutil.rmtree(old, ignore_errors=True)
-    made = path.with_suffix(f".{os.getpid()}")
-    made.write_bytes(pickle.dumps(result))
-    keep_private(made, path)
+    new_path = path.with_suffix(f".{os.getpid()}")
+    new_path.write_bytes(pickle.dumps(result))
+    keep_private(new_path, path)
 
 
 def find_program_folder() -> Path:

@@ -63,9 +63,9 @@ def fingerprint_study(folder: Path) -> str:
 def write_results(study: TableStudy, folder: Path) -> Path:
     """Compute all parts and write their numbers next to the tables."""
     numbers = {part: simplify_numbers(study.part_numbers(part)) for part in study.table["parts"]}
-    made = {"version": version("martensite"), "made_by": fingerprint_study(folder)}
+    origin = {"version": version("martensite"), "made_by": fingerprint_study(folder)}
     path = folder / RESULTS
-    write_file(path, json.dumps({**made, "numbers": numbers}, indent=1, ensure_ascii=False).encode() + b"\n")
+    write_file(path, json.dumps({**origin, "numbers": numbers}, indent=1, ensure_ascii=False).encode() + b"\n")
     return path
 
 

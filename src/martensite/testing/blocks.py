@@ -30,8 +30,8 @@ def make_record(channels: int) -> Array:
 def draw_numbers(block: AbstractBlock, seed: int = 3) -> Array:
     """Return random free parameters, all different from the start values."""
     rng = np.random.default_rng(seed)
-    made = block.sample_parameters(rng, SAMPLES * DT, DT)
-    return made + 0.03 * rng.uniform(0.5, 1.0, len(made))
+    parameters = block.sample_parameters(rng, SAMPLES * DT, DT)
+    return parameters + 0.03 * rng.uniform(0.5, 1.0, len(parameters))
 
 
 def lead_block(block: AbstractBlock, share: float = 1.0) -> list[AbstractBlock]:
@@ -173,9 +173,9 @@ def check_scaling(block: AbstractStatic) -> None:
     if list_unusual(block) - {"offset"}:
         return
     block = block.with_parts(low=-2.0, high=5.0, offset="no")
-    drawn = block.sample_parameters(np.random.default_rng(5), 10.0, DT)
-    moved = block.line(-3.0, 0.0) + block.scale_departure(drawn - block.line(1.0, 0.0), -3.0)
+    parameters = block.sample_parameters(np.random.default_rng(5), 10.0, DT)
+    moved = block.line(-3.0, 0.0) + block.scale_departure(parameters - block.line(1.0, 0.0), -3.0)
     x = np.linspace(-2.0, 5.0, 9)[:, None]
-    first, second = (ChainEngine([block], DT, compiled=False).simulate(t, x) for t in (drawn, moved))
+    first, second = (ChainEngine([block], DT, compiled=False).simulate(t, x) for t in (parameters, moved))
     equal = np.allclose(second, -3.0 * first, rtol=1e-9, atol=1e-12)
     require_condition(equal, "Scaled by -3 its output is not -3 times as large.")

@@ -85,7 +85,7 @@ def plan_alone(
 def simplify_track(levels: NDArray[np.float64]) -> tuple[tuple[int, float], ...]:
     """Return the points of a polyline through samples, with an error of at most `TOLERANCE` of the span."""
     room = TOLERANCE * float(np.ptp(levels)) + 1e-12
-    kept, open_parts = {0, len(levels) - 1}, [(0, len(levels) - 1)]
+    corners, open_parts = {0, len(levels) - 1}, [(0, len(levels) - 1)]
     while open_parts:
         first, last = open_parts.pop()
         if last - first < 2:
@@ -94,9 +94,9 @@ def simplify_track(levels: NDArray[np.float64]) -> tuple[tuple[int, float], ...]
         far = np.abs(levels[first : last + 1] - line)
         worst = first + int(np.argmax(far))
         if far[worst - first] > room:
-            kept.add(worst)
+            corners.add(worst)
             open_parts += [(first, worst), (worst, last)]
-    return tuple((k, float(levels[k])) for k in sorted(kept))
+    return tuple((k, float(levels[k])) for k in sorted(corners))
 
 
 def _find_following(bench: Bench, run: Result) -> float | None:

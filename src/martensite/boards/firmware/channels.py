@@ -127,13 +127,13 @@ def find_frequency(bench: Bench, board: Board) -> float:
     Raises:
         InputError: the timer of the board cannot do it, or a sample has too few pulses.
     """
-    found = {float(getattr(one.source, "frequency", FREQUENCY)) for one in bench.plant.actuators().values()}
+    frequencies = {float(getattr(one.source, "frequency", FREQUENCY)) for one in bench.plant.actuators().values()}
     sensors = [one.sensor for name, one in bench.sensors.members().items() if name in list_reads(bench)]
     wires = sum(isinstance(one, ResistanceSensor) for one in sensors)
     least, most = max(board.pwm[0], max(PULSES * wires, 1.0) / bench.period), board.pwm[1]
-    if len(found) > 1:
+    if len(frequencies) > 1:
         raise InputError(f"One timer switches all drives of {board.title}: write one `frequency` for all drivers.")
-    (frequency,) = found
+    (frequency,) = frequencies
     if not least <= frequency <= most:
         raise InputError(
             f"`driver.frequency` is {frequency:g} Hz, but {board.title} switches at {least:g} to {most:g} Hz with "

@@ -147,8 +147,8 @@ def build_firmware(
     gains = [one for one in core.parameters if one.name in tuned]
     turned = [Setting(one.name, one.unit, one.default, tuned[one.name], "gain") for one in gains]
     planned = plan_alone(alone, chosen, bench, scenario.duration, [one.name for one in others], run)
-    wished = _list_inputs(bench, others, run, scenario.duration, given)
-    settings = list_settings(inputs, chosen_limits, chosen.steps, wished, turned)
+    input_settings = _list_inputs(bench, others, run, scenario.duration, given)
+    settings = list_settings(inputs, chosen_limits, chosen.steps, input_settings, turned)
     room = TOLD - readings - drives - len(inputs.told_channels())
     more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
     reported = tuple(more[: max(room, 0)])

@@ -166,11 +166,11 @@ def params(scenario: ScenarioFile, settings: Settings = None, json: Json = False
 
 
 def _list_values(scenario: Scenario) -> list[dict[str, Any]]:
-    places, known = scenario.places, scenario.origins
+    places, origins = scenario.places, scenario.origins
     entries = [
         _collect_value(scenario, path, leaf, places.unit(leaf))
         for leaf in scenario.leaves()
-        if (path := places.path(leaf.path)) in known or not places.is_copy(leaf.path)
+        if (path := places.path(leaf.path)) in origins or not places.is_copy(leaf.path)
     ]
     return [*entries, *_list_levels(scenario)]
 

@@ -67,19 +67,19 @@ def _is_meant(command: Any, name: str, target: str) -> bool:
     return target in (name, name.rpartition(" ")[2])
 
 
-def _collect_findings(found: Conformance) -> dict[str, Any]:
+def _collect_findings(report: Conformance) -> dict[str, Any]:
     return {
-        "name": found.name,
-        "kind": found.kind,
-        "holds": found.holds,
-        "findings": [vars(one) for one in found.findings],
+        "name": report.name,
+        "kind": report.kind,
+        "holds": report.holds,
+        "findings": [vars(one) for one in report.findings],
     }
 
 
-def _describe_findings(found: Conformance) -> Iterator[Block]:
-    yield Heading(str(found))
-    faults = {one.check: one for one in found.faults}
-    for check, promise in {one.check: one.promise for one in found.findings}.items():
+def _describe_findings(report: Conformance) -> Iterator[Block]:
+    yield Heading(str(report))
+    faults = {one.check: one for one in report.faults}
+    for check, promise in {one.check: one.promise for one in report.findings}.items():
         fault = faults.get(check)
         yield Sentence(f"  {'kept  ' if fault is None else 'broken'}  {promise}")
         if fault is not None:

@@ -118,11 +118,11 @@ def _name_experiment(summary: Summary, tables: Sequence[LabFile]) -> Summary:
     from martensite.fit.experiment_kinds.base import recognise_experiment
 
     try:
-        found = recognise_experiment([one.record for one in tables])
+        experiment = recognise_experiment([one.record for one in tables])
     except DataError:
         return summary
-    command = f"martensite fit {found.kind.command}".strip()
-    text = f"Experiment `{found.name}`: {found.kind.meaning}. `{command} FILE` evaluates it."
+    command = f"martensite fit {experiment.kind.command}".strip()
+    text = f"Experiment `{experiment.name}`: {experiment.kind.meaning}. `{command} FILE` evaluates it."
     return replace(summary, blocks=[*summary.blocks, Sentence(text)])
 
 
@@ -132,11 +132,11 @@ def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:
     from martensite.logs.lab_files import read_lab_file
     from martensite.logs.reader import choose_tables, parse_named, part_label
 
-    found: list[LabFile] = []
+    tables: list[LabFile] = []
     for whole, label in map(part_label, names):
         sheets = [read_lab_file(sheet, parse_named(named)) for sheet in list_sheets(whole)]
-        found += choose_tables(sheets, whole, label)
-    return found
+        tables += choose_tables(sheets, whole, label)
+    return tables
 
 
 def _show_set(name: str, json: bool) -> None:

@@ -99,7 +99,7 @@ class DesignOptions:
             best.keep(lambda: f"{lead}\n\n{_write_numbers(question, numbers, scenario)}")
 
         with rescue_answer(best.save), show_share("designing") as tell:
-            found = optimise_design(
+            optimum = optimise_design(
                 scenario.system,
                 scenario.waveform,
                 scenario.duration,
@@ -117,12 +117,12 @@ class DesignOptions:
                 keep=keep,
             )
             if self.grid is None:
-                return found
+                return optimum
             from martensite.design.optimise.search import scan_designs
 
             watch = None if tell is None else partial(tell, "grid")
-            compared = scan_designs(found.designs, self.grid, watch)
-            return replace(found, scan=compared)
+            compared = scan_designs(optimum.designs, self.grid, watch)
+            return replace(optimum, scan=compared)
 
 
 @app.command("design", rich_help_panel="Design")
@@ -188,14 +188,14 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
             )
 
 
-def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
+def write_design(optimum: OptimisedDesign, scenario: Scenario) -> str:
     """Return the optimised scenario as TOML."""
-    sense = "most" if found.question.most else "least"
-    goal = f"# designed for the {sense} {found.question.goal.words}"
-    limits = [f"# subject to {one.words}" for one in found.question.subject]
-    missed = [f"# NOT KEPT: {words}" for words in found.missed]
+    sense = "most" if optimum.question.most else "least"
+    goal = f"# designed for the {sense} {optimum.question.goal.words}"
+    limits = [f"# subject to {one.words}" for one in optimum.question.subject]
+    missed = [f"# NOT KEPT: {words}" for words in optimum.missed]
     return "\n".join(
-        [goal, *limits, *missed, f"# {found.life}", "", _write_numbers(found.question, found.numbers, scenario)]
+        [goal, *limits, *missed, f"# {optimum.life}", "", _write_numbers(optimum.question, optimum.numbers, scenario)]
     )
 
 
@@ -228,9 +228,9 @@ def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str
     from martensite.simulate.drive_waveforms import by_name
 
     before = target.name.removesuffix("peak")
-    held = _find_waveform(scenario, before).get("values")
-    if isinstance(held, list):
-        values = [units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in held]
+    levels = _find_waveform(scenario, before).get("values")
+    if isinstance(levels, list):
+        values = [units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in levels]
         return {f"{before}waveform.values": [exact_text(factor * v, target.unit) for v in values]}
     level = target.level
     drive = "" if level is None else level.drive

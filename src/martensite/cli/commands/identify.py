@@ -309,29 +309,31 @@ def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
     return f"{sentence}, saved in `{path}`."
 
 
-def _write_stages_report(found: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:
+def _write_stages_report(identification: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:
     from martensite.identify.chains.validation import validate_chain
     from martensite.show.pages import write_model_report
     from martensite.signals.sampling.resampling import select_signals
 
-    names = found.stages[-1].outputs
-    own = [select_signals(record, found.model.input_names, names) for record in records]
-    checked = [validate_chain(found.model, one, found.options.skip) for one in own]
-    return write_model_report(checked, report, found.estimates[0].uncertainty if len(found.stages) == 1 else None)
+    names = identification.stages[-1].outputs
+    own = [select_signals(record, identification.model.input_names, names) for record in records]
+    checked = [validate_chain(identification.model, one, identification.options.skip) for one in own]
+    return write_model_report(
+        checked, report, identification.estimates[0].uncertainty if len(identification.stages) == 1 else None
+    )
 
 
-def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
+def _write_files(identification: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
     written = outputs.paths()
     with replace_together():
         if outputs.data is not None:
-            _save_model(found, outputs.data)
+            _save_model(identification, outputs.data)
         if outputs.figure is not None:
             from martensite.show.figures.model import plot_identified
             from martensite.show.figures.style import write_figure
 
-            write_figure(plot_identified(found, records), outputs.figure)
-    if outputs.data is not None and len(found.estimates) > 1:
-        for k, one in enumerate(found.estimates, start=1):
+            write_figure(plot_identified(identification, records), outputs.figure)
+    if outputs.data is not None and len(identification.estimates) > 1:
+        for k, one in enumerate(identification.estimates, start=1):
             from martensite.scenario.model_files import model_provenance, write_model
 
             beside = outputs.data.with_name(f"{outputs.data.stem}.stage{k}.json")
@@ -340,12 +342,12 @@ def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]
     return written
 
 
-def _save_model(found: Identified, path: Path) -> None:
+def _save_model(identification: Identified, path: Path) -> None:
     from dataclasses import asdict
 
     from martensite.scenario.model_files import model_provenance, write_model
 
-    stages = [model_provenance(one) for one in found.estimates]
+    stages = [model_provenance(one) for one in identification.estimates]
     origin = stages[0] if len(stages) == 1 else {"stages": stages}
-    scores = [asdict(score) for score in found.scores]
-    write_model(found.model, path, origin | {"scores_of_free_runs": scores})
+    scores = [asdict(score) for score in identification.scores]
+    write_model(identification.model, path, origin | {"scores_of_free_runs": scores})

@@ -90,10 +90,10 @@ def _list_experiments(name: str | None, json: bool) -> None:
     from martensite.fit.experiment_kinds.base import list_kinds
     from martensite.show.terminal import print_summary
 
-    found = {one.registered_name: one for one in list_kinds()}
+    kinds = {one.registered_name: one for one in list_kinds()}
     if name is not None:
-        require_known("experiment", name, found)
-        found = {name: found[name]}
+        require_known("experiment", name, kinds)
+        kinds = {name: kinds[name]}
     rows = [
         {
             "name": one.registered_name,
@@ -101,7 +101,7 @@ def _list_experiments(name: str | None, json: bool) -> None:
             "needs": one.needs,
             "command": f"fit {one.command}".strip(),
         }
-        for one in found.values()
+        for one in kinds.values()
     ]
     table = DataTable(("experiment", "meaning", "needs", "command"), [tuple(row.values()) for row in rows])
     print_summary(Summary("", [table], rows), json)

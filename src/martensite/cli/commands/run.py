@@ -166,8 +166,8 @@ def run(
     refuse_idle("--compare", idle, "--no-compare is given")
     import_modules(modules)
     loaded, log = options.load(scenario, settings)
-    drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
-    outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
+    figure_path = None if no_figure else figure or Path(f"{scenario.stem}.png")
+    outputs = Outputs(out or Path(f"{scenario.stem}.nc"), figure_path, profile).check(force)
     result, summary = run_scenario(loaded, options, outputs, log, quiet=json)
     from martensite.show.terminal import print_summary
 

@@ -128,8 +128,8 @@ def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
     _end_with(cycle.judgement)
 
 
-def _end_with(found: Judgement) -> None:
-    if not found.kept:
+def _end_with(judgement: Judgement) -> None:
+    if not judgement.kept:
         raise Exit(1)
 
 

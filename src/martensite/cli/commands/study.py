@@ -75,16 +75,16 @@ def study(
     if not names:
         print_summary(_summarise_all(studies, failures), json)
     else:
-        drawn = {} if figures is None else {one.key: figures / f"{one.key}.png" for one in studies}
-        for path in drawn.values():
+        figure_paths = {} if figures is None else {one.key: figures / f"{one.key}.png" for one in studies}
+        for path in figure_paths.values():
             Outputs(None, path).check(force)
-        shown: list[Any] = []
+        summaries: list[Any] = []
         for one in studies:
-            done = f"Interrupted in `{one.key}`, after {len(shown)} of {len(studies)} studies."
+            done = f"Interrupted in `{one.key}`, after {len(summaries)} of {len(studies)} studies."
             with rescue_answer(partial(str, done)), _note_failure(one, failures, alone=len(studies) == 1):
-                shown.append(_show_study(one, reasons, recompute, json, drawn.get(one.key)))
+                summaries.append(_show_study(one, reasons, recompute, json, figure_paths.get(one.key)))
         if json:
-            print_json(shown)
+            print_json(summaries)
     for failure in failures:
         typer.secho(f"error: {failure}", fg=typer.colors.RED, err=True)
     if names and failures:

@@ -87,7 +87,7 @@ def sweep(
     from martensite.show.summaries.sweep import summarise_sweep
     from martensite.show.terminal import print_summary
 
-    drawn = Outputs(None, figure).check(force=True)
+    outputs = Outputs(None, figure).check(force=True)
     loaded = source.load()
     wanted = SweepRequest(
         over=tuple(over or ()),
@@ -103,14 +103,14 @@ def sweep(
     how = SweepExecution(backend, workers, scheduler, chunk, tuple(source.modules or ()), force)
     path = out or Path(f"{source.file.stem}.zarr")
     with show_spinner(f"preparing {loaded.title}"):
-        begun = begin_sweep(loaded, wanted, path, how)
+        planned_sweep = begin_sweep(loaded, wanted, path, how)
     with show_sweep(loaded.title) as tell:
-        progress = begun.run(tell)
-    print_summary(summarise_sweep(begun.plan, begun.store, progress), json)
+        progress = planned_sweep.run(tell)
+    print_summary(summarise_sweep(planned_sweep.plan, planned_sweep.store, progress), json)
     if figure is not None:
         from martensite.design.sweep.reading import read_sweep
 
-        drawn.write(draw=lambda: plot_sweep(read_sweep(path)))
+        outputs.write(draw=lambda: plot_sweep(read_sweep(path)))
 
 
 def _read_trace(words: str) -> tuple[str, int]:
@@ -123,10 +123,10 @@ def _read_trace(words: str) -> tuple[str, int]:
 @contextmanager
 def show_sweep(label: str) -> Iterator[Callable[[Progress], None] | None]:
     """Yield a function that moves a bar with rate and failures of a sweep."""
-    begun = time.monotonic()
+    start = time.monotonic()
     with open_bar(label, None, counted=True) as move:
         yield move and (
-            lambda now: move(total=now.runs, completed=now.done, rate=_write_rate(now, time.monotonic() - begun))
+            lambda now: move(total=now.runs, completed=now.done, rate=_write_rate(now, time.monotonic() - start))
         )
 
 

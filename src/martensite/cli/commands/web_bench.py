@@ -73,8 +73,8 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
 
 def pack_text(text: str) -> str:
     """Return a text encoded for an address."""
-    made = zlib.compressobj(9, zlib.DEFLATED, -15)
-    data = made.compress(text.encode()) + made.flush()
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15)
+    data = packer.compress(text.encode()) + packer.flush()
     return base64.urlsafe_b64encode(data).decode().rstrip("=")
 
 
@@ -100,11 +100,11 @@ def _write_page(folder: Path, scenario: Path | None, json: bool) -> None:
                 "Use `martensite app`."
             )
     manifest = write_site(folder, texts, lambda words: typer.echo(words, err=True))
-    made = measure_folder(folder)
+    folder_size = measure_folder(folder)
     if json:
         names = [one["name"] for one in manifest["scenarios"]]
-        sizes = {"files": made.files, "bytes": made.size, "compressed": made.compressed}
+        sizes = {"files": folder_size.files, "bytes": folder_size.size, "compressed": folder_size.compressed}
         print_json({"folder": str(folder), **sizes, "scenarios": names})
         return
-    typer.echo(f"{folder}: {made.words()}")
+    typer.echo(f"{folder}: {folder_size.words()}")
     typer.echo(f"See it with: python -m http.server --directory {folder}")

@@ -81,13 +81,13 @@ def wire(
     The exit code is 1 if the supply cannot contract the wire or the wire does not return.
     """
     outputs = answer.check_files(out, ".toml")
-    asked = piece.read(coil, alloy, cooling)
+    given_wire = piece.read(coil, alloy, cooling)
     with show_spinner("simulating it"):
         from martensite.design.sizing.scenario import format_ratings
         from martensite.design.sizing.wire_ratings import rate_wire
         from martensite.physics.materials.wires import load_wires
 
-        rating = rate_wire(asked)
+        rating = rate_wire(given_wire)
     from martensite.show.figures.circuit import plot_circuit
     from martensite.show.summaries.wire_ratings import summarise_ratings
 

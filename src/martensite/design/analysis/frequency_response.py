@@ -119,13 +119,13 @@ def measure_frequency_response(
     require_positive("amplitude", amplitude, "of the drive")
     middles = np.atleast_1d(np.asarray(biases, float))
     lanes = DrivenLanes(system, len(middles), drive, output, native=native)
-    begun = None if high is None else _rest_after_cooling(lanes, middles, high)
+    start_state = None if high is None else _rest_after_cooling(lanes, middles, high)
     counts = [_count_steps(lanes, float(f)) for f in wanted]
     runs: list[tuple[_Cycle, Any]] = []
     for samples, dt in counts:
         lanes.reset(middles)
-        if begun is not None:
-            lanes.lanes.state = begun.copy()
+        if start_state is not None:
+            lanes.lanes.state = start_state.copy()
         runs.append(_repeat_cycle(lanes, middles, amplitude, samples, dt))
     cycles = [cycle for cycle, _ in runs]
     outputs, signals = system.outputs(), {one.name: one.unit for one in system.drives()}

@@ -144,9 +144,9 @@ def _find_rise_time(rows: Numbers, dt: float) -> Numbers:
     """Return the interpolated time to 90 % of the change to the last row [s]."""
     way = rows[-1] - rows[0]
     safe = np.where(way == 0.0, 1.0, way)
-    gone = (rows - rows[0]) / safe
+    progress = (rows - rows[0]) / safe
     times = np.full(rows.shape[1], np.inf)
-    for lane, course in enumerate(gone.T):
+    for lane, course in enumerate(progress.T):
         reached = np.flatnonzero(course >= RISE)
         if way[lane] != 0.0 and len(reached):
             k = int(reached[0])

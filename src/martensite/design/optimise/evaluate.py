@@ -113,9 +113,9 @@ class DesignEvaluator:
         """Return aims for parameters [SI], (designs, free) -> (designs, cases, aims); NaN for failed runs."""
         cases, table = len(self.question.cases), self._fill_table(numbers)
         self.counts.simulations += len(table)
-        seen, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
-        values = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
-        values[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
+        samples, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
+        values = np.stack([self._value(aim, samples, every) for aim in aims], axis=1)
+        values[~np.isfinite(samples).all(axis=(0, 1))] = np.nan
         return values.reshape(len(numbers), cases, -1)
 
     def slopes(self, z: Numbers) -> AimSlopes | None:
@@ -132,9 +132,9 @@ class DesignEvaluator:
             run = self.runner.run_slopes(row, seeds)
             if run is None:
                 return None
-            seen, moved = run[0].T, np.moveaxis(run[1], 0, 1)
-            values.append(np.array([self._value(aim, seen[:, :, None], numbers)[0] for aim in self.aims]))
-            slopes.append(np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims]))
+            samples, moved = run[0].T, np.moveaxis(run[1], 0, 1)
+            values.append(np.array([self._value(aim, samples[:, :, None], numbers)[0] for aim in self.aims]))
+            slopes.append(np.stack([self._slope(aim, samples[:, :, None], moved) for aim in self.aims]))
         own = self._own_slopes() * inner
         return AimSlopes(np.stack(values), np.stack(slopes) + own)
 
@@ -218,22 +218,22 @@ class DesignEvaluator:
 
     # ---------------------------------------------------------------- measures
 
-    def _select_columns(self, aim: DesignAim, seen: Numbers) -> Numbers:
+    def _select_columns(self, aim: DesignAim, samples: Numbers) -> Numbers:
         """Return the columns of a measure."""
         measure = aim.measure
         names = () if measure is None else measure.columns(self.system)
-        return seen[[self.outputs.index(name) for name in names]]
+        return samples[[self.outputs.index(name) for name in names]]
 
-    def _value(self, aim: DesignAim, seen: Numbers, numbers: Numbers) -> Numbers:
+    def _value(self, aim: DesignAim, samples: Numbers, numbers: Numbers) -> Numbers:
         if aim.measure is None:
             return numbers[:, aim.place or 0]
-        return aim.measure.value(tabulate_samples(self.times, np.nan_to_num(self._select_columns(aim, seen))))
+        return aim.measure.value(tabulate_samples(self.times, np.nan_to_num(self._select_columns(aim, samples))))
 
-    def _slope(self, aim: DesignAim, seen: Numbers, moved: Numbers) -> Numbers:
+    def _slope(self, aim: DesignAim, samples: Numbers, moved: Numbers) -> Numbers:
         """Return d(measure)/d(parameter), (free,)."""
         if aim.measure is None:
             return np.zeros(moved.shape[2])
-        weights = aim.measure.derivatives(tabulate_samples(self.times, self._select_columns(aim, seen)))[:, :, 0]
+        weights = aim.measure.derivatives(tabulate_samples(self.times, self._select_columns(aim, samples)))[:, :, 0]
         return np.einsum("cs,csf->f", weights, self._select_columns(aim, moved))
 
     def _own_slopes(self) -> Numbers:

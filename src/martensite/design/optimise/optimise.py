@@ -261,7 +261,7 @@ def _report_measures(designs: DesignEvaluator, numbers: Sequence[float]) -> tupl
     )
 
 
-def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]:
+def _list_measures(steering: WaveformLevels, aim_words: set[str]) -> list[DesignAim]:
     """Return further measures of the actuators of a system."""
     system = steering.system
     aims: list[DesignAim] = []
@@ -270,7 +270,7 @@ def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]
         ports = list(system.actuators()) if name else [""]
         for port in ports:
             words = form.format(**{name: system.label(port, name)}) if name else form
-            if words not in asked:
+            if words not in aim_words:
                 aims.append(read_aim(words, steering, ()))
     return aims
 

@@ -259,9 +259,9 @@ def describe_life(
     lost = [one.words for one in constraints if one.words in missed] or exceeded
     if lost:
         return f"Life: limits that the elements declare are not kept ({', '.join(lost)}), so nothing is known of it."
-    kept = ", ".join(f"{one.words}" for one in constraints)
+    limits = ", ".join(f"{one.words}" for one in constraints)
     left = f" with {100.0 * margin:.3g} % to spare" if margin else ""
     return (
-        f"Life: the limits that the elements declare are kept{left} ({kept}). No law of fatigue is "
+        f"Life: the limits that the elements declare are kept{left} ({limits}). No law of fatigue is "
         "known here, so this is no number of cycles."
     )

@@ -292,15 +292,15 @@ def find_changes(request: WireRequest, candidates: Sequence[Candidate]) -> tuple
     tried = list(candidates[:MOST_TRIED])
     tried += [judge_candidate(request, one.size, name) for name in others for one in candidates[:MOST_TRIED]]
     for one in tried:
-        asked, now = request, one
+        easier_request, now = request, one
         for _ in range(MOST_CHANGES):
-            values = _relax_request(asked, now)
+            values = _relax_request(easier_request, now)
             if now.feasible or values is None:
                 break
-            asked = asked.with_values(values)
-            now = judge_candidate(asked, one.size, one.alloy)
+            easier_request = easier_request.with_values(values)
+            now = judge_candidate(easier_request, one.size, one.alloy)
         if now.feasible:
-            changes.append(_describe_change(request, asked, one))
+            changes.append(_describe_change(request, easier_request, one))
     return tuple(dict.fromkeys(options for _, options in sorted(changes)))[:SHOWN_CHANGES]
 
 
@@ -317,11 +317,11 @@ def _relax_request(request: WireRequest, candidate: Candidate) -> dict[str, floa
     return {"rate": math.floor(0.95 * cycle.fastest * 10.0**digits) / 10.0**digits}
 
 
-def _describe_change(request: WireRequest, asked: WireRequest, one: Candidate) -> tuple[float, str]:
+def _describe_change(request: WireRequest, easier_request: WireRequest, one: Candidate) -> tuple[float, str]:
     """Return the distance between two requests [factors of e], and the options that change them."""
     forms = {"strands": "--strands {:.0f}", "rate": '--rate "{:.4g} Hz"', "supply": '--supply "{:.4g} V"'}
-    apart = {name: getattr(asked, name) / getattr(request, name) for name in forms}
+    apart = {name: getattr(easier_request, name) / getattr(request, name) for name in forms}
     changed = {name: factor for name, factor in apart.items() if factor != 1.0}
-    options = [forms[name].format(getattr(asked, name)) for name in changed]
+    options = [forms[name].format(getattr(easier_request, name)) for name in changed]
     options += [f"--alloy {one.alloy}"] * (one.alloy not in request.alloys())
     return sum(abs(math.log(x)) for x in changed.values()), f"{' '.join(options)}: {one.size.name}, {one.alloy} °C"

@@ -41,10 +41,10 @@ COIL_DOUBT = (
 )
 
 
-def describe_life(stress: float, element: str = "wire", asked: float = math.inf) -> str:
+def describe_life(stress: float, element: str = "wire", requested_cycles: float = math.inf) -> str:
     """Return the published statement on the life at a stress [Pa] and the requested cycles."""
-    if math.isfinite(asked):
-        return f"{asked:,.0f} cycles requested; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
+    if math.isfinite(requested_cycles):
+        return f"{requested_cycles:,.0f} cycles requested; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
     if element == "coil":
         return f"{UNKNOWN_LIFE} for coils"
     return KNOWN_LIFE if stress <= LIFE_STRESS else UNKNOWN_LIFE

@@ -50,8 +50,8 @@ class WireRequest(Parametrised):
 
     @override
     def check(self) -> None:
-        asked = math.isfinite(self.life)
-        if asked and (self.life > LIFE_CYCLES or self.element == "coil" or self.limits == "ignore"):
+        has_life = math.isfinite(self.life)
+        if has_life and (self.life > LIFE_CYCLES or self.element == "coil" or self.limits == "ignore"):
             raise ParameterError(
                 f"Parameter `life` of `WireRequest` applies to straight wires within their limits, up to "
                 f"{LIFE_CYCLES:,.0f} cycles, because no source covers more. It is {self.life:,.0f}."

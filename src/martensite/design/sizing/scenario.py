@@ -46,15 +46,15 @@ def format_scenario(request: WireRequest, candidate: Candidate, catalogue: WireC
 
 
 def _format_head(request: WireRequest, candidate: Candidate) -> str:
-    asked = (
+    duty = (
         f"{request.force:.6g} N over {1e3 * request.stroke:.6g} mm at {request.rate:.6g} Hz from {request.supply:.6g} V"
     )
     wire = f"{_count_samples(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
-    lines = [f"# Sized for {asked}: {wire}."]
+    lines = [f"# Sized for {duty}: {wire}."]
     lines += [f"# Not met: {reason}." for reason in candidate.reasons]
     lines += [f"# Beware: {warning}." for warning in (*candidate.warnings, *candidate.frail)]
     lines += [f"# {COIL_DOUBT}"] * (request.element == "coil")
-    return "\n".join([*lines, f'title = "{wire}: {asked}"', ""])
+    return "\n".join([*lines, f'title = "{wire}: {duty}"', ""])
 
 
 def _count_samples(candidate: Candidate) -> str:

@@ -207,13 +207,13 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
     mechanism, limits = wire.mechanism(strand), list_alloy_numbers(wire.alloy)
     free, cold, hot = _find_stroke(strand, mechanism)
     held_at = wire.stretched if isinstance(wire, CoilInHand) and wire.gives("stretched") else None
-    drawn = draw_out(strand, held_at) if held_at is not None and isinstance(strand, CoilStrand) else None
-    offset = _find_held(strand, drawn, cold)
+    state = draw_out(strand, held_at) if held_at is not None and isinstance(strand, CoilStrand) else None
+    offset = _find_held(strand, state, cold)
     stroke = free - USABLE * offset
     if free <= 0.0 or stroke <= 0.0:
         cause = f"it would stand under {cold / strand.bearing / 1e6:.4g} MPa when cold"
-        if free > 0.0 and drawn is not None:
-            cause = f"hot, it is longer under it than the {1e3 * drawn.length:.4g} mm to which it is drawn out"
+        if free > 0.0 and state is not None:
+            cause = f"hot, it is longer under it than the {1e3 * state.length:.4g} mm to which it is drawn out"
         raise ParameterError(f"The load leaves no stroke: {cause}.")
     holding = strand.shifted("A_f", hot / strand.bearing) + ABOVE
     full = wire.supply / strand.resistance
@@ -240,7 +240,7 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
         limits["stress_limit"],
         limits["strain_limit"],
         wire.ambient < strand.shifted("M_f", cold / strand.bearing),
-        drawn,
+        state,
         "" if isinstance(wire, CoilInHand) else wire.find_contradiction(catalogue),
     )
 
@@ -251,11 +251,11 @@ def _round_up(value: float) -> float:
     return math.ceil(value / unit * (1.0 - 1e-12)) * unit
 
 
-def _find_held(strand: Strand, drawn: Drawn | None, cold: float) -> float:
+def _find_held(strand: Strand, state: Drawn | None, cold: float) -> float:
     """Return the difference between the length under load and the drawn length of a coil [m]."""
-    if drawn is None or not isinstance(strand, CoilStrand):
+    if state is None or not isinstance(strand, CoilStrand):
         return 0.0
-    return max(0.0, strand.solid + strand.elongation(1.0, cold) - drawn.length)
+    return max(0.0, strand.solid + strand.elongation(1.0, cold) - state.length)
 
 
 def _find_cycle(

@@ -34,8 +34,8 @@ def parse_axis(words: str, targets: Mapping[str, Target]) -> FreeNumber:
 
 
 def _build(wanted: SearchRange, target: Target) -> FreeNumber:
-    made = FreeNumber(target.name, target.path, target.unit, target.value, *wanted.ends, wanted.scale == "log")
-    return replace(made, doc=target.doc, targets=(target,), choices=wanted.choices, count=wanted.count)
+    free_number = FreeNumber(target.name, target.path, target.unit, target.value, *wanted.ends, wanted.scale == "log")
+    return replace(free_number, doc=target.doc, targets=(target,), choices=wanted.choices, count=wanted.count)
 
 
 def _build_normal(wanted: SearchRange, target: Target) -> FreeNumber:

@@ -100,9 +100,9 @@ def _estimate_axes(
             rows.append((math.nan, math.nan))
             continue
         draws = (rng.integers(len(y), size=len(y)) for _ in range(DRAWS))
-        drawn = np.array([estimate(one[runs], y[runs]) for runs in draws])
-        value = 2.0 * estimate(one, y) - float(np.mean(drawn))
-        rows.append((value, NORMAL_95 * float(np.std(drawn, ddof=1))))
+        estimates = np.array([estimate(one[runs], y[runs]) for runs in draws])
+        value = 2.0 * estimate(one, y) - float(np.mean(estimates))
+        rows.append((value, NORMAL_95 * float(np.std(estimates, ddof=1))))
     return SensitivityIndex(*np.array(rows).T)
 
 
@@ -119,20 +119,20 @@ def estimate_delta(x: Numbers, y: Numbers) -> float:
     """Return the mean of half the area between the densities of y and of its classes."""
     if not is_spread(y):
         return 0.0
-    seen = np.linspace(float(np.min(y)), float(np.max(y)), GRID)
-    whole = _estimate_density(y, seen)
+    grid = np.linspace(float(np.min(y)), float(np.max(y)), GRID)
+    whole = _estimate_density(y, grid)
 
     def area(part: Numbers) -> float:
         if not is_spread(part):  # a peak without width, of which there may be one in the whole
             return 2.0 * float(np.mean(y != part[0]))
-        return float(np.trapezoid(np.abs(whole - _estimate_density(part, seen)), seen))
+        return float(np.trapezoid(np.abs(whole - _estimate_density(part, grid)), grid))
 
     return sum(len(part) * area(part) for part in _split_classes(x, y)) / (2 * len(y))
 
 
-def _estimate_density(y: Numbers, seen: Numbers) -> Numbers:
+def _estimate_density(y: Numbers, grid: Numbers) -> Numbers:
     wide = float(np.std(y, ddof=1)) * (0.75 * len(y)) ** -0.2
-    kernels = np.exp(-0.5 * ((seen - y[:, None]) / wide) ** 2)
+    kernels = np.exp(-0.5 * ((grid - y[:, None]) / wide) ** 2)
     return np.mean(kernels, axis=0) / (wide * math.sqrt(2.0 * math.pi))
 
 

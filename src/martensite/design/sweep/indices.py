@@ -158,7 +158,7 @@ def estimate_block_indices(y: Numbers, width: int) -> dict[str, SensitivityIndex
     blocks = y.reshape(-1, count_block_runs(width)) - np.mean(y)
     draws, rng = int(np.clip(BOOTSTRAP / y.size, 20, 200)), np.random.default_rng(0)
     rows = (rng.integers(len(blocks), size=len(blocks)) for _ in range(draws))
-    wide = NORMAL_95 * np.std([_estimate_orders(blocks[drawn]) for drawn in rows], 0, ddof=1)
+    wide = NORMAL_95 * np.std([_estimate_orders(blocks[block_numbers]) for block_numbers in rows], 0, ddof=1)
     pairs = zip(("first", "total"), _estimate_orders(blocks), wide, strict=True)
     return {name: SensitivityIndex(values, half) for name, values, half in pairs}
 

@@ -99,13 +99,13 @@ def _find_of_many(ranks: Places) -> Places:
     """Return the non-dominated rows; only a row with a smaller sum of ranks can dominate."""
     order = np.argsort(ranks.sum(axis=1), kind="stable")
     ordered = np.ascontiguousarray(ranks[order].astype(np.int32))
-    kept = np.empty(0, np.int64)
+    front = np.empty(0, np.int64)
     for begin in range(0, len(ordered), BLOCK):
         rows = np.arange(begin, min(begin + BLOCK, len(ordered)))
-        for some in (kept[:FIRST], kept[FIRST:], rows):
+        for some in (front[:FIRST], front[FIRST:], rows):
             rows = rows[~_mark_beaten(ordered[rows], ordered[some])]
-        kept = np.concatenate((kept, rows))
-    return np.sort(order[kept])
+        front = np.concatenate((front, rows))
+    return np.sort(order[front])
 
 
 def _mark_beaten(rows: NDArray[np.int32], by: NDArray[np.int32]) -> NDArray[np.bool_]:

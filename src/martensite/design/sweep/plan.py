@@ -123,8 +123,8 @@ class SweepPlan:
 
     def cautions(self) -> list[str]:
         """Return sentences about allowed but unusual requests."""
-        kept = self.course.runtime == "cuda" and self.course.controlled and self._ready.measuring.totalled
-        if self.measures and self.course.runtime == "cuda" and not kept:
+        totals_on_device = self.course.runtime == "cuda" and self.course.controlled and self._ready.measuring.totalled
+        if self.measures and self.course.runtime == "cuda" and not totals_on_device:
             name = NAMES[self.course.runtime]
             return [
                 f"On {name}, measures are computed from {self.course.samples:,} stored samples: a pulse between two of "
@@ -135,8 +135,8 @@ class SweepPlan:
     @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Return all necessary outputs."""
-        shown = (trace.output for trace in self.traces)
-        return tuple(dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown)))
+        trace_outputs = (trace.output for trace in self.traces)
+        return tuple(dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *trace_outputs)))
 
     @cached_property
     def times(self) -> Numbers:

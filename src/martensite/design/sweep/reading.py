@@ -49,11 +49,11 @@ def read_sweep(path: Path | str) -> SweepTable:
     store.require_sound()
     status = read_status(store)
     axes = read_axes(store)
-    gone = status == NOT_MADE
+    absent = status == NOT_MADE
     names = [one.target.name for one in axes]
     logs = {one.target.name: one.logarithmic for one in axes}
     columns = {
-        name: _read_column(store, name, gone, logs.get(name, False)) for name in (*names, *store.spec["measures"])
+        name: _read_column(store, name, absent, logs.get(name, False)) for name in (*names, *store.spec["measures"])
     }
     return SweepTable(
         title=store.spec["title"],
@@ -92,9 +92,9 @@ def read_levels(store: Store, axes: list[FreeNumber]) -> tuple[Any, ...] | None:
     return tuple(one.levels() for one in axes)
 
 
-def _read_column(store: Store, name: str, gone: NDArray[np.bool_], log: bool) -> SweepColumn:
+def _read_column(store: Store, name: str, absent: NDArray[np.bool_], log: bool) -> SweepColumn:
     array = store.group[name]
-    values = np.where(gone, np.nan, np.asarray(array[:], float))
+    values = np.where(absent, np.nan, np.asarray(array[:], float))
     return SweepColumn(name, str(array.attrs["units"]), values, log)
 
 
@@ -161,16 +161,16 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
     opened = xarray.open_zarr(str(path), consolidated=False, decode_times=False, decode_timedelta=False)
     names = [one.target.name for one in axes]
     traces = [name for name, _ in store.spec["traces"]]
-    kept = [*store.spec["measures"], *traces, *DETAILS, STATUS]
-    made = opened.set_coords(names)[kept].assign({STATUS: (RUN, status, _describe_status(opened))})
-    made = _mask_failed(made, status, (*traces, *DETAILS))
+    variables = [*store.spec["measures"], *traces, *DETAILS, STATUS]
+    dataset = opened.set_coords(names)[variables].assign({STATUS: (RUN, status, _describe_status(opened))})
+    dataset = _mask_failed(dataset, status, (*traces, *DETAILS))
     levels = read_levels(store, axes)
     if grid and levels is not None:
-        made = _arrange_grid(xarray, made, dict(zip(names, levels, strict=True)))
+        dataset = _arrange_grid(xarray, dataset, dict(zip(names, levels, strict=True)))
     else:
-        made = made.assign_coords({RUN: np.arange(len(status))})
-    made.attrs = _describe_request(store)
-    return made
+        dataset = dataset.assign_coords({RUN: np.arange(len(status))})
+    dataset.attrs = _describe_request(store)
+    return dataset
 
 
 def _describe_status(opened: xarray.Dataset) -> dict[str, Any]:
@@ -180,24 +180,24 @@ def _describe_status(opened: xarray.Dataset) -> dict[str, Any]:
     return {**attributes, "flag_values": values, "flag_meanings": f"not_made {attributes['flag_meanings']}"}
 
 
-def _mask_failed(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarray.Dataset:
+def _mask_failed(dataset: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarray.Dataset:
     """Return NaN for failed and missing runs; `partial` columns are kept if the envelope was left."""
     good = (status > NOT_MADE) & (status < Status.UNSOLVED)
     if good.all():
-        return made
-    all_of_it = made[STATUS].copy(data=good)
-    some_of_it = made[STATUS].copy(data=good | (status == Status.OUT_OF_ENVELOPE))
-    numbers = made.drop_vars(STATUS)
+        return dataset
+    all_of_it = dataset[STATUS].copy(data=good)
+    some_of_it = dataset[STATUS].copy(data=good | (status == Status.OUT_OF_ENVELOPE))
+    numbers = dataset.drop_vars(STATUS)
     masked = {n: one.where(some_of_it if n in partial else all_of_it) for n, one in numbers.items()}
-    return made.assign(masked)
+    return dataset.assign(masked)
 
 
-def _arrange_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) -> xarray.Dataset:
+def _arrange_grid(xarray: Any, dataset: xarray.Dataset, levels: Mapping[str, Any]) -> xarray.Dataset:
     """Return the dataset with one dimension per axis."""
     shape = tuple(map(len, levels.values()))
-    variables = {name: _fold_runs(one, tuple(levels), shape) for name, one in made.data_vars.items()}
-    times = {name: one for name, one in made.coords.items() if RUN not in one.dims}
-    coords = {name: (name, values, made[name].attrs) for name, values in levels.items()}
+    variables = {name: _fold_runs(one, tuple(levels), shape) for name, one in dataset.data_vars.items()}
+    times = {name: one for name, one in dataset.coords.items() if RUN not in one.dims}
+    coords = {name: (name, values, dataset[name].attrs) for name, values in levels.items()}
     return xarray.Dataset(variables, {**coords, **times})
 
 

@@ -321,9 +321,9 @@ class Store:
         """Yield ranges of runs and true for each finished run, so that a column need not fit into memory."""
         status = self.group[STATUS]
         size, chunk = status.shape[0], status.chunks[0]
-        made, stride = self._read_flags() != 0, max(STRETCH // chunk, 1)
-        for first in range(0, len(made), stride):
-            there = np.repeat(made[first : first + stride], chunk)
+        flags, stride = self._read_flags() != 0, max(STRETCH // chunk, 1)
+        for first in range(0, len(flags), stride):
+            there = np.repeat(flags[first : first + stride], chunk)
             stop = min(first * chunk + len(there), size)
             yield slice(first * chunk, stop), there[: stop - first * chunk]
 

@@ -123,8 +123,8 @@ def find_span(table: Record) -> tuple[float, float]:
     """Return the currents of the last plateau with all martensite, and the first without [A]."""
     fractions, current = table["martensite_fraction"].tolist(), table["current"].tolist()
     first = next(i for i, xi in enumerate(fractions) if xi < 0.99)
-    gone = next(i for i, xi in enumerate(fractions) if xi < 0.01)
-    return current[max(first - 1, 0)], current[gone]
+    end = next(i for i, xi in enumerate(fractions) if xi < 0.01)
+    return current[max(first - 1, 0)], current[end]
 
 
 def resistance_rms(table: Record, staircase: RecordStaircase, low: float, high: float) -> float:

@@ -160,7 +160,7 @@ def _draw_loops(axes: Any, printed: Printed) -> None:
 
 def _draw_intervals(axes: Any, name: str, printed: Printed) -> None:
     one: Printed = next(one for one in printed.searched if one.name == name)
-    unit, shown, symbol = {"dsigma_dT": (1e6, "MPa/K", "dσ/dT"), "E_M": (1e9, "GPa", "E_M")}[name]
+    unit, display_unit, symbol = {"dsigma_dT": (1e6, "MPa/K", "dσ/dT"), "E_M": (1e9, "GPa", "E_M")}[name]
     names = [data.name.removeprefix("a = ") for data in EVERY]
     for row, data in enumerate(EVERY):
         fit = best_fit(data, printed).fit
@@ -175,4 +175,4 @@ def _draw_intervals(axes: Any, name: str, printed: Printed) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xlim(*((3.4, 5.6) if name == "dsigma_dT" else (one.low / unit, one.high / unit)))
-    axes.set_title(f"95 % interval of {typeset_symbol(symbol)} [{shown}]; dashed: Table 1")
+    axes.set_title(f"95 % interval of {typeset_symbol(symbol)} [{display_unit}]; dashed: Table 1")

@@ -184,7 +184,7 @@ def sealed_bench(seed: int) -> tuple[ReferenceBench, float]:
     eye = bench.thermometer.with_values(
         {"factor": float(rng.uniform(0.5, 0.7)), "drift": float(rng.uniform(-0.05, 0.05)) / 600.0}
     )
-    made = ReferenceBench(
+    random_bench = ReferenceBench(
         fan=fan,
         ambient=ambient,
         load=float(rng.uniform(1.0, 2.0)),
@@ -192,4 +192,4 @@ def sealed_bench(seed: int) -> tuple[ReferenceBench, float]:
         correlation=float(rng.uniform(0.6, 0.95)),
         thermometer=eye,
     )
-    return made, fan
+    return random_bench, fan

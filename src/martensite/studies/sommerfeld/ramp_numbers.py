@@ -31,7 +31,7 @@ def compute_ramp(printed: Printed) -> dict[str, Any]:
         "rates": [{"other_rate": rate, "other_jump": runs.run_upward(motor, rate, 8.0).jump} for rate in RATES],
         "required_stiffness": stiff,
         "required_damping": damped,
-        **{f"with_{name}": found.jump for name, found in ramp_variants(printed).items()},
+        **{f"with_{name}": windows.jump for name, windows in ramp_variants(printed).items()},
     }
 
 

@@ -69,8 +69,8 @@ def draw_bench(axes: Any, printed: Printed, name: str) -> None:
     for k, volts in enumerate(printed.heating_voltages):
         run = actuator.run_heated(volts)
         column = np.asarray(run[name])
-        shown = 100.0 * (column[0] - column) if name == "strain" else column
-        axes.plot(run.times, shown, color=colours(0.92 - 0.92 * k / (count - 1)), linewidth=1.2, label=f"{volts:.1f} V")
+        curve = 100.0 * (column[0] - column) if name == "strain" else column
+        axes.plot(run.times, curve, color=colours(0.92 - 0.92 * k / (count - 1)), linewidth=1.2, label=f"{volts:.1f} V")
     words = "strain recovered" if name == "strain" else "current"
     label_axes(
         axes,

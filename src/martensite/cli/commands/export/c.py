@@ -119,8 +119,8 @@ def _summarise_core(core: CCore, part: str, tried: str) -> Summary:
     numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
     kinds = [kind for kind in ORDER if any(kind in one for one in core.operations.values())]
     rows = [
-        [call, str(sum(found.values())), *(str(found.get(kind, 0)) for kind in kinds)]
-        for call, found in core.operations.items()
+        [call, str(sum(tally.values())), *(str(tally.get(kind, 0)) for kind in kinds)]
+        for call, tally in core.operations.items()
     ]
     blocks = [
         Sentence(f"{core.description}, {core.precision}"),

@@ -88,19 +88,24 @@ def firmware(
     print_summary(_summarise_firmware(written), json, files)
 
 
-def _summarise_firmware(found: Firmware) -> Summary:
+def _summarise_firmware(firmware: Firmware) -> Summary:
     from martensite.boards.firmware.wiring import describe_measurement
 
-    plan = found.plan
+    plan = firmware.plan
     count = sum(plan.core.operations["step"].values())
     rows = [[one.name, f"{one.value:.4g}", one.unit, _write_range(one), one.about] for one in plan.settings]
-    data = {"board": plan.board.name, "digest": plan.digest, "tried": found.tried, "operations": plan.core.operations}
+    data = {
+        "board": plan.board.name,
+        "digest": plan.digest,
+        "tried": firmware.tried,
+        "operations": plan.core.operations,
+    }
     blocks: list[Block] = [
         Sentence(f"{plan.core.description}, for {plan.board.title}"),
         Sentence(f"model: {plan.core.size:,} bytes; a step takes at most {count} operations"),
-        Sentence(found.tried),
+        Sentence(firmware.tried),
         DataTable(("setting", "value", "unit", "host may set", "about"), rows, right=(1,)),
-        *_warn_of_room(found),
+        *_warn_of_room(firmware),
         Sentence(describe_measurement(plan)),
         *_describe_alone(plan),
         Sentence(_describe_limits(plan)),
@@ -113,14 +118,14 @@ def _write_range(one: Setting) -> str:
     return "no" if one.range is None else f"{one.range[0]:.4g} to {one.range[1]:.4g}"
 
 
-def _warn_of_room(found: Firmware) -> list[Block]:
+def _warn_of_room(firmware: Firmware) -> list[Block]:
     from martensite.boards.firmware.boards import LARGER
 
-    board = found.plan.board
-    if found.flash <= board.flash:
+    board = firmware.plan.board
+    if firmware.flash <= board.flash:
         return []
     words = (
-        f"It may not fit: by the length of its C it takes about {1e-3 * found.flash:.0f} kB of flash, and the board "
+        f"It may not fit: by the length of its C it takes about {1e-3 * firmware.flash:.0f} kB of flash, and the board "
         f"has {1e-3 * board.flash:.0f} kB. Take {LARGER}."
     )
     return [Sentence(words, "bad")]

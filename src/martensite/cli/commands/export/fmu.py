@@ -69,34 +69,34 @@ def fmu(
     Outputs(out, None).check(force, data=(".fmu",))
     chosen = read_quantity("step", step, "s")
     compiled = [] if sources_only else platforms or None
-    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled, ports=ports, port=port)
-    print_summary(_summarise_fmu(made), json)
+    archive = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled, ports=ports, port=port)
+    print_summary(_summarise_fmu(archive), json)
 
 
-def _collect_signals(made: Fmu) -> dict[str, Any]:
+def _collect_signals(archive: Fmu) -> dict[str, Any]:
     report = {
-        "file": str(made.path),
-        "fmi": made.fmi,
-        "identifier": made.name,
-        "token": made.token,
-        "period" if made.discrete else "step": made.step,
-        "platforms": list(made.platforms),
+        "file": str(archive.path),
+        "fmi": archive.fmi,
+        "identifier": archive.name,
+        "token": archive.token,
+        "period" if archive.discrete else "step": archive.step,
+        "platforms": list(archive.platforms),
     }
     kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter"}
-    named = {key: made.named(causality) for key, causality in kinds.items()}
-    named["fixed"] = [one for one in made.named("local") if one.variability == "constant"]
+    named = {key: archive.named(causality) for key, causality in kinds.items()}
+    named["fixed"] = [one for one in archive.named("local") if one.variability == "constant"]
     return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
 
 
-def _summarise_fmu(made: Fmu) -> Summary:
-    counts = {kind: len(made.named(kind)) for kind in ("input", "output", "parameter")}
+def _summarise_fmu(archive: Fmu) -> Summary:
+    counts = {kind: len(archive.named(kind)) for kind in ("input", "output", "parameter")}
     counted = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
-    inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in made.named("input"))
-    pace = "period" if made.discrete else "inner step of at most"
-    platforms = ", ".join(made.platforms) or "no platform: compile its sources before use"
+    inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in archive.named("input"))
+    pace = "period" if archive.discrete else "inner step of at most"
+    platforms = ", ".join(archive.platforms) or "no platform: compile its sources before use"
     lines = (
-        f"{', '.join(counted)}; {pace} {write_quantity(made.step, 's')}",
+        f"{', '.join(counted)}; {pace} {write_quantity(archive.step, 's')}",
         f"inputs: {inputs}",
-        f"wrote {made.path} (FMI {made.fmi}; {platforms})",
+        f"wrote {archive.path} (FMI {archive.fmi}; {platforms})",
     )
-    return Summary("", [Sentence(line) for line in lines], _collect_signals(made))
+    return Summary("", [Sentence(line) for line in lines], _collect_signals(archive))

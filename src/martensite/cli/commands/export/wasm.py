@@ -48,12 +48,12 @@ def wasm(
     names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")
     files = check_folder_files(out, names, force)
     find_wasm_compiler()
-    made = _make_module(source.load(), name, part)
+    module = _make_module(source.load(), name, part)
     make_folder(out)
     with replace_together():
         for path in files:
-            write_file(path, made.files[path.name])
-    print_summary(_summarise_module(made), json, files)
+            write_file(path, module.files[path.name])
+    print_summary(_summarise_module(module), json, files)
 
 
 def _make_module(loaded: Scenario, name: str, part: str) -> WasmModule:
@@ -65,13 +65,13 @@ def _make_module(loaded: Scenario, name: str, part: str) -> WasmModule:
     return build_wasm(system, name=name, title=loaded.title or name, first=first)
 
 
-def _summarise_module(made: WasmModule) -> Summary:
-    core = made.core
+def _summarise_module(module: WasmModule) -> Summary:
+    core = module.core
     data = {
         "name": core.name,
         "described": core.description,
-        "module_bytes": len(made.binary),
-        "packed_bytes": made.packed,
+        "module_bytes": len(module.binary),
+        "packed_bytes": module.packed,
         "parameters": len(core.parameters),
         "states": core.states,
         "sample_time": core.sample_time,
@@ -82,6 +82,6 @@ def _summarise_module(made: WasmModule) -> Summary:
     lines = (
         f"{core.description}: {len(core.parameters)} parameters, {core.states} states, {len(core.outputs)} outputs",
         f"signals: {signals}",
-        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip",
+        f"module: {len(module.binary):,} bytes, {module.packed:,} by gzip",
     )
     return Summary("", [Sentence(line) for line in lines], data)

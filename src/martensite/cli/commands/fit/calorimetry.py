@@ -41,13 +41,13 @@ def dsc(
     gives the latent heat. Ramps of several rates are extrapolated to rate 0.
     """
     outputs = answer.check_files(out, ".toml")
-    found = read_calorimetry(logs, mass, rate, baseline, named)
+    calorimetry = read_calorimetry(logs, mass, rate, baseline, named)
     from martensite.show.figures.calorimetry import plot_calorimetry
     from martensite.show.summaries.calorimetry import summarise_calorimetry
 
     if out is not None:
-        found.write_material(out)
-    outputs.answer(summarise_calorimetry(found), answer.json, draw=lambda: plot_calorimetry(found))
+        calorimetry.write_material(out)
+    outputs.answer(summarise_calorimetry(calorimetry), answer.json, draw=lambda: plot_calorimetry(calorimetry))
 
 
 def read_calorimetry(

@@ -167,11 +167,11 @@ def tangents(
     from martensite.show.summaries.laboratory import summarise_cycles, summarise_tangents
 
     if cycle == ALL_CYCLES:
-        found = read_all_cycles(logs, stress, sizes)
-        good = [one for one in found if not isinstance(one, str)]
-        title = f"Tangents of {len(good)} of {len(found)} cycles"
-        drawn = None if not good else lambda: plot_tangents(good[-1], title)
-        outputs.answer(summarise_cycles(found), answer.json, draw=drawn)
+        cycles = read_all_cycles(logs, stress, sizes)
+        good = [one for one in cycles if not isinstance(one, str)]
+        title = f"Tangents of {len(good)} of {len(cycles)} cycles"
+        draw = None if not good else lambda: plot_tangents(good[-1], title)
+        outputs.answer(summarise_cycles(cycles), answer.json, draw=draw)
         return
     levels = read_cycles(logs, stress, cycle, sizes)
     result = fit_tangents(levels) if len(levels) > 1 else levels[0]
@@ -216,15 +216,15 @@ def read_cycles(
             f"Give --stress once for every LOG, in their order; stresses: {len(stresses)}, logs: {len(records)}."
         )
     given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(records)
-    found: list[TangentPoints] = []
+    points: list[TangentPoints] = []
     for record, stress in zip(records, given, strict=True):
         count = cut_cycle(record, stress=stress).cycles
         if cycle is not None and int(cycle) > count:
             raise InputError(
                 f"Option `--cycle` must be from 1 to {count} for record `{record.name}`, or `all`, but is {cycle}."
             )
-        found.append(find_tangent_points(record, stress=stress, cycle=-1 if cycle is None else int(cycle) - 1))
-    return found
+        points.append(find_tangent_points(record, stress=stress, cycle=-1 if cycle is None else int(cycle) - 1))
+    return points
 
 
 @fit.command("vibration")

@@ -34,12 +34,12 @@ def cost(
     from martensite.show.terminal import print_summary
 
     with TemporaryDirectory() as folder, show_spinner("counting"):
-        core, found = measure_costs(source.load(), part, Path(folder))
+        core, costs = measure_costs(source.load(), part, Path(folder))
     rows = [
         [one.processor, f"{one.most:,} {one.counted}", f"{1e6 * one.time:.4g} us", f"{one.flash:,}", f"{one.ram:,}"]
-        for one in found
+        for one in costs
     ]
-    head = ("processor", "dearest step", "at least" if any(one.least for one in found) else "time", "flash", "RAM")
+    head = ("processor", "dearest step", "at least" if any(one.least for one in costs) else "time", "flash", "RAM")
     blocks: list[Block] = [Sentence(f"{core.description}, float32"), DataTable(head, rows, right=(1, 2, 3, 4))]
-    blocks += [Sentence(f"{one.processor}: a step was not solved in float32.", "bad") for one in found if one.failed]
-    print_summary(Summary("", blocks, {one.processor: vars(one) for one in found}), json)
+    blocks += [Sentence(f"{one.processor}: a step was not solved in float32.", "bad") for one in costs if one.failed]
+    print_summary(Summary("", blocks, {one.processor: vars(one) for one in costs}), json)
