@@ -35,7 +35,7 @@ Map = Callable[[Namespace, Column, Column], Column]
 
 
 def fixed_point(xp: Namespace, point_map: Map, start: Column, given: Column) -> list[Scalar]:
-    """Return the fixed point s = point_map(xp, s, given) by Newton's method from `start`, with derivatives by `given`."""
+    """Return the fixed point s = point_map(xp, s, given) by Newton's method, with derivatives by `given`."""
     fixed = [xp.detach(value) for value in given]
 
     def turn(*state: Scalar) -> Column:
