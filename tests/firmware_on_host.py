@@ -65,6 +65,10 @@ void test_push(const uint8_t *bytes, uint32_t size) {
     for (uint32_t i = 0; i < size; ++i) in[in_to++ & 0xffffu] = bytes[i];
 }
 void test_turn(uint32_t micros) { now += micros; app_turn(); }
+void test_run(uint32_t micros, uint32_t turn) {
+    const uint32_t begin = now;
+    while (now - begin < micros) test_turn(turn);
+}
 uint32_t test_take(uint8_t *bytes) {
     const uint32_t size = out_size;
     for (uint32_t i = 0; i < size; ++i) bytes[i] = out[i];
@@ -126,8 +130,9 @@ class HostBoard:
     def run(self, seconds: float, turn: int | None = None) -> bytes:
         """Advance by a time [s] with turns of `turn` microseconds."""
         until, output = self.now() + seconds, b""
-        while self.now() < until:
-            self.c.test_turn(self.turn if turn is None else turn)
+        while (now := self.now()) < until:
+            micros = min(1_000_000, max(1, round(1e6 * (until - now))))
+            self.c.test_run(micros, self.turn if turn is None else turn)
             output += bytes(self._room[: self.c.test_take(self._room)])
         return output
 

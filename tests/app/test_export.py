@@ -46,7 +46,7 @@ def test_the_netcdf_is_that_of_the_command_line(bench: Bench, tmp_path: Path, mo
     monkeypatch.chdir(tmp_path)
     _, content = made(bench, "nc")
     (tmp_path / "bench.nc").write_bytes(content)
-    done = CliRunner().invoke(app, ["run", str(EXAMPLE), "--out", str(tmp_path / "cli.nc"), "--json", *FLOATS])
+    done = CliRunner().invoke(app, ["run", str(EXAMPLE), "--out", str(tmp_path / "cli.nc"), "--no-figure", *FLOATS])
     assert done.exit_code == 0, done.output
     one, other = (read_labelled(tmp_path / name).to_xarray() for name in ("bench.nc", "cli.nc"))
     kept = {name for name in one.variables if str(name).startswith("restart_state")}  # with what the passes differ by

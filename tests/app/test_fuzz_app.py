@@ -34,7 +34,7 @@ ENTRIES = sorted(
     {
         name
         for path in SOURCES.rglob("*.py")
-        for name in re.findall(r'(?:wanted\(\w+, |\.get\()"(\w+)"', path.read_text("utf-8"))
+        for name in re.findall(r'(?:require_entry\(\w+, |\.get\()"(\w+)"', path.read_text("utf-8"))
     }
 )
 """Entries of requests that are looked at anywhere."""

@@ -16,7 +16,6 @@ from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
 
-MEASURED = Path(__file__).parents[3] / "shared" / "data"
 LOOP = [(30.0 + 2.0 * (k if k < 50 else 100 - k), k) for k in range(101)]
 
 
@@ -60,37 +59,24 @@ def _write_camera() -> str:
     return "\n".join(head) + "\n" + "\n".join(rows).replace("Bx1,Max,", "Bx1.Max.") + "\n"
 
 
-FILES: dict[str, tuple[Callable[[], str], str, list[tuple[str, str]], str]] = {
+FILES: dict[str, tuple[Callable[[], str], list[tuple[str, str]], str]] = {
     "loop of numbers": (
         lambda: _write_loop(1.0, " "),
-        "flexinol_isobaric/isobaric_172MPa.txt",
         [("temperature", "degC"), ("strain", "1"), ("stress", "MPa")],
         "needs none: a slow loop",
     ),
     "loop in percent": (
         lambda: _write_loop(100.0, "\t"),
-        "nitihf_isobaric/isobaric_100MPa.txt",
         [("temperature", "degC"), ("strain", "%"), ("stress", "MPa")],
         "needs none: a slow loop",
     ),
     "supply with a clock": (
         lambda: _write_supply(True),
-        "flexinol_electrothermal/untrained_wire_voltage_current_run5.txt",
         [("time", "clock"), ("voltage", "mV"), ("current", "mA")],
         "Taken as resistance",
     ),
-    "supply": (
-        lambda: _write_supply(False),
-        "flexinol_electrothermal/trained_wire_172MPa_electric.txt",
-        [("voltage", "mV"), ("current", "mA")],
-        "rows count as 1 s apart",
-    ),
-    "camera": (
-        _write_camera,
-        "flexinol_electrothermal/trained_wire_172MPa_temperature.txt",
-        [("time", "s"), ("temperature", "degC")],
-        "The file has only a temperature",
-    ),
+    "supply": (lambda: _write_supply(False), [("voltage", "mV"), ("current", "mA")], "rows count as 1 s apart"),
+    "camera": (_write_camera, [("time", "s"), ("temperature", "degC")], "The file has only a temperature"),
 }
 
 
@@ -112,13 +98,11 @@ def _map(desk: Desk, key: str) -> dict[str, Any]:
     return {"key": key, "columns": named}
 
 
-@pytest.mark.parametrize("measured", [False, True], ids=["made up", "measured"])
 @pytest.mark.parametrize("case", FILES)
-def test_files_of_instruments_are_understood_without_a_word(desk: Desk, case: str, measured: bool) -> None:
-    write, name, columns, said = FILES[case]
-    if measured and not (MEASURED / name).exists():
-        pytest.skip("the measured files are not beside the repository")
-    request = _take(desk, (MEASURED / name).read_text("utf-8") if measured else write())
+def test_files_of_instruments_are_understood_without_a_word(desk: Desk, case: str) -> None:
+    """The measured files after which they are made are read in `test_lab_files.py`."""
+    write, columns, said = FILES[case]
+    request = _take(desk, write())
     table = describe_table(request, desk)
     assert [(one["name"], one["unit"]) for one in request["columns"]] == columns
     assert said in table["said"]

@@ -40,9 +40,9 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
 """Short runs in which every kind of view is there."""
 
 
-def run(name: str, changes: dict[str, Any], runtime: str | None = "floats") -> tuple[Scenario, Result]:
+def run(name: str, changes: dict[str, Any]) -> tuple[Scenario, Result]:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
-    return scenario, keep_rows(scenario.run(runtime=runtime))
+    return scenario, keep_rows(scenario.run())
 
 
 def expect_run(scenario: Scenario, result: Result) -> dict[str, Any]:
@@ -131,7 +131,7 @@ def test_alarms_that_are_rare_are_told_alike(page_runs: PageRuns) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list_standalone())
 def test_every_packaged_run_is_the_same(name: str, page_runs: PageRuns) -> None:
-    assert compare(page_runs, {name: run(name, {}, None)}) == {}
+    assert compare(page_runs, {name: run(name, {})}) == {}
 
 
 @pytest.mark.parametrize(

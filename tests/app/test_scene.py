@@ -23,9 +23,9 @@ from martensite.simulate.result import Result
 MOST, LEAST = 241, 61
 
 
-def run(name: str, **changes: Any) -> tuple[Scenario, Result]:
+def run(name: str, runtime: str | None = None, **changes: Any) -> tuple[Scenario, Result]:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
-    return scenario, scenario.run(runtime="floats")
+    return scenario, scenario.run(runtime=runtime)
 
 
 def draw(page_runs: PageRuns, *ran: tuple[Scenario, Result]) -> list[dict[str, Any]]:

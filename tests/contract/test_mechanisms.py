@@ -111,15 +111,13 @@ def test_a_run_to_a_tolerance_says_how_accurate_it_is(mechanism: AbstractMultibo
 
 
 @every
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
-def test_the_work_of_a_run_is_accounted_for(mechanism: AbstractMultibody, tolerance: float, c_compiler: None) -> None:
+def test_the_work_of_a_run_is_accounted_for(mechanism: AbstractMultibody, c_compiler: None) -> None:
     system = machine(mechanism, compliance=COMPLIANCE)
-    result = simulate(system, smooth(mechanism), 0.06, tolerance=tolerance, runtime="c")
+    result = simulate(system, smooth(mechanism), 0.06, tolerance=1e-4, runtime="c")
     assert result.work is not None and result.work.residual is not None
     assert result.work.exchanged > 0.0
-    print(f"{label(mechanism)}: {result.work}")  # noqa: T201
     if is_consistent(mechanism):
-        assert result.work.residual <= tolerance
+        assert result.work.residual <= 1e-4
 
 
 # ---------------------------------------------------------------- sentences

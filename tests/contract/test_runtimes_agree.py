@@ -40,7 +40,7 @@ VARIED = [row for row in EVERY if any(one.kind == "option" for one in row[1].dec
 """Classes of several forms."""
 LONG = {"axial-wire", "ribbon", "hand"}
 """Of many elements: what only traces in long, and what C says of it, is enough."""
-FEW = 64
+FEW = 24
 """Lanes on which kernels are tried untraced, one by one."""
 
 

@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 
 from martensite.base.errors import DataError, SolveError
 from martensite.cli import app
+from martensite.fit.experiment_kinds.base import list_kinds
 from martensite.scenario.scenario import Scenario
 
 SCENARIO = write_wire(
@@ -312,3 +313,104 @@ def test_help_fits_a_terminal(columns: str, monkeypatch: pytest.MonkeyPatch) -> 
     text = fine("--help")
     assert max(map(len, text.splitlines())) <= 80
     assert "..." not in text.partition("Simulate:")[2]
+
+
+def test_materials_mark_what_is_not_measured() -> None:
+    assert "flexinol-90" in fine("materials")
+    assert {"name", "title", "summary"} == parsed("materials")[0].keys()
+    material = parsed("materials", "niti-brinson-1993")
+    assert material["values"]["E_A"]["kind"] == "recalled"
+    printed = fine("materials", "niti-brinson-1993")
+    assert "! assumed or recalled" in printed
+    assert "! assumed" in printed
+    assert "! datasheet" not in fine("materials", "flexinol-90")
+    assert "Did you mean `flexinol-90`" in refused("materials", "flexinol90")
+
+
+def test_cite_prints_the_works_behind_a_scenario(folder: Path) -> None:
+    printed = fine("cite", "wire.toml")
+    assert "@article{liang1990," in printed
+    assert "@manual{dynalloy-f1140," in printed
+    assert "copaci2019" not in printed
+    assert printed.count("{") == printed.count("}")
+    keys = [entry["key"] for entry in parsed("cite", "wire.toml")]
+    assert keys[0] == "liang1990"
+    assert len(keys) == len(set(keys))
+
+
+def test_data_sets_are_listed_and_shown() -> None:
+    listed = [entry["name"] for entry in parsed("data", "list")]
+    assert "flexinol-isobaric" in listed
+    assert "flexinol-isobaric" in fine("data")
+    assert "data:flexinol-isobaric/isobaric_50MPa.txt" in fine("data", "show", "flexinol-isobaric")
+    assert "Did you mean" in refused("data", "fetch", "flexinol-isobarik")
+
+
+def test_study_shows_digest_claims_and_reasons() -> None:
+    (told,) = parsed("study", "migaone")
+    needed = {"id", "source", "published", "computed", "unit", "tolerance", "verdict", "why"}
+    assert told["claims"] and told["reports"] and told["digest"]["use_instead"]
+    assert all(needed <= claim.keys() for claim in told["claims"])
+    assert sum(told["tally"].values()) == len(told["claims"]) + len(told["reports"])
+    brief, whole = fine("study", "migaone"), fine("study", "migaone", "--all")
+    assert brief.index("Recommended") < brief.index("self-contradictory")
+    assert "actuation-time-thin" in whole and "actuation-time-thin" not in brief
+    assert all(claim["id"] in whole for claim in told["claims"])
+    assert "No study named `migatwo`" in refused("study", "migatwo")
+    assert "@" in fine("cite", "migaone")
+
+
+def test_a_study_is_computed_on_demand() -> None:
+    (shipped,), (now,) = parsed("study", "migaone"), parsed("study", "migaone", "--recompute")
+    assert shipped["made_by"] and not now["made_by"]
+    assert shipped["digest"] == now["digest"]
+
+
+def test_demo_runs_again_over_its_own_files(folder: Path) -> None:
+    for name in ("migaone.nc", "migaone.png"):
+        (folder / name).write_text("of the last time")
+    printed = fine("demo")
+    assert printed.index("Recommended") < printed.index("martensite study migaone")
+    assert names(folder) == {"wire.toml", "migaone.nc", "migaone.png"}
+    assert (folder / "migaone.png").read_bytes().startswith(b"\x89PNG")
+
+
+# ---------------------------------------------------------------- the command itself
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; from martensite.cli import app\n"
+        "try: app(['--help'])\n"
+        "except SystemExit as end: assert end.code == 0\n"
+        "heavy = {'numpy', 'pint', 'xarray', 'matplotlib', 'h5netcdf', 'rich.console'}\n"
+        "print(heavy & sys.modules.keys(), file=sys.stderr)"
+    )
+    done = process(code)
+    assert done.stderr.strip() == "set()"
+    assert "run " in done.stdout
+
+
+def test_usage_errors_exit_with_2_and_unknown_commands_too() -> None:
+    assert call("run").exit_code == 2
+    assert call("rnu").exit_code == 2
+    assert call("run", "x.toml", "--tolerance", "small").exit_code == 2
+
+
+@pytest.mark.parametrize("order", [("--debug", "list", "x"), ("list", "x", "--debug")])
+def test_debug_shows_the_error_itself(order: tuple[str, ...]) -> None:
+    done = call(*order)
+    assert done.exit_code == 1
+    assert type(done.exception).__name__ == "UnknownNameError"
+
+
+def test_version() -> None:
+    assert fine("--version").startswith("martensite ")
+
+
+def test_kinds_of_experiment_are_listed_in_the_order_of_recognition() -> None:
+    found = parsed("list", "experiment")
+    assert [one["name"] for one in found] == [one.registered_name for one in list_kinds()]
+    assert {one["name"]: one["command"] for one in found}["dsc"] == "fit dsc"
+    assert parsed("list")["experiment"] == sorted(one["name"] for one in found)
+    assert "Did you mean `isobaric`" in refused("list", "experiment", "isobarik")

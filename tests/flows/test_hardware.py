@@ -178,7 +178,10 @@ def test_a_rig_is_calibrated_run_logged_and_replayed(uno: Path, tmp_path: Path) 
     ours = np.interp(record["time"], run.times, run.columns["position"])
     assert np.max(np.abs(np.array(record["position"]) - ours)) < 1.8e-4 < 0.1 * np.ptp(ours)
     assert set(record.columns) == {"time", "status", "alarm", "position", "duty", "supply.voltage"}
-    told = call(app, ["fit", str(log), "--free", "h", "--json"])  # by the scenario that it carries
+    thin, lines = log.with_name("thin.csv"), log.read_text("utf-8").splitlines()  # a fit takes the square of the rows
+    first = next(k for k, line in enumerate(lines) if line.startswith("time"))
+    thin.write_text("\n".join([*lines[: first + 1], *lines[first + 1 :: 3]]), "utf-8")
+    told = call(app, ["fit", str(thin), "--free", "h", "--json"])  # by the scenario that it carries
     assert told.exit_code == 0, told.stderr
     found = json.loads(told.stdout)["parameters"]["h"]["value"]
     assert abs(found - 120.0) < 1.0  # that of the wire in the emulator

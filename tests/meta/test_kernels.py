@@ -34,6 +34,8 @@ def test_every_method_with_a_namespace_is_covered(kind):
             twin = recorded(**{name: getattr(thing, name) for name in cls.declarations})
             for kernel in KERNELS[kind].values():
                 traced(twin, kernel)
+            if called == xp_methods(cls):
+                break
         assert called == xp_methods(cls)
 
 

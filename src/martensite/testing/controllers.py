@@ -20,7 +20,7 @@ from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_plant
 from martensite.testing.readings import PERIOD, find_range, observe_rest
 
-SAMPLES = 40
+SAMPLES = 24
 
 
 def list_readings(controller: AbstractController) -> dict[str, float]:
@@ -125,7 +125,7 @@ def check_bench(controller: AbstractController) -> None:
         return
     low, high = find_range(controller.measured)
     low = find_target(controller)
-    levels = np.interp(np.arange(SAMPLES + 1), [5, 15, 35], [low, low + 0.3 * (high - low), low])
+    levels = np.interp(np.arange(SAMPLES + 1), [3, 9, 21], [low, low + 0.3 * (high - low), low])
     reference = Held(values=tuple(levels.tolist()), frequency=1.0 / PERIOD)
     moved: Any = controller.with_parts(reference=reference)
     bench = Bench(plant=plant, period=PERIOD, substeps=1, controllers=Controllers(drive=moved))

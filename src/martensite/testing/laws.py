@@ -175,7 +175,7 @@ def check_cuts(law: AbstractLaw) -> None:
         return
     for number, (points, start) in enumerate(_draw_paths()):
         whole = find_end(law, points, start)
-        for substeps in (7, 40) if number % 4 == 0 else (7,):  # many cuts of a path cost as much as ten others
+        for substeps in (7, 20) if number % 4 == 0 else (7,):  # many cuts of a path cost as much as three others
             cut = find_end(law, points, start, substeps)
             apart = max(abs(a - b) for a, b in zip(whole, cut, strict=True))
             require_condition(
