@@ -63,7 +63,7 @@ class Pictures:
         drives = {name: wave(1.0, 0.0) for name in mechanism.signals()} | {
             self.system.drive_at(p): wave(2.0 if k % 2 == 0 else 0.0, REST) for k, p in enumerate(mechanism.ports())
         }
-        self.result = simulate(self.system, drives, 0.06, step=1e-3, samples=9, runtime="floats")
+        self.result = simulate(self.system, drives, 0.032, step=1e-3, samples=9, runtime="floats")
         self.rows = [draw_row(self.system, self.result, k) for k in range(9)]
 
     def wire(self, port: str) -> list[float]:

@@ -94,7 +94,7 @@ FAST = ms.Sine(low=0.0, high=3.5, frequency=50.0)
     ("wave", "duration", "name", "numbers"),
     [
         (SINE, 10.0, "frequency", [0.05, 0.1, 0.2]),
-        (FAST, 2.0, "high", [2.0, 3.0, 3.5]),
+        (FAST, 1.0, "high", [2.0, 3.0, 3.5]),
         (ms.signals.PulseWidthModulation(high=5.0, frequency=2.0, duty=0.2), *(10.0, "duty", [0.1, 0.2, 0.3])),
         (ms.signals.Triangle(high=2.5, frequency=0.1), 10.0, "high", [1.5, 2.0, 2.5]),
     ],

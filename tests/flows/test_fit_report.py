@@ -311,11 +311,14 @@ def test_the_same_fit_gives_the_same_page(plain: Sample) -> None:
     assert page(plain).text == fresh(plain, "b.html", profiles=profiles(plain.fit)).text
 
 
-def test_names_cannot_break_the_page(plain: Sample) -> None:
+def test_names_cannot_break_the_page(plain: Sample, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor a figure, of which one is drawn."""
+    monkeypatch.setattr(html, "format_svg", lambda _: "<svg/>")
     first, *others = plain.fit.problem.experiments
     odd = replace(first, name="<b>$x_1$ & | 'y'")
     problem = replace(plain.fit.problem, experiments=(odd, *others))
     one = replace(plain, fit=replace(plain.fit, problem=problem))
+    plot_fit(one.fit).draw_without_rendering()
     read = fresh(one, "odd.html", title="A <i>title</i>")
     assert "<b>" not in read.text and "<i>" not in read.text
     assert any(cells["record"] == odd.name for _, cells in read.table("data"))
