@@ -92,6 +92,8 @@ class Sentence:
                 return f"({self.write(left, 'number')} {OPERATORS[type(operator)]} {self.write(right, 'number')})"
             case ast.Compare(ast.Constant(value=str() as name), [ast.In()], _):
                 return self._take(f"has_{name}", "boolean")
+            case ast.Compare(left, [ast.Is()], [ast.Constant(None)]):
+                return f"{self.write(left, 'number | null')} === null"
             case ast.Compare(left, [operator], [right]):
                 compared = "string" if write_constant(right) else "number"
                 return f"{self.write(left, compared)} {OPERATORS[type(operator)]} {self.write(right, compared)}"

@@ -11,6 +11,7 @@ page have the error bounds, alarms and words of runs in Python.
 from __future__ import annotations
 
 import ast
+import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -38,8 +39,9 @@ CONSTANTS = {
     SIMULATE / "compiled_law.py": ("NOTICEABLE",),
     FIGURES / "hysteresis.py": ("RIPPLE", "STILL"),
     FIGURES / "phase_diagram.py": ("LEAST_STRESS",),
-    VIEWS / "diagrams.py": ("HEADROOM", "STRESSES", "TEMPERATURES", "COLDER"),
+    VIEWS / "diagrams.py": ("PRESCRIBED", "NO_ELEMENT", "NO_WORK", "HEADROOM", "STRESSES", "TEMPERATURES", "COLDER"),
     VIEWS / "traces.py": ("MOST_SPANS",),
+    ROOT / "src/martensite/show/summaries/run.py": ("ENERGIES",),
     ROOT / "src/martensite/studies/sommerfeld/runs.py": ("WINDOW", "CAPTURED"),
 }
 SENTENCES = {
@@ -56,6 +58,7 @@ SENTENCES = {
     SIMULATE / "compiled_law.py": {"writeCompression": "the stress falls to"},
     SIMULATE / "forks.py": {"writeDecision": "Warning: at "},
     SIMULATE / "api.py": {"writeMissed": "was not reached", "writeResidual": "is not accounted for"},
+    SIMULATE / "marching.py": {"writeFailure": "The coupled step"},
     SIMULATE / "envelope.py": {"writeStop": "The run stopped", "writeBound": " reached "},
     LOOP: {"writeGuard": "The guard", "writeEnd": "The run ends at"},
     VIEWS / "traces.py": {"writeSupervisor": "the supervisor raised"},
@@ -108,13 +111,13 @@ def list_assignments(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:
 
 
 def write_value(value: ast.expr) -> str:
-    """Return a number, or a table of numbers, in TypeScript."""
+    """Return a number, a text, or a table of them, in TypeScript."""
     match ast.literal_eval(value):
         case dict() as table:
-            entries = ", ".join(f"{key}: {number!r}" for key, number in table.items())
+            entries = ", ".join(f"{key}: {json.dumps(one, ensure_ascii=False)}" for key, one in table.items())
             return f"{{ {entries} }} as const"
-        case number:
-            return repr(number)
+        case plain:
+            return json.dumps(plain, ensure_ascii=False)
 
 
 TARGETS = {

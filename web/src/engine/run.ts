@@ -5,7 +5,7 @@ import { hasFailed, marchTo, planMarch, type Base } from "./accuracy.ts";
 import { COARSE, JUST_AFTER, LEAST_HEAT, LEAST_WORK, SOLVED } from "./constants.ts";
 import { readSignal, tableOf } from "./drives.ts";
 import { listSaid, predictInputs, type Changes } from "./inputs.ts";
-import { writeBound, writeEnd, writeMissed, writeResidual, writeStop } from "./sentences.ts";
+import { writeBound, writeEnd, writeFailure, writeMissed, writeResidual, writeStop } from "./sentences.ts";
 import { listTrackRows, weighTrapezoids } from "./track.ts";
 import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Given, type Grid, type Marched, type RunModule } from "./march.ts";
 import { formatGeneral } from "../views/formulas.ts";
@@ -225,9 +225,7 @@ function roundHalfEven(x: number): number {
 
 function refuseFailure(scenario: Scenario, status: number, time: number): void {
   if (!hasFailed(status) || status === OUT_OF_ENVELOPE) return;
-  const when = Number.isNaN(time) ? "during the run" : `at t = ${formatGeneral(time, 6)} s`;
-  const said = `The coupled step of law, heat and mechanism failed ${when}. ${scenario.statuses[status] ?? ""}`;
-  throw new Refusal(said, "solve", 400);
+  throw new Refusal(writeFailure(Number.isNaN(time) ? null : time, scenario.statuses[status] ?? ""), "solve", 400);
 }
 
 /** Rows before the first one that is outside of the envelope; the first of all stays. */

@@ -26,6 +26,8 @@ export const writeMissed = (tolerance: number, steps: number, accuracy: number):
   `Warning: the tolerance of ${formatPower(tolerance)} was not reached in ${steps.toLocaleString("en")} steps; what is judged may be off by ${formatPower(accuracy)} of its range.`;
 export const writeResidual = (residual: number, words: string, tolerance: number): string =>
   `Warning: ${formatPower(residual)} of the ${words} is not accounted for, more than the tolerance of ${formatPower(tolerance)}.`;
+export const writeFailure = (statusTime: number | null, sentence: string): string =>
+  `The coupled step of law, heat and mechanism failed ${statusTime === null ? "during the run" : `at t = ${formatGeneral(statusTime, 6)} s`}. ${sentence}`;
 export const writeStop = (time: number, describeBound: string): string =>
   `The run stopped at t = ${formatGeneral(time, 6)} s: ${describeBound}`;
 export const writeBound = (words: string, where: string, value: number, bound: number, limit: string, excess: string, reason: string): string =>

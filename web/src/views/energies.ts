@@ -1,15 +1,12 @@
 // Energies of a run over time; see martensite.simulate.energy.
 
+import { ENERGIES, NO_ELEMENT, NO_WORK, PRESCRIBED } from "../engine/constants.ts";
 import type { RunCore } from "../engine/types.ts";
 import type { Energy } from "../lib/types.ts";
 import { pickRows } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
 import { Computed, fillRow, type Values } from "./formulas.ts";
 import type { Views } from "./types.ts";
-
-const PRESCRIBED = "A prescribed temperature has no energy balance.";
-const NO_ELEMENT = "No element is heated, so there is no energy balance.";
-const NO_WORK = "The work is unknown: this element does not report its elongation.";
 
 export interface Energies {
   electrical: Float64Array;
@@ -109,18 +106,13 @@ export const efficiencyAt = (found: Energies, k: number): number =>
 export function describeEnergy(found: Energies | string, rows: number[]): Energy {
   if (typeof found === "string") return { courses: [], efficiency: null, sentence: found };
   const { electrical, lost, work, returned } = found;
-  const course = (key: string, symbol: string, long_name: string, shown: string, factor: number, values: Numbers) =>
-    ({ key, symbol, long_name, shown, factor, values: pickRows(values, rows) });
-  const courses = [
-    course("electrical", "E", "electrical energy in", "J", 1, electrical),
-    course("lost", "Q", "heat lost to the ambient", "J", 1, lost),
-    course("stored", "E − Q", "stored in the elements", "J", 1, electrical.map((value, k) => value - lost[k]!)),
-  ];
+  const course = (key: keyof typeof ENERGIES, values: Numbers) => {
+    const [symbol, long_name, shown, factor] = ENERGIES[key];
+    return { key, symbol, long_name, shown, factor, values: pickRows(values, rows) };
+  };
+  const courses = [course("electrical", electrical), course("lost", lost), course("stored", electrical.map((value, k) => value - lost[k]!))];
   if (!work || !returned) return { courses, efficiency: null, sentence: NO_WORK };
-  courses.push(
-    course("work", "W", "work during contraction", "mJ", 1e3, work),
-    course("returned", "W_b", "work returned during extension", "mJ", 1e3, returned),
-  );
+  courses.push(course("work", work), course("returned", returned));
   const share = (k: number): number | null => (electrical[k]! > 0 ? efficiencyAt(found, k) : null);
   return { courses, efficiency: rows.map(share), sentence: "" };
 }

@@ -1,5 +1,6 @@
 // What the page draws of a run, made from its columns and from what martensite.app.views.page says of its scenario.
 
+import { ENERGIES } from "../engine/constants.ts";
 import type { RunCore, Scenario } from "../engine/types.ts";
 import type { Alarm, KeyResult, Run } from "../lib/types.ts";
 import { listAlarms } from "./alarms.ts";
@@ -81,15 +82,11 @@ function listKeyResults(ends: Ends, { key }: Views, energies: Energies | string,
 function listEnergies(found: Energies | string): KeyResult[] {
   if (typeof found === "string") return [];
   const last = found.electrical.length - 1;
-  const told: KeyResult[] = [
-    ["electrical energy in", `${formatGeneral(found.electrical[last]!, 4)} J`],
-    ["heat lost to the ambient", `${formatGeneral(found.lost[last]!, 4)} J`],
-  ];
-  if (!found.work || !found.returned) return told;
-  return [
-    ...told,
-    ["work during contraction", `${formatGeneral(1e3 * found.work[last]!, 4)} mJ`],
-    ["work returned during extension", `${formatGeneral(1e3 * found.returned[last]!, 4)} mJ`],
-    ["efficiency (work over electrical)", `${formatGeneral(100 * efficiencyAt(found, last), 4)} %`],
-  ];
+  const names = ["electrical", "lost", "work", "returned"] as const;
+  const told = names.flatMap((name): KeyResult[] => {
+    const [, words, unit, factor] = ENERGIES[name];
+    const values = found[name];
+    return values ? [[words, `${formatGeneral(factor * values[last]!, 4)} ${unit}`]] : [];
+  });
+  return found.work ? [...told, ["efficiency (work over electrical)", `${formatGeneral(100 * efficiencyAt(found, last), 4)} %`]] : told;
 }

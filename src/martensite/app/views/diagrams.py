@@ -21,6 +21,7 @@ from martensite.base.errors import MartensiteError
 from martensite.base.parameters import describe_structure
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.phase_diagram import CRITICAL, LEAST_STRESS, SHIFTED, Band, confirm_lines, find_bands
+from martensite.show.summaries.run import ENERGIES
 from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.energy import find_ways, integrate_energies
 from martensite.simulate.result import Result
@@ -35,6 +36,7 @@ STRESSES, TEMPERATURES = 100e6, 10.0
 """Steps of the rounded limits [Pa], [K], so that a slider reuses diagrams."""
 COLDER = 15.0
 """Margin of a diagram below the finish of the transformation [K]."""
+COURSE = "symbol", "long_name", "shown", "factor"
 NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
@@ -49,27 +51,12 @@ def describe_energy(result: Result) -> JsonTable:
     ways = find_ways(result)
     energies = integrate_energies(result, ways or [])
     rows = choose_curve_rows(result)
-    stored = energies.electrical - energies.lost
-    named: list[tuple[str, str, str, str, float, Any]] = [
-        ("electrical", "E", "electrical energy in", "J", 1.0, energies.electrical),
-        ("lost", "Q", "heat lost to the ambient", "J", 1.0, energies.lost),
-        ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
-    ]
+    values = {"electrical": energies.electrical, "lost": energies.lost, "stored": energies.electrical - energies.lost}
     if ways is not None:
-        named += [
-            ("work", "W", "work during contraction", "mJ", 1e3, energies.work),
-            ("returned", "W_b", "work returned during extension", "mJ", 1e3, energies.returned),
-        ]
+        values |= {"work": energies.work, "returned": energies.returned}
     courses = [
-        {
-            "key": key,
-            "symbol": symbol,
-            "long_name": words,
-            "shown": unit,
-            "factor": factor,
-            "values": values[rows].tolist(),
-        }
-        for key, symbol, words, unit, factor, values in named
+        {"key": key, **dict(zip(COURSE, ENERGIES[key], strict=True)), "values": one[rows].tolist()}
+        for key, one in values.items()
     ]
     efficiency = None if ways is None else energies.efficiency[rows].tolist()
     return {"courses": courses, "efficiency": efficiency, "sentence": NO_WORK if ways is None else ""}

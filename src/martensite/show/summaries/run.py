@@ -27,6 +27,14 @@ if TYPE_CHECKING:
 NOTHING = 1e-12
 """Size below which a value is rounding error."""
 AVERAGED = ("pulses - average", "RMS", "largest")
+ENERGIES = {
+    "electrical": ("E", "electrical energy in", "J", 1.0),
+    "lost": ("Q", "heat lost to the ambient", "J", 1.0),
+    "stored": ("E − Q", "stored in the elements", "J", 1.0),
+    "work": ("W", "work during contraction", "mJ", 1e3),
+    "returned": ("W_b", "work returned during extension", "mJ", 1e3),
+}
+"""Energy -> symbol, meaning, shown unit, and its number per joule."""
 PEAKS = (
     ("hottest", "peak temperature", max),
     ("stress", "peak stress", max),
@@ -185,11 +193,10 @@ def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
     fine = add_step_rows(result)
     ways = find_ways(fine)
     energies = integrate_energies(fine, ways or [])
-    yield "electrical energy in", f"{energies.electrical[-1]:.4g} J"
-    yield "heat lost to the ambient", f"{energies.lost[-1]:.4g} J"
+    for name in ("electrical", "lost") if ways is None else ("electrical", "lost", "work", "returned"):
+        _, words, unit, factor = ENERGIES[name]
+        yield words, f"{factor * getattr(energies, name)[-1]:.4g} {unit}"
     if ways is not None:
-        yield "work during contraction", f"{1e3 * energies.work[-1]:.4g} mJ"
-        yield "work returned during extension", f"{1e3 * energies.returned[-1]:.4g} mJ"
         yield "efficiency (work over electrical)", f"{100.0 * energies.efficiency[-1]:.4g} %"
 
 
