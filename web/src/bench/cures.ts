@@ -1,14 +1,13 @@
 // Searches for changes that bring the run on the bench below its limits.
 
-import { computed, effect, signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { form } from "../form/state.ts";
 import { call, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
-import { computing, run } from "../state/run.ts";
-import { text } from "../state/scenario.ts";
+import { run } from "../state/run.ts";
 import { dangersOf, findCure, knobsOf, type Cure } from "../views/cures.ts";
 import { entriesOf } from "../views/remedies.ts";
-import { CALM, isQuick } from "./trials.ts";
+import { followRuns } from "./trials.ts";
 
 const MOST_CURES = 3;
 
@@ -35,19 +34,12 @@ export async function searchCures(): Promise<void> {
 }
 
 /** Search by itself once the reader pauses; returns the function that ends this. */
-export function followCures(): () => void {
-  let waiting = 0;
-  let shown: Run | null = null;
-  return effect(() => {
-    const now = run.value;
-    if (now !== shown) {
-      shown = now;
+export const followCures = (): (() => void) =>
+  followRuns(
+    () => {
       cures.value = [];
       search.value = "waiting";
-    }
-    clearTimeout(waiting);
-    const isReady = dangers.value.length > 0 && search.value === "waiting" && form.value?.text === now?.text;
-    const isCalm = !computing.value && text.value === now?.text;
-    if (now && isReady && isCalm && isQuick(now)) waiting = window.setTimeout(() => void searchCures(), CALM);
-  });
-}
+    },
+    (now) => dangers.value.length > 0 && search.value === "waiting" && form.value?.text === now.text,
+    searchCures,
+  );

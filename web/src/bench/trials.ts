@@ -102,19 +102,28 @@ export async function tryRemedies(isAll: boolean): Promise<void> {
   }
 }
 
-/** Keep the first trial in step with the run; returns what ends it. */
-export function followTrials(): () => void {
+/** Start something for each quick run once the reader pauses; returns the function that ends this. */
+export function followRuns(reset: () => void, isReady: (now: Run) => boolean, start: () => Promise<void>): () => void {
   let waiting = 0;
   let shown: Run | null = null;
   return effect(() => {
     const now = run.value;
     if (now !== shown) {
       shown = now;
-      trials.value = [];
+      reset();
     }
     clearTimeout(waiting);
-    const isNew = remedies.value.length > 0 && trials.value.length === 0;
-    const isCalm = !computing.value && !trying.value && text.value === now?.text;
-    if (now && isNew && isCalm && isQuick(now)) waiting = window.setTimeout(() => void tryRemedies(false), CALM);
+    const isCalm = !computing.value && text.value === now?.text;
+    if (now && isCalm && isReady(now) && isQuick(now)) waiting = window.setTimeout(() => void start(), CALM);
   });
 }
+
+/** Keep the first trial in step with the run; returns the function that ends this. */
+export const followTrials = (): (() => void) =>
+  followRuns(
+    () => {
+      trials.value = [];
+    },
+    () => remedies.value.length > 0 && trials.value.length === 0 && !trying.value,
+    () => tryRemedies(false),
+  );

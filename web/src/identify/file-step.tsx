@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
+import { Table } from "../ui/table.tsx";
 import { ColumnRows } from "./columns.tsx";
 import { NumberField, SECONDS } from "./number.tsx";
 import { LogList } from "./log-list.tsx";
@@ -59,28 +60,11 @@ function Preview() {
   return (
     <details class="panel">
       <summary>First {found.preview.length} rows of the file</summary>
-      <div class="scrolling" tabIndex={0} role="region" aria-label="First rows of the file">
-        <table>
-          <thead>
-            <tr>
-              {places.map((k) => (
-                <th key={k} scope="col">
-                  {found.columns[k]?.heading || `column ${k + 1}`}
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {found.preview.map((row, k) => (
-              <tr key={k}>
-                {places.map((at) => (
-                  <td key={at}>{row[at] ?? ""}</td>
-                ))}
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <Table
+        caption="First rows of the file"
+        headings={places.map((k) => found.columns[k]?.heading || `column ${k + 1}`)}
+        rows={found.preview.map((row) => places.map((at) => row[at] ?? ""))}
+      />
     </details>
   );
 }

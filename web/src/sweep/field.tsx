@@ -56,3 +56,17 @@ export function Choice({ id, label, value, onChange, children, wrong = "" }: Cho
     </div>
   );
 }
+
+/** A choice of one of some columns or axes; the name of no choice, if there may be none. */
+export function ColumnChoice({ all, none, ...choice }: Omit<ChoiceProps, "children"> & { all: { name: string; short: string }[]; none?: string }) {
+  return (
+    <Choice {...choice}>
+      {none && <option value="">{none}</option>}
+      {all.map((one) => (
+        <option key={one.name} value={one.name}>
+          {one.short}
+        </option>
+      ))}
+    </Choice>
+  );
+}

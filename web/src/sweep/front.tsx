@@ -7,7 +7,7 @@ import { call, sentence, superseded } from "../lib/api.ts";
 import { digits } from "../lib/numbers.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
-import { Choice } from "./field.tsx";
+import { Choice, ColumnChoice } from "./field.tsx";
 import { joined, scatterOf } from "./looks.ts";
 import { Plane } from "./plane.tsx";
 import { chosen, key, runs, type Runs } from "./shown.ts";
@@ -31,13 +31,7 @@ const EVERY = 700;
 function Goal({ id, all, name, aim, onChange }: { id: string; all: Column[]; name: string; aim: string; onChange: (name: string, aim: string) => void }) {
   return (
     <>
-      <Choice id={id} label={id === "goal-0" ? "Across" : "Up"} value={name} onChange={(value) => onChange(value, aim)}>
-        {all.map((one) => (
-          <option key={one.name} value={one.name}>
-            {one.short}
-          </option>
-        ))}
-      </Choice>
+      <ColumnChoice id={id} label={id === "goal-0" ? "Across" : "Up"} all={all} value={name} onChange={(value) => onChange(value, aim)} />
       <Choice id={`${id}-aim`} label="shall be" value={aim} onChange={(value) => onChange(name, value)}>
         {AIMS.map((one) => (
           <option key={one}>{one}</option>

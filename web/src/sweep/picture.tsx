@@ -2,14 +2,14 @@
 
 import { useSignal } from "@preact/signals";
 import { tickText } from "../plots/scale.ts";
-import { Choice } from "./field.tsx";
+import { ColumnChoice } from "./field.tsx";
 import { FrontView } from "./front.tsx";
 import { IndicesView } from "./indices.tsx";
 import { curveOf, mapOf, scatterOf } from "./looks.ts";
 import { Plane } from "./plane.tsx";
 import { Readout } from "./readout.tsx";
 import { isGrid, runs, type Runs } from "./shown.ts";
-import type { Axis, Column } from "./types.ts";
+import type { Axis } from "./types.ts";
 
 type View = "map" | "curve" | "scatter" | "front" | "indices";
 const NAMES: Record<View, string> = { map: "Map", curve: "Curve", scatter: "Scatter", front: "Pareto front", indices: "Sensitivity" };
@@ -21,18 +21,6 @@ interface ViewProps {
 function viewsOf({ layout }: Runs): View[] {
   const grid: View[] = !isGrid(layout) ? [] : layout.axes.length > 1 ? ["map", "curve"] : ["curve"];
   return [...grid, "scatter", "front", "indices"];
-}
-
-function Of({ id, label, all, value, onChange }: { id: string; label: string; all: Column[]; value: string; onChange: (name: string) => void }) {
-  return (
-    <Choice id={id} label={label} value={value} onChange={onChange}>
-      {all.map((one) => (
-        <option key={one.name} value={one.name}>
-          {one.short}
-        </option>
-      ))}
-    </Choice>
-  );
 }
 
 /** A slider over the levels of an axis that is not drawn. */
@@ -73,9 +61,9 @@ function Grid({ now, onLook, flat }: ViewProps & { flat: boolean }) {
   return (
     <>
       <div class="sweep-line">
-        <Of id="view-measure" label={flat ? "Up" : "Colour"} all={measures} value={measure.name} onChange={(value) => (name.value = value)} />
-        {axes.length > 1 && <Of id="view-x" label="Across" all={axes} value={axes[x.value]?.name ?? ""} onChange={across} />}
-        {!flat && <Of id="view-y" label="Up" all={axes} value={axes[y.value]?.name ?? ""} onChange={up} />}
+        <ColumnChoice id="view-measure" label={flat ? "Up" : "Colour"} all={measures} value={measure.name} onChange={(value) => (name.value = value)} />
+        {axes.length > 1 && <ColumnChoice id="view-x" label="Across" all={axes} value={axes[x.value]?.name ?? ""} onChange={across} />}
+        {!flat && <ColumnChoice id="view-y" label="Up" all={axes} value={axes[y.value]?.name ?? ""} onChange={up} />}
         {others.map((k) => (
           <Level
             key={k} axis={axes[k] as Axis} stride={strides[k] ?? 1} level={levels.value[k] ?? 0}
@@ -110,16 +98,9 @@ function Scatter({ now, onLook }: ViewProps) {
   return (
     <>
       <div class="sweep-line">
-        <Of id="view-x" label="Across" all={all} value={x.name} onChange={put(0)} />
-        <Of id="view-y" label="Up" all={all} value={y.name} onChange={put(1)} />
-        <Choice id="view-colour" label="Colour" value={colour?.name ?? ""} onChange={put(2)}>
-          <option value="">none</option>
-          {all.map((one) => (
-            <option key={one.name} value={one.name}>
-              {one.short}
-            </option>
-          ))}
-        </Choice>
+        <ColumnChoice id="view-x" label="Across" all={all} value={x.name} onChange={put(0)} />
+        <ColumnChoice id="view-y" label="Up" all={all} value={y.name} onChange={put(1)} />
+        <ColumnChoice id="view-colour" label="Colour" all={all} none="none" value={colour?.name ?? ""} onChange={put(2)} />
       </div>
       <Plane picture={scatterOf(now, x, y, colour ?? null)} label={`${y.short} over ${x.short}`} onLook={onLook} />
     </>

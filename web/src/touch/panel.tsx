@@ -6,7 +6,6 @@ import { printed } from "../plots/drawn.ts";
 import { run } from "../state/run.ts";
 import { Message } from "../ui/message.tsx";
 import { beginChallenge, canChallenge, challenge, GRACE, LENGTH } from "./challenge.ts";
-import type { Load } from "./handles.ts";
 import { beginLive, giveShare, hand, preparing, said, setLoad, stopLive, setStrength, turned, type Hand, type Source } from "./live.ts";
 import { chooseTarget } from "./score.ts";
 import { Strip } from "./strip.tsx";
@@ -64,10 +63,12 @@ export function LivePanel() {
           one.kind === "heat" ? (
             <Drive key={one.drive.name} one={one} k={k} alone={now.drives.length === 1} turn={turned.value} />
           ) : (
-            one.kind === "setpoint" && <SetPoint key={one.drive.name} one={one} k={k} turn={turned.value} />
+            one.kind === "setpoint" && (
+              <Slider key={one.drive.name} words="Set point" value={one.strength} how={one.drive.how} high={one.most} put={(value) => setStrength(k, value)} />
+            )
           ),
         )}
-        {now.load && <LoadSlider load={now.load} turn={turned.value} />}
+        {now.load && <Slider {...now.load} put={setLoad} />}
         {canChallenge(now) && <ChallengeButton />}
       </div>
       <Goal now={now} turn={turned.value} />
@@ -112,7 +113,13 @@ function ChallengeButton() {
   );
 }
 
-const spell = (value: number, how: { shown: string; factor: number; offset: number }): string => `${digits(toShown(value, how), 3)} ${printed(how.shown === "1" ? "" : how.shown)}`;
+interface Spelled {
+  shown: string;
+  factor: number;
+  offset: number;
+}
+
+const spell = (value: number, how: Spelled): string => `${digits(toShown(value, how), 3)} ${printed(how.shown === "1" ? "" : how.shown)}`;
 
 /** `turn` counts changes of what is held: the drive itself stays the same object. */
 function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn: number }) {
@@ -163,38 +170,19 @@ function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn
   );
 }
 
-function SetPoint({ one, k }: { one: Source; k: number; turn: number }) {
-  const { strength, most, drive } = one;
+function Slider({ words, value, how, low = 0, high, put }: { words: string; value: number; how: Spelled; low?: number; high: number; put: (value: number) => void }) {
   return (
     <label class="small live-load">
-      Set point: {spell(strength, drive.how)}
+      {words}: {spell(value, how)}
       <input
         type="range"
-        aria-label="Set point"
-        aria-valuetext={spell(strength, drive.how)}
-        min={0}
-        max={most}
-        step={most / PLACES}
-        value={strength}
-        onInput={(event) => setStrength(k, event.currentTarget.valueAsNumber)}
-      />
-    </label>
-  );
-}
-
-function LoadSlider({ load }: { load: Load; turn: number }) {
-  return (
-    <label class="small live-load">
-      {load.words}: {spell(load.value, load.how)}
-      <input
-        type="range"
-        aria-label={load.words}
-        aria-valuetext={spell(load.value, load.how)}
-        min={load.low}
-        max={load.high}
-        step={(load.high - load.low) / PLACES}
-        value={load.value}
-        onInput={(event) => setLoad(event.currentTarget.valueAsNumber)}
+        aria-label={words}
+        aria-valuetext={spell(value, how)}
+        min={low}
+        max={high}
+        step={(high - low) / PLACES}
+        value={value}
+        onInput={(event) => put(event.currentTarget.valueAsNumber)}
       />
     </label>
   );
