@@ -94,6 +94,6 @@ def test_the_model_stands_beside_the_makers_table(page: Page) -> None:
     page.get_by_role("button", name="Compare").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     check = page.get_by_role("region", name="Check of the catalogue")
-    expect(check).to_contain_text("a weight of 150 MPa")
+    expect(check).to_contain_text("load 150 MPa")
     expect(check.locator("tbody tr")).to_have_count(12)
     expect(page).to_have_url(re.compile("tab=catalogue"))
