@@ -55,7 +55,7 @@ def find_groups(app: Any) -> Iterator[tuple[str, str]]:
 
 def _add_captions(tree: str, app: Any, page: str) -> str:
     """Return a tree with the captions of its groups."""
-    for caption, first in find_groups(app):
+    for caption, first in _find_groups_once(app):
         target = "#" if first == page else app.builder.get_relative_uri(page, first)
         entry = rf'(?=<li class="[^"]*"><a class="[^"]*" href="{re.escape(target)}">)'
         tree = re.sub(entry, f'<li class="menu-group">{escape(caption)}</li>', tree, count=1)
@@ -67,6 +67,13 @@ def _shorten_once(app: Any) -> dict[str, nodes.bullet_list]:
     if not hasattr(app, "short_contents"):
         app.short_contents = {page: keep_titles(found) for page, found in app.env.tocs.items()}
     return app.short_contents
+
+
+def _find_groups_once(app: Any) -> list[tuple[str, str]]:
+    """Captions and first pages of the groups; the contents of all pages are long."""
+    if not hasattr(app, "groups_of_pages"):
+        app.groups_of_pages = list(find_groups(app))
+    return app.groups_of_pages
 
 
 def setup(app: Any) -> dict[str, Any]:

@@ -45,6 +45,9 @@ def _draw() -> None:
     plt.close(figure)
 
 
+for name in ("dask.array", "distributed"):  # xarray imports them to open and to load a sweep
+    with suppress(ImportError):
+        importlib.import_module(name)
 _import_all("martensite")
 CliRunner().invoke(app, ["materials", "copaci-2019"])
 _draw()
