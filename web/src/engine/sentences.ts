@@ -4,8 +4,8 @@ import { formatGeneral, formatPower } from "../views/formulas.ts";
 
 export const writeExcursion = (first: number, duration: number): string =>
   `first at t = ${formatGeneral(first, 4)} s, for ${formatGeneral(duration, 3)} s in all`;
-export const writeLimitAlarm = (kind: string, worst: number, zero: number, scale: number, shown: string, limit: number, when: string): string =>
-  `Warning: ${kind} reaches ${formatGeneral((worst - zero) / scale, 4)} ${shown}, above the \`${kind}_limit\` of ${formatGeneral((limit - zero) / scale, 4)} ${shown}, ${when}.`;
+export const writeLimitAlarm = (kind: string, worst: number, zero: number, scale: number, readableUnit: string, limit: number, when: string): string =>
+  `Warning: ${kind} reaches ${formatGeneral((worst - zero) / scale, 4)} ${readableUnit}, above the \`${kind}_limit\` of ${formatGeneral((limit - zero) / scale, 4)} ${readableUnit}, ${when}.`;
 export const writeStrainAlarm = (worst: number, limit: number, when: string): string =>
   `Warning: strain varies by ${formatGeneral(100 * worst, 3)} %, more than the \`strain_limit\` of ${formatGeneral(100 * limit, 3)} %, ${when}.`;
 export const writeSlackAlarm = (when: string): string =>
