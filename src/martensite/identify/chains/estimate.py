@@ -75,8 +75,6 @@ class ChainEstimate:
     """End of the last search, at the full sample rate."""
     fits: tuple[float, ...]
     """Fit [%] at the ends of all refined searches, best first; for long records on decimated records."""
-    coarse: tuple[float, ...]
-    """Relative costs at the ends of the first searches, best first."""
     options: Options = field(default_factory=Options)
     complete: bool = True
     """False for the best chain of an interrupted search."""
@@ -186,7 +184,7 @@ class _Estimation:
         last = self._finish(refined, level)
         self.tell("full rate", 1.0)
         fits = [compute_fit(end, level, self._goal_for(level)) for end in refined]
-        return self._describe(last, sorted(fits, reverse=True), [end.cost for end in first])
+        return self._describe(last, sorted(fits, reverse=True))
 
     def _guard_short(self) -> None:
         """Pull the parameters towards a linear model if the records are short for their number."""
@@ -220,7 +218,7 @@ class _Estimation:
                 errors[strength] += measure_left_out(ends[0], self.thin, training_records, goal) if ends else np.inf
         return min(STRENGTHS, key=lambda strength: errors[strength])
 
-    def _describe(self, last: SearchEnd, fits: Sequence[float], coarse: Sequence[float]) -> ChainEstimate:
+    def _describe(self, last: SearchEnd, fits: Sequence[float]) -> ChainEstimate:
         found_end, chain, goal = last.found, last.chain, self.goal
         wanted = tuple(build_aims(self.records, self.options, goal.starts))
         complete = not goal.halt.is_set()
@@ -234,17 +232,8 @@ class _Estimation:
             self.remarks += describe_exchange(self.records, fits[0])
             if self.options.start == "rest":
                 self.remarks += describe_motion([r for r in self.records if not shows_rest(r)])
-        return ChainEstimate(
-            chain,
-            self.records,
-            wanted,
-            found_end,
-            tuple(fits),
-            tuple(coarse),
-            self.options,
-            complete,
-            tuple(self.remarks),
-        )
+        remarks = tuple(self.remarks)
+        return ChainEstimate(chain, self.records, wanted, found_end, tuple(fits), self.options, complete, remarks)
 
     def _search_starts(self) -> list[SearchEnd]:
         """Return the ends of first searches, best first, and test how the records start."""
