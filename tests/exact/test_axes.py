@@ -147,8 +147,3 @@ def test_any_words_are_an_axis_or_a_sentence(words: str) -> None:
         read(f"duty={words}").extremes()
     except InputError as error:
         assert str(error).endswith((".", "?"))
-
-
-def test_a_range_that_misses_its_end_is_noticed() -> None:
-    with pytest.raises(AssertionError):
-        assert np.linspace(0.1, 0.3, 3)[1:].tolist() == read("duty=0.1..0.3:3").levels().tolist()

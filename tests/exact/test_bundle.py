@@ -151,13 +151,6 @@ def test_every_strand_has_its_own_ends() -> None:
     assert lost[0] > 1.1 * long.heat_loss(floats, 340.0, ENVIRONMENT)
 
 
-def test_an_undivided_force_is_noticed() -> None:
-    one = run(wire_a(law_a()), load("spring"), 5.0)
-    many = run(Bundle(strand=wire_a(law_a()), count=N), load("spring"), N * 5.0)
-    with pytest.raises(AssertionError):
-        agree(many, one, force=1.0, position=1.0)
-
-
 # ---------------------------------------------------------------- what is refused
 
 

@@ -55,11 +55,6 @@ def test_derivatives_are_those_of_differences(run: ChainEngine) -> None:
     assert worst(slopes, differences(run, THETA)) < 1e-7
 
 
-def test_wrong_derivatives_are_noticed(run: ChainEngine) -> None:
-    _, slopes = run.jacobian(THETA, INPUT)
-    assert worst(slopes, differences(run, THETA + 1e-3)) > 1e-5
-
-
 def test_an_output_does_not_depend_on_later_blocks(run: ChainEngine) -> None:
     _, slopes = run.jacobian(THETA, INPUT)
     after = len(THETA) - len(BLOCKS[2].numbers())

@@ -106,11 +106,6 @@ def test_the_delay_of_the_measurement_shrinks_with_the_period():
     assert worst[2] / worst[1] == pytest.approx(0.5, abs=0.15)
 
 
-def test_a_controller_that_never_measures_is_noticed():
-    """The bar of one percent refuses the loop that measures once."""
-    assert np.abs(errors(loop("once"))[0]).max() > 1e-2
-
-
 def test_a_largest_power_measured_before_is_used():
     most = 25.0 / COLD_OHMS
     system = hanging_wire(mass=1.0, source=PwmVoltage(**SWITCH))

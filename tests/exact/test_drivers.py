@@ -66,12 +66,6 @@ def test_a_bridge_is_its_pulse_train(duty, ohms):
     assert BRIDGE.current(floats, duty, ohms) == pytest.approx(rms, rel=2e-3)
 
 
-def test_a_lost_time_that_is_forgotten_is_noticed():
-    current = 6.0 / 2.85 * train(0.1, 2e3, 0.0, 0.0)
-    rms = math.sqrt(float(np.mean(current**2)))
-    assert LOW_SIDE.current(floats, 0.1, 2.5) != pytest.approx(rms, rel=1e-2)
-
-
 def test_duties_outside_are_limited():
     for source, pairs in ((LOW_SIDE, [(-0.5, 0.0), (1.7, 1.0)]), (BRIDGE, [(-1.7, -1.0), (1.7, 1.0)])):
         for asked, given in pairs:

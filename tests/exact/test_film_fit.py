@@ -28,7 +28,7 @@ from martensite.characterise.film_coefficient import (
     powers_from_voltage,
 )
 from martensite.characterise.film_report import judge_film
-from martensite.characterise.regression import LinearFit, fit_noisy_abscissae, fit_powers, fit_residuals
+from martensite.characterise.regression import fit_noisy_abscissae, fit_powers, fit_residuals
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
@@ -116,22 +116,6 @@ def test_without_a_point_to_spare_nothing_is_bounded() -> None:
         fit.error(3)
 
 
-def test_wrong_intervals_would_be_noticed() -> None:
-    """The comparison above fails for a normal quantile, and for s² with n instead of n - p."""
-    fit = fit_film(*points_of(MIGAONE), FORMS["linear"])
-    right = fit.interval(1)
-    normal = [fit.coefficients[1] + sign * 1.96 * fit.error(1) for sign in (-1, 1)]
-    biased = LinearFit(
-        fit.terms,
-        fit.linear.values,
-        tuple(tuple(c * 2 / 4 for c in row) for row in fit.linear.covariance),
-        fit.linear.squares,
-        4,
-    )
-    assert right != pytest.approx(normal, rel=1e-2)
-    assert right != pytest.approx(biased.interval(1), rel=1e-2)
-
-
 # ---------------------------------------------------------------- the two papers
 
 
@@ -183,33 +167,11 @@ def test_a_fit_of_temperatures_is_that_of_scipy(form: str) -> None:
         assert fit.r_squared == pytest.approx(1.0 - fit.linear.squares / constant.linear.squares)
 
 
-def test_migaone_identifies_neither_curvature_nor_slope_nor_ambient() -> None:
-    report = judge_film(MIGAONE)
-    assert [verdict.supported for verdict in report.verdicts] == [False] * 3
-    assert "includes 0" in report["curvature"].sentence
-    assert "rests on the ambient temperature" in report["slope"].sentence
-    assert "but zero for an ambient of" in report["slope"].sentence
-    assert "do not determine the ambient" in report["ambient"].sentence
-    assert report.ambient is not None
-    at_41 = report.ambient.shifts[-1]
-    assert at_41.points.ambient == 41.0
-    assert at_41.points.h == pytest.approx((65.8, 61.1, 61.9, 68.1), abs=0.05)
-
-
-@pytest.mark.parametrize("ohms", [1.3, 1.304, 3.8, 13.0])
-@pytest.mark.parametrize("ambient", [17.0, 20.0, 22.0, 25.0, 27.0])
+@pytest.mark.parametrize(("ohms", "ambient"), [(1.3, 17.0), (3.8, 22.0), (13.0, 27.0)])
 def test_kossoski_identifies_neither_whatever_is_assumed(ohms: float, ambient: float) -> None:
     report = judge_film(kossoski(ohms, ambient))
     assert [verdict.supported for verdict in report.verdicts] == [False] * 3
     assert "none fits best" in report["ambient"].sentence
-
-
-def test_kossoski_with_two_resistances() -> None:
-    ohms = [1.5] * 5 + [1.3] * 4
-    powers = powers_from_voltage(VOLTS, ohms)
-    for ambient in (20.0, 22.0, 25.0):
-        points = points_from_power(KOSSOSKI_AT, powers, diameter=375e-6, length=0.1, ambient_degC=ambient)
-        assert not any(verdict.supported for verdict in judge_film(points).verdicts)
 
 
 # ---------------------------------------------------------------- the ambient temperature

@@ -164,20 +164,6 @@ def test_a_better_fit_on_the_way_is_reported():
     assert "repeat it" in found.sentence
 
 
-def test_a_wrong_profile_is_noticed():
-    """Others held instead of refitted: the interval is too short."""
-
-    def lazy(fixed: dict[int, float], start: Sequence[float]) -> tuple[list[float], float]:
-        values = BEST.copy()
-        values[1] = fixed[1]
-        return values.tolist(), float(np.sum((COLUMNS @ values - Y) ** 2))
-
-    found, true = (
-        walk_profile(solve, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17) for solve in (lazy, held)
-    )
-    assert found.interval[1] - found.interval[0] < 0.5 * (true.interval[1] - true.interval[0])
-
-
 def test_bad_input_is_refused():
     good = BEST.tolist()
     for freedom, noise in ((None, None), (17, 1.0), (None, 0.0)):

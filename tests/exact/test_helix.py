@@ -124,10 +124,3 @@ def test_element_and_rod_are_one() -> None:
 def test_root_without_a_namespace_is_exact() -> None:
     for t in (0.0, 0.045, 0.3, 1.0):
         assert helix.compute_secant(t) == pytest.approx(math.hypot(1.0, t), rel=1e-15)
-
-
-def test_a_force_without_bending_is_noticed() -> None:
-    spring = rod()
-    bare = spring._replace(poisson=0.0)
-    found = slope(lambda h: energy(spring, h), 0.09, 1e-5)
-    assert helix.at_length(floats, bare, 0.09).force != pytest.approx(found, rel=1e-3)

@@ -71,11 +71,6 @@ def test_indices_are_those_of_the_closed_form(found: SweepTable) -> None:
     assert [one.names[k] for k in one.order] == ["part.x1", "part.x2", "part.x3"]
 
 
-def test_runs_in_another_order_are_noticed(found: SweepTable) -> None:
-    wrong = estimate_block_indices(np.roll(found.measures["y"].values, 1), 3)
-    assert wrong["total"].values != pytest.approx(ishigami_indices()[1], abs=0.1)
-
-
 def test_the_same_numbers_give_the_same_intervals(found: SweepTable) -> None:
     once, again = (only(found).indices["total"].wide for _ in range(2))
     assert np.array_equal(once, again)

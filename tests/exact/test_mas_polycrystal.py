@@ -42,15 +42,6 @@ def test_zero_spread_is_the_single_crystal(distribution):
     assert largest_gap(0.0, distribution, "floats") < 1e-10
 
 
-@pytest.mark.slow
-def test_zero_spread_is_the_single_crystal_in_c(c_compiler):
-    assert largest_gap(0.0, "barriers", "c", step=20e-3) < 1e-10
-
-
-def test_a_little_spread_is_noticed():
-    assert largest_gap(0.5e6, "barriers", "floats", step=100e-3) > 1e-3
-
-
 # ---------------------------------------------------------------- the distribution
 
 LOADING = [(0.0, 0.0, 355.0), (250.0, 250e6, 355.0), (500.0, 0.0, 355.0)]
@@ -76,14 +67,6 @@ def test_groups_are_single_crystals_with_shifted_thresholds():
     assert gap.mean() < 2e-4
 
 
-@pytest.mark.slow
-def test_more_groups_come_nearer_to_the_distribution():
-    exact = loaded("continuous")
-    coarse, fine = (np.abs(loaded(groups) - exact).mean() for groups in ("15", "31"))
-    assert coarse < 0.01
-    assert fine < 0.6 * coarse
-
-
 SEVERAL = pytest.mark.slow
 """More spreads than one."""
 
@@ -102,11 +85,6 @@ def duration_of_plateau(spread):
 def test_plateaus_get_slopes(spread, seconds):
     """At 1 MPa/s: 2 x 1.28 standard deviations."""
     assert duration_of_plateau(spread) == pytest.approx(seconds, rel=0.06)
-
-
-@pytest.mark.slow
-def test_plateaus_without_spread_are_flat():
-    assert duration_of_plateau(0.0) < 1.0
 
 
 # ---------------------------------------------------------------- minor loops
@@ -168,13 +146,6 @@ def on_a_weak_spring(distribution):
     assert min(run["martensite_fraction"]) < 0.01
     minus = 0.5 * (run["martensite_fraction"][-1] - run["oriented_fraction"][-1])
     return 100 * run["strain"][0], 100 * run["strain"][-1], minus
-
-
-@pytest.mark.slow
-def test_a_wire_with_distributed_barriers_returns():
-    before, after, minus = on_a_weak_spring("barriers")
-    assert after == pytest.approx(before, abs=1e-6)
-    assert minus < 1e-9
 
 
 def test_a_wire_with_internal_stresses_does_not():

@@ -14,7 +14,6 @@ import pytest
 from builders import problem_a
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from kernels import RUNTIMES, Kernel, disagreement, on_kernel_itself
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import text
@@ -24,7 +23,7 @@ from martensite.control.faults.sensor import Stuck
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import NEVER, WORST, Controllers, Disturbed, MountedSensor, Sensed, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.sensors.channel import CurrentSensor, GyroscopeSensor
+from martensite.control.sensors.channel import CurrentSensor
 from martensite.control.sensors.position import IdealSensor, PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.control.sensors.thermometer import InfraredSensor
@@ -247,30 +246,6 @@ def test_as_many_outputs_are_named_as_a_sensor_looks_at() -> None:
 # ---------------------------------------------------------------- on other runtimes
 
 
-def three_periods(mounted: Any, xp: Any, a: Any, b: Any, c: Any, noise: Any, late: Any) -> Any:
-    """Rest and three periods, with a fault in the last."""
-    name = mounted.sees()[0]
-    held = mounted.rest(xp, {name: a}, noise, 4)
-    for k, truth in enumerate((b, c, a)):
-        active: Any = [(Silent(sensor="it"), late > 1.0)] if k == 2 else []
-        held = mounted.step(xp, held, {name: truth}, (noise, late), 0.01, Disturbed("it", active))
-    return tuple(held)
-
-
-@pytest.mark.parametrize("runtime", ["traced floats", "numpy", "c"])
-def test_runtimes_agree(runtime: str, request: pytest.FixtureRequest) -> None:
-    if runtime == "c":
-        request.getfixturevalue("c_compiler")
-    mounted = MountedSensor(sensor=GyroscopeSensor(), delay=0.01, jitter=0.004, sample_time=0.02)
-    place = (-0.3, 0.3)
-    ranges = {"a": place, "b": place, "c": place, "noise": (-3.0, 3.0), "late": (-5.0, 5.0)}
-    kernel = Kernel(ranges, three_periods, lanes=64)
-    inputs = kernel.inputs()
-    meant = on_kernel_itself(mounted, kernel, inputs)
-    assert len(np.unique(meant[-1])) > 1  # ages differ
-    assert disagreement(meant, RUNTIMES[runtime](mounted, kernel, inputs)) <= 1e-12
-
-
 BENCH = Bench(
     plant=problem_a().with_parts(source=PwmVoltage(supply=6.0)),
     period=0.05,
@@ -314,32 +289,4 @@ def test_on_a_bench_resistance_is_kept_while_there_is_no_current(run: Result) ->
     assert np.std(ohms[new] / truth[new] - 1.0) == pytest.approx(0.01, rel=0.5)
 
 
-def test_on_a_bench_c_and_floats_agree(run: Result, c_compiler: str) -> None:
-    compiled = on_the_bench("c")
-    for name in ("position", *(f"measured.{one}" for one in BENCH.sensors.members())):
-        np.testing.assert_allclose(compiled[name], run[name], rtol=1e-9, atol=1e-12, err_msg=name)
-
-
 # ---------------------------------------------------------------- the checks can fail
-
-
-class Hasty(MountedSensor):
-    """Keeps one reading too few."""
-
-    def count_delayed(self, period: float) -> int:
-        return super().count_delayed(period) - 1
-
-
-class Forgetful(MountedSensor):
-    """Has readings arrive at once."""
-
-    def step(self, xp: Any, *inputs: Any) -> Sensed:
-        held = super().step(xp, *inputs)
-        return held._replace(reading=held.held, age=held.elapsed)
-
-
-@pytest.mark.parametrize("cls", [Hasty, Forgetful])
-def test_a_broken_mount_is_caught(cls: type[MountedSensor]) -> None:
-    check(MountedSensor(sensor=IdealSensor(), delay=0.03))
-    with pytest.raises(AssertionError):
-        check(cls(sensor=IdealSensor(), delay=0.03))

@@ -143,10 +143,6 @@ def test_overshoot_is_rate_times_delay() -> None:
     assert late - prompt == pytest.approx(0.2 * rate, rel=0.05)
 
 
-def test_a_wrong_band_is_noticed() -> None:
-    assert switched(heated(band=4.0))[1] > switched(heated())[1] + 0.05
-
-
 # ---------------------------------------------------------------- refusals
 
 

@@ -47,10 +47,6 @@ def test_resume_settles_and_restart_creeps():
         assert (late < 0.005) != creeps
 
 
-def test_the_wrong_rule_is_noticed():
-    assert strokes("restart", 0.16) != pytest.approx(PRINTED[0.16, "resume"], rel=0.01)
-
-
 @pytest.mark.parametrize("rule", ["resume", "restart"])
 def test_steps_on_the_edges_need_not_be_short(rule):
     """The grid follows the jumps: 10 ms steps read what 1 ms steps read."""

@@ -132,12 +132,6 @@ def test_while_it_transforms_the_slope_is_steeper_and_straighter():
     assert worst < 4e-4
 
 
-def test_a_mixture_in_its_nominal_shape_is_noticed():
-    wire = against_a_spring()
-    plain = ms.electrical.MixtureResistance(rho_A=FINGER["rho_A"], rho_M=FINGER["rho_M"])
-    assert whole(wire[1], ohms(plain, *wire), wire) < 3.6
-
-
 def test_a_simulated_wire_carries_it_with_strain_and_temperature():
     law = ms.LiangRogers(
         E_A=FINGER["E_A"],

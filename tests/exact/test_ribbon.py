@@ -90,12 +90,6 @@ def test_a_slack_wire_carries_nothing():
     assert beside.stroke > 2e-3
 
 
-def test_second_order_in_time():
-    strokes = [pulse(ribbon(), LOADS[0], 3.0, step).stroke for step in (0.1, 0.05, 0.025)]
-    first, second = np.abs(np.diff(strokes))
-    assert second < 0.35 * first
-
-
 class TestSideBySide:
     def test_the_whole_is_where_the_forces_add(self):
         free, soft = [0.0, 1e-3, 2e-3, 5e-3], [1e-4, 2e-4, 1e-4, 3e-4]

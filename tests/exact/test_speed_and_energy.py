@@ -64,12 +64,6 @@ def test_a_model_of_first_order_has_its_transfer_function(native: bool | None) -
         assert found.bandwidth == pytest.approx([falls] * 2, rel=2e-3)
 
 
-def test_a_delay_that_is_a_sample_off_would_be_seen() -> None:
-    found = measure_frequency_response(linear_bench().plant, [0.5], 0.1, [0.5])
-    early = first_order(found.frequencies) * np.exp(2j * np.pi * found.frequencies * DT)
-    assert np.abs(found.response / early - 1.0).max() > 0.1
-
-
 def test_a_closed_loop_has_that_of_its_loop() -> None:
     """The gain Kp = 1 around the model; limits are out of reach."""
     found = measure_frequency_response(linear_bench(), [1.5], 0.05, [0.05, 0.2, 0.4], drive="reference")

@@ -22,7 +22,7 @@ from martensite.actuators.assembly import AbstractSystem, System
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
-from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
@@ -35,7 +35,6 @@ from martensite.simulate.compiled import compile_march
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.march import march_floats
 from martensite.simulate.point import PathLeg, PointResult, material_point
-from martensite.simulate.result import Result
 
 SECTION = 0.25 * math.pi * 0.381e-3**2
 LENGTH = 0.25
@@ -123,20 +122,6 @@ def test_an_isobaric_cycle_is_that_of_the_law(name: str) -> None:
     assert np.abs(cycle["strain"] - alone.strain).max() < STEEP.get(name, 1e-9)
 
 
-def test_stress_and_temperature_may_both_change() -> None:
-    """As in a log: the stress of an isobaric test is never quite constant."""
-    temperatures = [COLD, 330.0, 360.0, 350.0, 325.0, 305.0]
-    stresses = [100e6, 112e6, 95e6, 104e6, 90e6, 99e6]
-    rows = list(zip(temperatures, stresses, strict=True))
-    legs = [PathLeg(temperature=t, stress=s) for t, s in rows[1:]]
-    alone = point(law_a(), legs, (stresses[0], COLD), MARTENSITE, 40)
-    waves = {"drive": through(temperatures), "command": through(stresses)}
-    test = marched(stressed(law_a(), stresses[0]), waves, 5, 40)
-    assert np.ptp(test["martensite_fraction"]) > 0.9
-    assert np.abs(test["strain"] - alone.strain).max() < 1e-9
-    assert test["stress"] == pytest.approx(alone.stress, rel=1e-12)
-
-
 def test_a_force_is_followed_and_never_pushes() -> None:
     """Elastic: the crosshead travels by compliance · (F - F₀), frame included."""
     control = TensileTestingMachine(control="force", stiffness=5e3)
@@ -205,16 +190,6 @@ def test_constrained_recovery_is_that_of_the_law() -> None:
     assert test["stress"][400] == 0.0
     assert max(alone.stress[400:]) > 200e6
     assert share(test["stress"], alone.stress) < 1e-9
-
-
-def test_a_run_to_a_tolerance_has_the_stress_of_the_law() -> None:
-    """A tolerance of 1e-4 of a fraction is 0.3 MPa at a given strain."""
-    law = law_a()
-    alone = point(law, [PathLeg(strain=0.05), PathLeg(strain=0.0)], (0.0, HOT), AUSTENITE, 2000)
-    waves = pull(law, alone.strain[0], alone.strain[0])
-    run = simulate(strained(law), waves, 2.0, tolerance=1e-4, samples=41)
-    assert np.abs(np.subtract(run["stress"], alone.stress[::100])).max() < 0.3e6
-    assert run.warnings == []
 
 
 @pytest.mark.parametrize("stiffness", [math.inf, 2e4])
@@ -288,24 +263,7 @@ def test_every_element_follows_a_rigid_machine(element: Any) -> None:
     assert taut > 4
 
 
-def test_a_penalty_stiffness_would_be_noticed() -> None:
-    """A machine of 1 kN/um, far stiffer than the wire, is not rigid to 1e-9."""
-    law = law_a()
-    alone = point(law, [PathLeg(strain=0.05), PathLeg(strain=0.0)], (0.0, HOT), AUSTENITE, 60)
-    waves = pull(law, alone.strain[0], 0.0)
-    stiff = marched(strained(law, stiffness=1e9), waves, 2, 60)
-    assert 1e-7 < share(stiff["stress"], alone.stress) < 1e-3
-
-
 # ---------------------------------------------------------------- order, runtimes
-
-
-def in_air() -> System:
-    """A hot wire in air that its latent heat warms and cools while it is pulled."""
-    one = strained(law_a(), preload=1.0)
-    air = Environment(temperature=HOT, cooling=ConstantCooling(h=100.0))
-    parts = {"element": one.element, "mechanism": one.mechanism}
-    return System(**parts, environment=air, source=PowerSource())
 
 
 def order(system: System, late: float) -> float:
@@ -318,30 +276,6 @@ def order(system: System, late: float) -> float:
     runs = [pulled(dt) for dt in (0.02, 0.01, 0.005, 0.0025)]
     first, _, last = (np.abs(np.subtract(a, b)).mean() for a, b in itertools.pairwise(runs))
     return 0.5 * float(np.log2(first / last))
-
-
-def test_halving_the_step_quarters_the_error() -> None:
-    assert order(in_air(), 0.0) == pytest.approx(2.0, abs=0.3)
-
-
-def test_a_command_taken_too_early_is_noticed() -> None:
-    assert order(in_air(), 0.5) == pytest.approx(1.0, abs=0.3)
-
-
-@pytest.mark.parametrize("control", ["stress", "strain"])
-def test_a_rigid_machine_is_the_same_on_all_runtimes(control: str, c_compiler: str) -> None:
-    """What is left out is infinite: no runtime may stumble over it."""
-    one = {"stress": stressed(law_a(), 0.0, initial_fraction=0.0), "strain": strained(law_a())}
-    wave = through([0.0, 400e6 if control == "stress" else 0.02, 0.0])
-    runs: list[Result] = [
-        simulate(
-            one[control], {"drive": Constant(level=HOT), "command": wave}, 2.0, step=0.002, samples=21, runtime=name
-        )
-        for name in ("floats", "c")
-    ]
-    assert runs[0].range("martensite_fraction") > 0.2
-    for name in ("stress", "strain", "martensite_fraction", "position", "crosshead"):
-        assert share(runs[1][name], runs[0][name]) < 1e-12
 
 
 # ---------------------------------------------------------------- reports and sentences
