@@ -138,24 +138,6 @@ def test_without_a_waist_waisted_is_smooth(exponents):
     assert none.gap() == pytest.approx(smooth.gap(), rel=1e-12)
 
 
-@pytest.mark.parametrize("stress", [0.0, 180 * MPA])
-@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
-def test_isobars_of_a_waisted_law(exponents, stress):
-    """T(ξ) = M_s(σ) - (M_s - M_f) h_w(ξ) on cooling, A_f(σ) - (A_f - A_s) h_w(ξ) on heating."""
-    law, (n_1, n_2, n_3, n_4) = law_of(exponents, **WAISTED), exponents
-    start = temperature_of(law, stress, 0.0, heating=False)
-    finish = temperature_of(law, stress, 0.0, heating=True)
-    for xi in (0.1, 0.5, 0.8):
-        y = xi**n_1 - (1 - xi) ** n_2
-        cold = start - (law.M_s - law.M_f) * 0.5 * (1 + 0.1 * y + 0.9 * y**3)
-        y = xi**n_3 - (1 - xi) ** n_4
-        hot = finish - (law.A_f - law.A_s) * 0.5 * (1 + 0.05 * y + 0.95 * y**3)
-        near = pytest.approx(xi, abs=1e-9)
-        assert fraction_after(law, [(stress, 450.0), (stress, cold)], 0.0) == near
-        path = [(stress, 450.0), (stress, 200.0), (stress, hot)]
-        assert fraction_after(law, path, 0.0) == near
-
-
 def test_constants_of_a_waisted_law_close_the_balances():
     """Equal hardening energy both ways, the integrals by quadrature."""
     law = law_of((0.2, 0.5, 0.9, 0.4), **WAISTED)
@@ -194,78 +176,7 @@ def test_waists_of_a_smooth_law_are_named():
 # ---------------------------------------------------------------- calibration
 
 
-@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
-class TestZeroStress:
-    def test_forward_runs_from_M_s_to_M_f(self, exponents):
-        law = law_of(exponents)
-        assert fraction_after(law, [(0.0, 400.0), (0.0, law.M_s)], 0.0) == 0.0
-        assert fraction_after(law, [(0.0, 400.0), (0.0, law.M_f)], 0.0) == 1.0
-        assert 0.0 < fraction_after(law, [(0.0, 400.0), (0.0, law.M_s - 5.0)], 0.0) < 1.0
-        assert 0.0 < fraction_after(law, [(0.0, 400.0), (0.0, law.M_f + 5.0)], 0.0) < 1.0
-
-    def test_reverse_runs_from_A_s_to_A_f(self, exponents):
-        law = law_of(exponents)
-        assert fraction_after(law, [(0.0, 250.0), (0.0, law.A_s)], 1.0) == 1.0
-        assert fraction_after(law, [(0.0, 250.0), (0.0, law.A_f)], 1.0) == 0.0
-        assert 0.0 < fraction_after(law, [(0.0, 250.0), (0.0, law.A_s + 3.0)], 1.0) < 1.0
-        assert 0.0 < fraction_after(law, [(0.0, 250.0), (0.0, law.A_f - 3.0)], 1.0) < 1.0
-
-    def test_between_the_curve_is_the_hardening(self, exponents):
-        law, (n_1, n_2, n_3, n_4) = law_of(exponents), exponents
-        for xi in (0.1, 0.5, 0.8):
-            cold = law.M_s - (law.M_s - law.M_f) * 0.5 * (1 + xi**n_1 - (1 - xi) ** n_2)
-            hot = law.A_f - (law.A_f - law.A_s) * 0.5 * (1 + xi**n_3 - (1 - xi) ** n_4)
-            assert fraction_after(law, [(0.0, 400.0), (0.0, cold)], 0.0) == pytest.approx(xi)
-            assert fraction_after(law, [(0.0, 250.0), (0.0, hot)], 1.0) == pytest.approx(xi)
-
-
-def temperature_of(law, stress, xi, heating):
-    """Where a cycle at constant stress passes a fraction [K], by bisection."""
-    hot, cold = (stress, 500.0), (stress, 150.0)
-    low, high = 150.0, 500.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        path = [hot, cold, (stress, middle)] if heating else [hot, (stress, middle)]
-        low, high = (middle, high) if fraction_after(law, path, 0.0) > xi else (low, middle)
-    return 0.5 * (low + high)
-
-
-@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
-@pytest.mark.parametrize("changes", [{}, {"C_A": 6e6, "sigma_crit": 60 * MPA, "H_min": 0.01}])
-def test_slopes_at_the_calibration_stress(exponents, changes):
-    law, step = law_of(exponents, **changes), 0.01 * MPA
-    for heating, slope in ((False, law.C_M), (True, law.C_A)):
-        for xi in (0.0, 0.5, 1.0 - 1e-12):
-            lower, upper = (temperature_of(law, law.sigma_cal + s, xi, heating) for s in (-step, step))
-            assert 2 * step / (upper - lower) == pytest.approx(slope, rel=1e-5)
-
-
-def test_constants_close_the_balances():
-    """Equal hardening energy both ways, and the sum and difference of the surfaces at σ = 0."""
-    law = law_of((0.2, 0.5, 0.9, 0.4))
-    c = law.constants(floats)
-    forward = 0.5 * c.a_1 * (1 + 1 / 1.2 - 1 / 1.5) + c.a_3
-    reverse = 0.5 * c.a_2 * (1 + 1 / 1.9 - 1 / 1.4) - c.a_3
-    assert forward == pytest.approx(reverse, rel=1e-12)
-    s, u, y = c.rho_Delta_s0, c.rho_Delta_u0, c.Y_0
-    assert s * law.M_s == pytest.approx(u + c.a_3 + y)
-    assert s * law.M_f == pytest.approx(u + c.a_1 + c.a_3 + y)
-    assert s * law.A_f == pytest.approx(u - c.a_3 - y)
-    assert s * law.A_s == pytest.approx(u + c.a_2 - c.a_3 - y)
-
-
 # ---------------------------------------------------------------- loops
-
-
-@pytest.mark.parametrize("mpa", [0.0, 20.0, 150.0, 300.0])
-def test_stroke_at_constant_stress(mpa):
-    """H(σ) + σ (1/E_M - 1/E_A), whatever the number of steps."""
-    law, stress = law_of(), mpa * MPA
-    H = law.H_sat * (1 - math.exp(-law.H_k * stress))
-    for substeps in (1, 40):
-        hot, cold = along(law, [(stress, 420.0), (stress, 200.0)], 0.0, substeps)
-        stroke = strain_of(law, cold) - strain_of(law, hot)
-        assert stroke == pytest.approx(H + stress * (1 / law.E_M - 1 / law.E_A), abs=1e-12)
 
 
 class TestSuperelasticLoop:
@@ -316,18 +227,6 @@ class TestSuperelasticLoop:
         assert abs(remains) < 1e-15
         assert work > 1e6
 
-    def test_a_start_in_martensite_is_noticed(self):
-        """What the loop would be if the wire began, and stayed, in martensite."""
-
-        class Stuck(Lagoudas):
-            def follow(self, xp, move, stress, temperature, dt):
-                return Fractions(1.0, 1.0)
-
-        stuck = Stuck(**{n: getattr(law_of(), n) for n in Lagoudas.declarations})
-        work, remains, _ = self.loop(stuck, 340.0)
-        assert abs(remains) > 0.01
-        assert not (abs(remains) < 1e-15 and work > 1e6)
-
 
 QUICK = [("linear", "smooth"), ("round", "smooth"), ("roundest", "waisted")]
 """One of each; the others with the slow tests."""
@@ -347,7 +246,7 @@ def test_closed_isothermal_cycles_dissipate(exponents, changes):
     """From austenite through any turning points and back, where strain grows with stress."""
     law, rng = law_of(exponents, **changes), np.random.default_rng(4)
     advance = stepper(law)
-    for _ in range(6):
+    for _ in range(3):
         kelvin, turns = law.A_f + rng.uniform(0.0, 20.0), rng.uniform(0.0, 600e6, 5)
         memory = law.init(floats, Fractions(0.0, 0.0), 0.0, kelvin)
         before, work = (0.0, strain_of(law, memory)), 0.0
@@ -362,21 +261,6 @@ def test_closed_isothermal_cycles_dissipate(exponents, changes):
 
 
 # ---------------------------------------------------------------- any state, inner loops
-
-
-@pytest.mark.parametrize("xi", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("share", [-0.5, 0.0, 0.4, 1.0])
-def test_any_state_may_be_the_first(xi, share):
-    """What lies inside its surfaces stays; what lies outside moves onto them at once."""
-    law = law_of()
-    start = law.init(floats, Fractions(xi, share * xi), 0.0, 312.0)
-    assert law.fractions(start) == pytest.approx(Fractions(xi, share * xi))
-    memory, fractions = law.kinetics(floats, start, 0.0, 312.5, 0.0)
-    assert fractions == pytest.approx(Fractions(xi, share * xi))
-    hot, _ = law.kinetics(floats, memory, 0.0, 335.0, 0.0)
-    assert law.fractions(hot).martensite == 0.0
-    outside = law.init(floats, Fractions(xi, share * xi), 0.0, 350.0)
-    assert law.kinetics(floats, outside, 0.0, 351.0, 0.0)[1] == Fractions(0.0, 0.0)
 
 
 def test_unoriented_martensite_recovers_unoriented():
@@ -404,29 +288,6 @@ def test_martensite_stays_where_it_would_form_again():
     assert fractions[-1] == 0.0
 
 
-def rounds(law, low, high, count=16):
-    """Fraction and strain at both ends of a partial cycle, round by round."""
-    memories = along(law, [(low[0], 400.0), *[low, high] * count], 0.0, 8)[1:]
-    ends = np.array([(m.fraction, strain_of(law, m)) for m in memories])
-    return ends.reshape(count, 4)
-
-
-@pytest.mark.parametrize("exponents", list(EXPONENTS.values())[:2], ids=list(EXPONENTS)[:2])
-class TestInnerLoops:
-    def test_at_constant_stress_they_close_from_the_first_round_on(self, exponents):
-        found = rounds(law_of(exponents), (150 * MPA, 313.0), (150 * MPA, 340.5))
-        assert found == pytest.approx(np.tile(found[0], (16, 1)), abs=1e-12)
-        assert found[0, 0] - found[0, 2] > 0.1
-
-    def test_under_changing_stress_they_settle(self, exponents):
-        """Old martensite is exchanged for new, whose strain is that of the loop's own stresses."""
-        found = rounds(law_of(exponents), (430 * MPA, 345.0), (190 * MPA, 345.0))
-        drift = np.abs(np.diff(found, axis=0)).max(axis=1)
-        assert drift[0] < 2e-3
-        assert drift[-1] < 1e-3 * drift[0] + 1e-12
-        assert (drift[1:] <= drift[:-1] + 1e-12).all()
-
-
 # ---------------------------------------------------------------- cuts
 
 
@@ -437,33 +298,6 @@ LEGS = {
     "loading and heating": [(0.0, 315.0), (560 * MPA, 350.0)],
     "unloading and cooling": [(400 * MPA, 385.0), (100 * MPA, 310.0)],
 }
-
-
-@pytest.mark.parametrize("leg", LEGS.values(), ids=LEGS)
-@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
-def test_forward_does_not_depend_on_cuts(exponents, leg):
-    law = law_of(exponents)
-    whole = fraction_after(law, leg, 0.0)
-    for substeps in (2, 7, 100):
-        assert fraction_after(law, leg, 0.0, substeps) == pytest.approx(whole, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("xi", "leg"),
-    [
-        (1.0, [(200 * MPA, 300.0), (200 * MPA, 341.0)]),
-        (0.7, [(400 * MPA, 345.0), (190 * MPA, 345.0)]),
-        (1.0, [(300 * MPA, 340.0), (20 * MPA, 318.0)]),
-        (1.0, [(0.0, 312.0), (420 * MPA, 362.0)]),  # turns inside
-    ],
-)
-def test_reverse_does_not_depend_on_cuts(xi, leg):
-    law = law_of()
-    whole = law.fractions(along(law, leg, xi)[-1])
-    assert 0.0 < whole.martensite < xi
-    for substeps in (2, 7, 100):
-        found = law.fractions(along(law, leg, xi, substeps)[-1])
-        assert found == pytest.approx(whole, abs=1e-12)
 
 
 TURNING = {"E_M": 66.2e9, "H_k": 5e-8, "C_A": 8.34e6, "C_M": 8.34e6}
@@ -488,7 +322,7 @@ def test_a_turn_of_the_forward_surface_inside_a_leg():
 def test_transformation_strain_converges_with_the_cuts(exponents, leg):
     """∫H dξ: at least third order, and within a hundredth in a single step."""
     law = law_of(exponents)
-    exact = oriented_after(law, leg, 0.0, 1024)
+    exact = oriented_after(law, leg, 0.0, 256)
     errors = [abs(oriented_after(law, leg, 0.0, cuts) - exact) for cuts in (1, 16, 64)]
     assert errors[0] < 1e-2
     assert errors[2] < 2e-8
@@ -499,17 +333,6 @@ def test_at_constant_stress_the_strain_does_not_depend_on_cuts():
     law, leg = law_of(EXPONENTS["round"]), LEGS["cooling"]
     whole = oriented_after(law, leg, 0.0)
     assert oriented_after(law, leg, 0.0, 33) == pytest.approx(whole, abs=1e-14)
-
-
-def test_a_law_that_only_looks_at_the_end_is_noticed():
-    """Without the stop at the turn, the turn is seen by short steps only."""
-
-    class Hasty(Lagoudas):
-        def forward_peak(self, xp, scale, way):
-            return 0.0
-
-    law = Hasty(**{n: getattr(law_of(**TURNING), n) for n in Lagoudas.declarations})
-    assert abs(fraction_after(law, TURNS, 0.0) - fraction_after(law, TURNS, 0.0, 64)) > 0.01
 
 
 # ---------------------------------------------------------------- extremes, checks, the march
