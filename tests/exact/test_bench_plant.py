@@ -107,19 +107,6 @@ def test_heat_goes_into_temperature_and_transformation() -> None:
         assert -1e-9 <= wire.fraction <= 1.0 + 1e-9
 
 
-def test_one_step_does_what_many_do() -> None:
-    """Over the whole transformation, and through the end of an inner loop."""
-    whole, pieces = cell(), cell()
-    for wire in (whole, pieces):
-        to(wire, 92.0)
-        to(wire, 66.0)
-    whole.heat(60.0)
-    for _ in range(6000):
-        pieces.heat(0.01)
-    assert state(whole) == pytest.approx(state(pieces), abs=1e-7)
-    assert whole.temperature > 100.0 + ZERO
-
-
 def test_an_inner_loop_closes_where_it_opened() -> None:
     wire = cell()
     to(wire, 84.0)
@@ -128,26 +115,6 @@ def test_an_inner_loop_closes_where_it_opened() -> None:
     assert wire.temperature < 70.0 + ZERO
     wire.heat(20.0)
     assert state(wire) == pytest.approx(opened, abs=1e-9)
-
-
-def test_a_closed_loop_is_forgotten() -> None:
-    plain, wandered = cell(), cell()
-    for celsius in (80.0, 66.0, 78.0, 68.0, 76.0, 70.0):
-        to(wandered, celsius)
-    assert len(wandered.turns) == 6
-    to(wandered, 90.0)
-    assert len(wandered.turns) == 1
-    plain.heat(wandered.enthalpy - plain.enthalpy)
-    assert state(plain) == pytest.approx(state(wandered), abs=1e-9)
-
-
-def test_open_loops_are_remembered() -> None:
-    """At one temperature the fraction depends on what happened before: else nothing is tested."""
-    cold, warm = cell(), cell()
-    to(cold, 75.0)
-    to(warm, 110.0)
-    to(warm, 75.0)
-    assert warm.fraction > cold.fraction + 0.5
 
 
 # ---------------------------------------------------------------- the bench
@@ -228,13 +195,6 @@ def test_a_controller_holds_the_wire_at_a_position() -> None:
     np.testing.assert_array_equal(run.output, again.output)
 
 
-def test_references_are_as_long_as_they_should_be() -> None:
-    assert len(loop.step_reference()) * INTERVAL == pytest.approx(30.0)
-    wave = loop.sine_reference()
-    assert wave[0] == 4e-3
-    assert (wave.min(), wave.max()) == pytest.approx((2.5e-3, 5.5e-3), abs=1e-9)
-
-
 # ---------------------------------------------------------------- records
 
 SHORT = records.parse_pulses("short", ((30, 0.1, 0.1),), 1)
@@ -304,10 +264,3 @@ def test_seeds_give_other_records_and_benches() -> None:
     assert 1.5 <= factor <= 3.0
     with pytest.raises(ParameterError, match="at least 0"):
         records.sealed_duty(-1)
-
-
-@pytest.mark.parametrize(
-    ("levels", "loops"), [([5, 14, 8, 11, 7, 14], 1), ([5, 14, 7, 12, 8, 11], 3), ([5, 10, 6, 12, 5], 0)]
-)
-def test_nested_loops_are_counted(levels: list[float], loops: int) -> None:
-    assert records.count_minor_loops(levels) == loops

@@ -225,8 +225,3 @@ def test_twinned_martensite_may_be_wound() -> None:
 
 
 # ---------------------------------------------------------------- the checks can fail
-
-
-def test_the_wrong_diameter_is_noticed() -> None:
-    wrong = platform_spring(coil_measure="mean")
-    assert 1.0 / tangent(wrong, 0.0).compliance != exact(RATE_A)

@@ -129,17 +129,6 @@ def test_derivatives_go_through_the_inversion():
     assert slope == pytest.approx(expected, rel=1e-4)
 
 
-def test_floats_and_c_agree(c_compiler):
-    bench = Bench(plant=PLANT, period=PERIOD, controllers=Controllers(drive=feedforward()))
-    runs = [
-        simulate(bench, {"reference": Constant(level=1e-3)}, 2.0, samples=101, runtime=runtime)
-        for runtime in ("floats", "c")
-    ]
-    one, two = (np.array(run["position"]) for run in runs)
-    np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-12)
-    assert one[-1] > 1e-5
-
-
 def test_out_of_reach_it_answers_with_the_nearest_limit():
     controller = feedforward()
     for level, limit in ((1.0, 6.0), (-1.0, 0.0)):
@@ -223,10 +212,6 @@ def test_a_curve_is_inverted_between_its_knots():
     controller = inverse(knots=(0.0, 0.5, 1.0), outputs=(1.0, 0.0, -3.0))
     for level, output in ((-0.2, 1.4), (0.25, 0.5), (0.75, -1.5), (1.2, -4.2)):
         assert controller._level(floats, output) == pytest.approx(level, abs=1e-12)
-
-
-def test_inverse_plays_on_floats_and_in_c(c_compiler):
-    np.testing.assert_allclose(tracked(inverse(), "c"), tracked(inverse()), atol=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -96,14 +96,3 @@ def test_more_pressure_or_speed_cools_more():
     assert film(dense, 60.0, 20.0, 1e-3) > 1.2 * film(ms.thermal.ChurchillChu(), 60.0, 20.0, 1e-3)
     slow, fast = (film(ms.thermal.ChurchillBernstein(speed=u), 60.0, 20.0, 1e-3) for u in (1.0, 4.0))
     assert slow < fast < 2.0 * slow
-
-
-def test_a_plate_in_place_of_a_wire_is_noticed():
-    class Plate(ms.thermal.LeFevreEde):
-        """Without the term of the curvature."""
-
-        def nusselt(self, xp, rayleigh, prandtl, shape):
-            endless = Cylinder(1e30, shape.length)
-            return super().nusselt(xp, rayleigh, prandtl, endless)
-
-    assert film(Plate(), 60.0, 20.0, 0.381e-3) < 0.3 * film(ms.thermal.LeFevreEde(), 60.0, 20.0, 0.381e-3)

@@ -11,7 +11,7 @@ import pytest
 import martensite as ms
 from martensite.kernels import floats
 from martensite.physics.fluids import air, oil
-from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, interpolate_rows
+from martensite.physics.fluids.base import FLUIDS, AbstractFluid
 
 # T, μ [1e-6 Pa s], k, c_p [kJ/(kg K)], ρ, dv/dT [1e-7 m³/(kg K)]
 RELEASE = (
@@ -89,10 +89,3 @@ def test_properties_are_held_beyond_the_span(name):
     assert fluid.properties(floats, 5e3) == fluid.film_properties(floats, high)
     for temperature in np.linspace(low, high, 40).tolist():
         assert min(fluid.properties(floats, temperature)) > 0.0
-
-
-def test_a_shifted_row_is_noticed():
-    rows = [(t, 1.02 * k, nu, pr) for t, k, nu, pr in oil.ROWS]
-    conductivity, viscosity, prandtl = interpolate_rows(floats, 300.0, rows)
-    found = FluidProperties(conductivity, viscosity, prandtl, oil.EXPANSION)
-    assert found.conductivity != pytest.approx(0.145, rel=1e-2)

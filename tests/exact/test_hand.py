@@ -15,7 +15,7 @@ import builders
 import numpy as np
 import pytest
 from builders import wire_a
-from elastic import REST, kelvins, machine
+from elastic import kelvins, machine
 from scipy import integrate, optimize
 
 from martensite.actuators.assembly import Actuator, Group, Machine
@@ -95,16 +95,6 @@ def test_it_has_twelve_ports_and_six_angles() -> None:
     assert [c.name for c in hand().coordinates()] == ANGLES
 
 
-def test_without_power_it_rests() -> None:
-    result = run({}, 1.0)
-    for name in ANGLES:
-        assert np.abs(column(result, name)).max() < 1e-12
-    for port in hand().ports():
-        forces = column(result, f"{port}.force")
-        assert forces == pytest.approx(forces[0], rel=1e-12)
-        assert forces[0] > 0.3
-
-
 def test_every_element_has_a_power_of_its_own() -> None:
     """Steady temperatures under twelve powers, too low to transform anything."""
     watts = {port: 0.01 * (k + 1) for k, port in enumerate(hand().ports())}
@@ -114,13 +104,6 @@ def test_every_element_has_a_power_of_its_own() -> None:
         assert result[f"{port}.power"][-1] == pytest.approx(w, rel=1e-12)
         warmer = result[f"{port}.temperature"][-1] - 275.0
         assert warmer == pytest.approx(w / (150.0 * surface), rel=1e-6)
-
-
-def test_a_flexor_bends_its_own_joint_only() -> None:
-    result = run({"index_proximal_flexor": pulse(0.5)})
-    assert column(result, "index_proximal").max() > 1.0
-    for name in set(ANGLES) - {"index_proximal"}:
-        assert np.abs(column(result, name)).max() < 1e-12, name
 
 
 def test_a_passing_flexor_bends_both_joints_of_its_finger() -> None:
@@ -337,9 +320,3 @@ def test_twelve_alike_elements_are_one_loop() -> None:
     lone = compile_system(manned(Joint())).program.graph
     assert alike.operations.count("each") >= 1
     assert len(alike.operations) < 5 * len(lone.operations)
-
-
-def test_a_warm_start_is_that_of_the_surroundings() -> None:
-    """Elastic elements at rest temperature are the zero of all the statics above."""
-    result = drawn({})
-    assert result["thumb_distal_flexor.temperature"].tolist() == [REST] * 4

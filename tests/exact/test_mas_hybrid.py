@@ -12,7 +12,6 @@ from benchmarks.problem_b import Wire, system, waveform
 from mas_paths import TABLE_1, follow, table_1, there_and_back
 
 from martensite.kernels import floats
-from martensite.physics.kinetics.layers import VariantFractions
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.mas_hybrid import MullerAchenbachSeeleckeHybrid as Hybrid
 from martensite.simulate.api import simulate
@@ -79,19 +78,6 @@ def test_the_rate_law_on_a_spring():
     assert apart(found, exact, "temperature") < 0.1
 
 
-@pytest.mark.parametrize("seconds", [0.1, 10.0])
-def test_the_transit_time_matters_little(seconds):
-    found = wire("mas-hybrid", 0.02, transit_time=seconds)
-    exact = wire("mas", 0.005, rates="barrier")
-    assert apart(found, exact, "stress") < 0.5e6
-    assert apart(found, exact, "strain") < 5e-4
-
-
-def test_thresholds_without_activation_are_noticed():
-    found = wire("mas-hybrid", 0.02, transit_time=5e-3)
-    assert apart(found, wire("mas", 0.005, rates="barrier"), "stress") > 0.5e6
-
-
 @pytest.mark.parametrize("seconds", [pytest.param(1.0, marks=pytest.mark.slow), 1e-9])
 def test_the_rate_law_tends_to_it_with_ever_larger_layers(seconds):
     """Four times the volume halves the thermal width; with or without activation."""
@@ -138,18 +124,6 @@ def test_activation_is_the_formula_on_paper(seconds):
     assert down == pytest.approx(89 + inside(seconds, 30e9) / 1e6, abs=0.01)
 
 
-def test_a_decade_of_transit_time_is_a_fifth_to_a_third_of_a_megapascal():
-    rows = [plateaus(stretched(hybrid(transit_time=t), 355.0)) for t in (0.1, 1.0, 10.0, 100.0)]
-    up, down = np.diff(np.array(rows), axis=0).T
-    assert up == pytest.approx(-down, abs=0.01)
-    assert up == pytest.approx([-0.30, -0.23, -0.20], abs=0.01)
-
-
-def test_plateaus_without_activation_are_not_those_of_the_rate_law():
-    gap = plateaus(stretched(hybrid(transit_time=1e-9), 355.0))[0] - 139.6
-    assert gap > 1.0
-
-
 # ---------------------------------------------------------------- minor loops
 
 PARTIAL = [(0.0, 0.0, 355.0), (20.0, 0.02, 355.0)]
@@ -179,20 +153,6 @@ def test_minor_loops_close(count):
         assert np.ptp(column[bottoms]) < ROUNDING
     direct, _ = looped(hybrid(), 0)
     assert path.stress[-60:] == pytest.approx(direct.stress[-60:], rel=ROUNDING)
-
-
-def test_minor_loops_of_the_rate_law_do_not_close():
-    """Under stress its layers go on jumping at each return; those of the hybrid law do not."""
-    high, low = 141e6 - inside(TRANSIT, 50e9), 110e6
-    corners = [(0.0, low, 355.0)]
-    for k in range(1, 11):
-        corners.append((2.0 * k, high if k % 2 else low, 355.0))
-    start = (0.4, 0.0)
-    laws = hybrid(transit_time=TRANSIT), table_1()
-    found, creeping = (follow(law, start, corners, 0.1) for law in laws)
-    assert found.plus[40::40] == pytest.approx(found.plus[40], abs=ROUNDING)
-    assert found.plus[40] == pytest.approx(0.5, abs=1e-9)
-    assert np.diff(creeping.plus[40::40]).min() > 1e-4
 
 
 def returned(law, memory, corners, cuts):
@@ -249,16 +209,6 @@ def test_what_forms_in_the_cold(stress, plus, step):
     assert cooled(stress, step) == pytest.approx((plus, 1.0 - plus), abs=1e-9)
 
 
-def test_a_law_without_the_other_variant_is_noticed():
-    class OneVariant(Hybrid):
-        def balance(self, xp, present, stress, temperature):
-            plus, minus = super().balance(xp, present, stress, temperature)
-            return VariantFractions(plus + minus, 0.0 * minus)
-
-    path = follow(table_1(OneVariant), AUSTENITE, [(0.0, 0.0, 345.0), (55.0, 0.0, 290.0)], 1.0)
-    assert path.plus[-1] > 0.9
-
-
 @pytest.mark.parametrize("T", [295.0, 310.0])
 def test_twinned_martensite_is_stretched(T):
     """M- to M+ where |σ| = Δσ less the activation; the strain stays."""
@@ -294,19 +244,3 @@ def test_the_bare_law_does_not_depend_on_the_cuts(control):
         assert path.residual < 1e-10
         assert path.plus[-1] == pytest.approx(ends[0].plus[-1], abs=ROUNDING)
         assert path.stress[-1] == pytest.approx(ends[0].stress[-1], abs=1.0)
-
-
-def test_half_the_step_leaves_a_quarter_of_the_error():
-    exact = wire("mas-hybrid", 0.1 / 64)
-    for name in ("temperature", "stress"):
-        errors = [apart(wire("mas-hybrid", h), exact, name) for h in (0.1, 0.05, 0.025, 0.0125)]
-        orders = np.log2(np.array(errors[:-1]) / errors[1:])
-        assert orders.mean() == pytest.approx(2.0, abs=0.25)
-        assert errors[0] < {"temperature": 0.04, "stress": 4e4}[name]
-
-
-def test_a_coarse_step_is_second_to_the_rate_law():
-    """Steps of 0.1 s are off by less than a fifth of what the two laws are apart."""
-    step = apart(wire("mas-hybrid", 0.1), wire("mas-hybrid", 0.1 / 64), "stress")
-    law = apart(wire("mas-hybrid", 0.1 / 64), wire("mas", 0.005, rates="barrier"), "stress")
-    assert step < 0.2 * law

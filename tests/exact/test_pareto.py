@@ -48,11 +48,6 @@ def test_it_is_so_over_many_blocks(width: int) -> None:
     assert len(find_unbeaten(sphere)) == len(sphere)
 
 
-def test_a_front_with_a_run_too_many_is_noticed() -> None:
-    values = np.array([[0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
-    assert by_definition(values) == [0, 1] != [0, 1, 2]
-
-
 @pytest.fixture(scope="module")
 def found() -> SweepTable:
     return table("sobol:128", low=lambda x: x[:, 0] ** 2, high=lambda x: x[:, 0] + 0.1 * x[:, 1])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import ZERO, hanging_wire
-from scipy.signal import lfilter, step
+from scipy.signal import lfilter
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
@@ -170,59 +170,9 @@ def test_a_drive_answers_as_the_law_does() -> None:
     np.testing.assert_array_equal(found, played(drive.law, GAINS, np.ones_like(reference), measured))
 
 
-PLANT = [1.0], [0.5, 1.0]
-"""1/(1 + 0.5 s)."""
 FILTERED: dict[str, Any] = {"Kp": 3.0, "Ki": 5.0, "Kd": 0.4, "law": PidLaw(slope_weight=0.0, weight=0.6, N=2.0, **WIDE)}
 LAG = 0.4 / 3.0 / 2.0
 """T_f = T_d/N [s]."""
-
-
-def close_loop(interval: float, numbers: dict[str, Any], end: float = 4.0) -> np.ndarray:
-    """Output of the plant under a controller whose signal is held for an interval; a step of 1 at the second sample."""
-    drive = Pid(measured="y", reference=Step(low=0.0, high=1.0, at=0.5 * interval), **numbers)
-    keep = math.exp(-interval / 0.5)
-    y, memory, found = 0.0, drive.init(), []
-    for k in range(round(end / interval) + 1):
-        signal, memory = drive(k * interval, {"y": y}, memory)
-        found.append(y)
-        y = keep * y + (1.0 - keep) * signal
-    return np.array(found)
-
-
-def test_it_is_the_textbook_controller_as_samples_get_short() -> None:
-    """u = Kp (b r - y) + Ki/s (r - y) - Kd s/(1 + T_f s) y around the plant, by SciPy.
-
-    The error is of first order in the interval: a change of the period does not change the loop.
-    """
-    Kp, Ki, Kd, b = 3.0, 5.0, 0.4, 0.6
-    lag = [LAG, 1.0]
-    back = np.polyadd(np.polymul([Kp, Ki], lag), [Kd, 0.0, 0.0])
-    loop = np.polyadd(np.polymul(np.polymul([1.0, 0.0], lag), PLANT[1]), back)
-    times = np.linspace(0.0, 4.0, 801)
-    _, expected = step((np.polymul([b * Kp, Ki], lag), loop), T=times)
-    errors = []
-    for every in (4, 2, 1):
-        found = close_loop(5e-3 * every, FILTERED)
-        errors.append(np.abs(found[1:] - expected[::every][:-1]).max())
-    assert errors[2] < 0.01 < errors[0]
-    assert np.array(errors[:2]) / errors[1:] == pytest.approx(2.0, rel=0.15)
-    isa = {"Kp": Kp, "Ti": Kp / Ki, "Td": Kd / Kp, "law": FILTERED["law"]}
-    np.testing.assert_allclose(close_loop(0.02, isa), close_loop(0.02, FILTERED), rtol=0.0, atol=1e-12)
-
-
-def test_its_transfer_function_is_that_of_python_control() -> None:
-    """Backward differences are s = (1 - z⁻¹)/h: the response of `control` to a walk is its signal."""
-    control = pytest.importorskip("control")
-    h, (Kp, Ki, Kd), walk = 0.02, (3.0, 5.0, 0.4), walks()[0]
-    z = control.tf([1.0, 0.0], [1.0], h)
-    s = (z - 1) / (h * z)
-    _, expected = control.forced_response(control.minreal(Kp + Ki / s + Kd * s / (1 + LAG * s), verbose=False), U=walk)
-    drive = Pid(measured="y", reference=Constant(level=0.0), **FILTERED)
-    memory, found = drive.init(), []
-    for k, e in enumerate(walk.tolist()):
-        signal, memory = drive(k * h, {"y": -e}, memory)
-        found.append(signal)
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
 
 
 def test_without_windup_a_step_back_is_at_once() -> None:

@@ -208,12 +208,6 @@ def test_energy_of_the_isolated_platform_stays(above: float, rate: float) -> Non
     assert lost[1] < 0.3 * lost[0]
 
 
-def test_numerical_damping_is_noticed() -> None:
-    result = swing(0.2, 2e-3, alpha_rate=40.0, rho_inf=0.5)
-    kinetic, held = energies(result)
-    assert (kinetic + held)[-1] - held[0] < 0.95 * kinetic[0]
-
-
 # ---------------------------------------------------------------- heating
 
 
@@ -267,19 +261,6 @@ def test_arrival_is_that_of_the_quadrature() -> None:
         expected = replace(reference, volts=volts).arrival(math.radians(25.0))
         assert arrival(result, 25.0) == pytest.approx(expected, abs=1e-4)
     assert arrival(heated(5.0, 30.0, 0.02), 25.0) == pytest.approx(18.00, abs=0.01)
-
-
-def test_inertia_and_light_damping_hardly_matter() -> None:
-    """Dynamics come a few milliseconds later than the balance of torques."""
-    system = platform(motion="dynamic", damping=1e-3)
-    result = simulate(system, {"first": HOT}, 2.2, step=1e-3, samples=2201)
-    late = arrival(result, 25.0) - Platform().arrival(math.radians(25.0))
-    assert 0.0 < late < 5e-3
-
-
-def test_another_closed_length_is_noticed() -> None:
-    wrong = Platform(closed=16e-3)
-    assert abs(wrong.arrival(math.radians(25.0)) - Platform().arrival(math.radians(25.0))) > 0.01
 
 
 def test_three_equally_hot_springs_move_nothing() -> None:
@@ -347,12 +328,3 @@ def test_a_plate_that_topples_is_no_result() -> None:
 
 
 # ---------------------------------------------------------------- runtimes
-
-
-@pytest.mark.parametrize("motion", ["quasi-static", "dynamic"])
-def test_c_agrees_with_floats(motion: str, c_compiler: str) -> None:
-    system = platform(motion=motion, damping=1e-3, preload=0.5)
-    drives = {"first": HOT, "second": Constant(level=4.0)}
-    both = [simulate(system, drives, 1.5, step=5e-3, samples=31, runtime=runtime) for runtime in ("floats", "c")]
-    for name in ("alpha", "beta", "first.temperature", "second.martensite_fraction", "third.force"):
-        assert both[1][name] == pytest.approx(both[0][name], rel=1e-9, abs=1e-11)

@@ -14,7 +14,7 @@ import pytest
 from grids import over
 from hypothesis import given
 from hypothesis import strategies as st
-from platform_cases import GEOMETRIES, HEIGHT, PLATES, POSTURES, RADIUS, SIDE, VERTICES, about_x, about_y, by_matrices
+from platform_cases import GEOMETRIES, HEIGHT, PLATES, POSTURES, RADIUS, SIDE, about_x, about_y, by_matrices
 
 from martensite.actuators.mechanics.platform_kinematics import (
     Plates,
@@ -39,12 +39,6 @@ def compute_torques(xp: Any, plates: Plates, alpha: Any, beta: Any, pulls: Any) 
     return first, second
 
 
-def about_x_only(alpha: float, lever: float) -> float:
-    """Length of a leg at a distance from the X axis [m] under a rotation about it alone."""
-    square = 2 * lever**2 * (1 - math.cos(alpha)) - 2 * HEIGHT * lever * math.sin(alpha)
-    return math.sqrt(square + HEIGHT**2)
-
-
 # ---------------------------------------------------------------- lengths
 
 
@@ -61,65 +55,7 @@ def test_legs_are_as_long_as_the_plates_are_apart_at_home(plates: Plates) -> Non
     assert compute_lengths(floats, plates, 0.0, 0.0) == pytest.approx([plates.height] * 3, abs=1e-16)
 
 
-@pytest.mark.parametrize(("degrees", "short", "long"), [(25, 36.009, 72.251), (30, 32.079, 74.534)])
-def test_lengths_of_a_rotation_about_x(degrees: float, short: float, long: float) -> None:
-    alpha = math.radians(degrees)
-    found = platform_lengths(PLATES, alpha, 0.0)
-    expected = [about_x_only(alpha, lever) for lever in (RADIUS, -RADIUS / 2, -RADIUS / 2)]
-    assert found == pytest.approx(expected, abs=1e-12)
-    assert [round(1e3 * length, 3) for length in found] == [short, long, long]
-
-
-def test_a_leg_is_shortest_where_it_points_at_the_joint() -> None:
-    """At tan α = h/r the leg lies along the line to the joint: √(r² + h²) - r."""
-    alpha = math.atan(HEIGHT / RADIUS)
-    length, slope, _ = compute_length_slopes(floats, PLATES, alpha, 0.0)
-    assert length[0] == pytest.approx(math.hypot(RADIUS, HEIGHT) - RADIUS, abs=1e-15)
-    assert slope[0] == pytest.approx(0.0, abs=1e-15)
-    assert math.degrees(alpha) == pytest.approx(46.10, abs=5e-3)
-    assert 1e3 * length[0] == pytest.approx(25.53, abs=5e-3)
-
-
-def test_the_order_of_the_rotations_matters() -> None:
-    alpha = beta = math.radians(15.0)
-    swapped = by_matrices(PLATES, about_x(alpha) @ about_y(beta))
-    change = 1e3 * (np.array(compute_lengths(floats, PLATES, alpha, beta)) - swapped)
-    assert np.abs(change).max() == pytest.approx(0.76, abs=0.01)
-    alone = by_matrices(PLATES, about_x(alpha) @ about_y(0.0))
-    assert compute_lengths(floats, PLATES, alpha, 0.0) == pytest.approx(alone, abs=1e-15)
-
-
-def test_where_the_joint_is_matters() -> None:
-    alpha = math.radians(25.0)
-    top, middle, base = (compute_lengths(floats, p, alpha, 0.0) for p in (PLATES, MIDDLE, BASE))
-    assert 1e3 * (middle[0] - top[0]) == pytest.approx(-2.4, abs=0.05)
-    assert base == pytest.approx(top, abs=1e-15)
-    top, base = (compute_lengths(floats, p, alpha, 0.3) for p in (PLATES, BASE))
-    assert np.abs(np.subtract(top, base)).max() > 1e-3
-
-
 # ---------------------------------------------------------------- slopes and torques
-
-
-def closed_slopes(alpha: float, beta: float) -> Any:
-    """∂L/∂(α, β) from the leg's vector of a joint in the top plate, written out."""
-    ca, sa, cb, sb = math.cos(alpha), math.sin(alpha), math.cos(beta), math.sin(beta)
-    rows: list[tuple[float, float]] = []
-    for x, y, _ in VERTICES:
-        leg = np.array([(cb - 1) * x + sa * sb * y, (ca - 1) * y, -sb * x + sa * cb * y - HEIGHT])
-        over_alpha = np.array([ca * sb * y, -sa * y, ca * cb * y])
-        over_beta = np.array([-sb * x + sa * cb * y, 0.0, -cb * x - sa * sb * y])
-        length = np.linalg.norm(leg)
-        rows.append((float(leg @ over_alpha / length), float(leg @ over_beta / length)))
-    return np.array(rows)
-
-
-@over("posture", POSTURES)
-def test_slopes_are_those_of_the_closed_form(posture: tuple[float, float]) -> None:
-    _, over_alpha, over_beta = compute_length_slopes(floats, PLATES, *posture)
-    expected = closed_slopes(*posture)
-    assert over_alpha == pytest.approx(expected[:, 0], abs=1e-15)
-    assert over_beta == pytest.approx(expected[:, 1], abs=1e-15)
 
 
 @over("plates", GEOMETRIES)
@@ -260,9 +196,3 @@ def test_a_leg_of_no_length_has_no_slope_and_no_error() -> None:
 
 
 # ---------------------------------------------------------------- the check can fail
-
-
-def test_rotations_in_the_other_order_are_noticed() -> None:
-    alpha, beta = POSTURES[3]
-    swapped = by_matrices(PLATES, about_x(alpha) @ about_y(beta))
-    assert compute_lengths(floats, PLATES, alpha, beta) != pytest.approx(swapped, abs=1e-4)

@@ -150,20 +150,6 @@ class TestHysteresis:
         assert abs(up - down) > 1e-2
 
 
-class Counting(PrandtlIshlinskii):
-    """Plays that creep: every sample they come back a little."""
-
-    def step(self, xp, theta, state, x, dt):  # type: ignore[override]
-        y, after = super().step(xp, theta, state, x, dt)
-        return y, [p + 0.01 * (x[0] - p) for p in after]
-
-
-def test_a_block_with_a_clock_is_noticed():
-    creeping = Counting(plays=4.0)
-    turns = [-1.0, 0.9, -0.3, 0.5]
-    assert np.abs(run(creeping, turns) - run(creeping, swept(turns, 5))[::5]).max() > 1e-3
-
-
 class TestMonotone:
     @named(RISING)
     @given(turns=TURNS)

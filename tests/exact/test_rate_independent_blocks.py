@@ -8,13 +8,12 @@ from scipy.integrate import solve_ivp
 from scipy.special import expit
 
 from martensite.base.errors import MartensiteError
-from martensite.identify.blocks.base import AbstractBlock, Column
+from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.blocks.bouc_wen import BoucWen
 from martensite.identify.blocks.duhem import Duhem
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.chain_text import parse_block
 from martensite.identify.chains.engine import ChainEngine
-from martensite.kernels.namespace import Namespace
 
 TURNS = np.array([-1.0, 0.6, -0.2, 0.5, -0.7, 1.0, 0.1, 0.8, -1.0])
 DUHEM = Duhem(logistics=2)
@@ -51,27 +50,6 @@ def thetas(block: AbstractBlock) -> list[np.ndarray]:
 def test_steps_are_exact(c_compiler: str, block: AbstractBlock) -> None:
     for theta in thetas(block):
         assert refined(block, theta) < 1e-12
-
-
-class Stepped(Duhem):
-    """The same equation by Euler's method."""
-
-    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: float) -> tuple[Column, Column]:
-        before, z = state
-        up, down = (float(expit((before - theta[k]) / np.exp(theta[k + 1]))) for k in (0, 2))
-        slope = (1.0 - z) * up if x[0] > before else z * (1.0 - down)
-        z = z + slope * (x[0] - before)
-        return (z,), (x[0], z)
-
-
-def test_the_check_sees_inexact_steps() -> None:
-    block, ends = Stepped(logistics=1), []
-    for steps in (1, 50):
-        state = (-1.0, 0.0)
-        for x in path(block, steps):
-            _, state = block.step(None, list(block.start()), state, [x], 1.0)  # type: ignore[arg-type]
-        ends.append(state[1])
-    assert abs(ends[0] - ends[1]) > 1e-3
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=IDS)

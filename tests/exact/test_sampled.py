@@ -223,9 +223,3 @@ def test_the_level_at_rest_is_that_before_the_input_moves() -> None:
     u[40:], y[40:] = 1.0, 80.0
     assert find_trend(record(u, y), "rest").outputs[0] == pytest.approx(23.0, abs=0.01)
     assert find_trend(record(u, y), "rest", rest=6.0).outputs[0] > 30.0
-
-
-def test_a_wrong_average_would_be_noticed() -> None:
-    """Taking every tenth sample is not the mean: the check of averages can fail."""
-    y = np.arange(100.0)
-    assert resample_record(record(y, y), ratio=10.0).outputs[:, 0] != pytest.approx(y[::10])

@@ -77,17 +77,6 @@ def test_wear_that_is_nothing_changes_no_bit(law: dict[str, str]) -> None:
     assert not any("wear" in leaf.path for leaf in systems[0].leaves())
 
 
-@pytest.mark.parametrize(
-    "law", [("liang-rogers", "flexinol-90"), ("brinson", "niti-brinson-1993"), ("mas", "finger-mas")]
-)
-def test_it_is_the_same_on_all_machines(law: tuple[str, str], c_compiler: Any) -> None:
-    wear = Wear(settling_cycles=4.0, **DRIFT, **SLOW)
-    system = build_system(wear, heated=True, spring=True, law=law[0], material=law[1])
-    wave = ms.Sine(low=0.0, high=0.6, frequency=0.1)
-    a, b = (simulate(system, wave, 20.0, samples=41, step=0.05, runtime=one) for one in ("floats", "c"))
-    assert all(np.allclose(a[name], b[name], rtol=1e-9, atol=1e-12) for name in a.columns)
-
-
 def test_heat_above_a_temperature_wears_too() -> None:
     heat = {"overheat_temperature": HOT - 60.0, "overheat_rate": 0.01}
     wear = Wear(settling_cycles=50.0, residual_strain=0.01, **heat)
@@ -107,13 +96,6 @@ def test_strands_of_a_bundle_wear_as_one_wire() -> None:
     both = alone.with_parts(element=bundle, mechanism=ms.DeadWeight(mass=0.64))
     one, two = (simulate(system, CYCLES, 300.0, step=0.5, samples=31) for system in (alone, both))
     assert np.allclose(one["strain"], two["strain"], atol=1e-13)
-
-
-def test_the_balance_of_heat_still_closes() -> None:
-    system = build_system(Wear(settling_cycles=4.0, **DRIFT), heated=True, spring=True)
-    found = simulate(system, ms.Sine(low=0.0, high=0.7, frequency=0.1), 40.0)
-    assert found.heat.residual < 1e-3
-    assert found.work.residual < 1e-3
 
 
 def test_an_observer_that_corrects_the_state_makes_no_cycles() -> None:
