@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
-from typing import Any
 
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import GROUNDS, Answer, Claim
-from martensite.studies.claim_tables import settle_part
-from martensite.studies.tables import TableStudy
 
 
 def check_complete(answer: Answer, *, all_computed: bool = True) -> None:
@@ -41,11 +38,6 @@ def check_decides(claims: Iterable[Claim]) -> None:
         assert replace(claim, **fields, computed=near, verdict="reproduced").verdict == "reproduced"
 
 
-def verdict_of(claims: Iterable[Claim], id: str) -> str:
-    """The verdict of a claim."""
-    return next(claim.verdict for claim in claims if claim.id == id)
-
-
 def verdicts_of(claims: Iterable[Claim]) -> dict[str, set[str]]:
     """The names of the claims of each verdict that there is."""
     found: dict[str, set[str]] = {}
@@ -54,19 +46,6 @@ def verdicts_of(claims: Iterable[Claim]) -> dict[str, set[str]]:
     return found
 
 
-def with_verdict(claims: Iterable[Claim], verdict: str) -> set[str]:
-    """The claims that have a verdict."""
-    return {claim.id for claim in claims if claim.verdict == verdict}
-
-
 def numbers_of(answers: Sequence[Answer]) -> dict[str, float | None]:
     """Every computed number by its name, of claims and of reports."""
     return {one.id: one.computed for answer in answers for one in (*answer.claims, *answer.reports)}
-
-
-def settle_some(study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str) -> dict[str, str]:
-    """Verdicts of the claims of a part of some names, from given numbers."""
-    blocks = ([row for row in block if row["id"] in names] for block in study.table[part])
-    table = {**study.table, part: [block for block in blocks if block], "reports": {part: []}}
-    found = settle_part(table, part, numbers, study.printed)
-    return {claim.id: claim.verdict for claim in found.claims}

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of, with_verdict
+from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
 
 from martensite.base.errors import DataError
 from martensite.logs import datasets
@@ -19,7 +19,7 @@ from martensite.logs.reader import read_table
 from martensite.scenario.citations import read_bibliography
 from martensite.scenario.scenario import load
 from martensite.studies.base import Answer, load_study, study_names
-from martensite.studies.electrothermal import ElectrothermalStaircase, model, record, record_numbers
+from martensite.studies.electrothermal import model, record, record_numbers, resistance_figure
 from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers
 from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import printed_numbers
@@ -82,13 +82,6 @@ def test_the_record_has_what_the_material_says_of_it(answer: Answer) -> None:
         ("fit-difference-slopes", 1e8 * (STATED.rho_M - STATED.rho_A), 2.3),
     ):
         assert found[id] == pytest.approx(stated, abs=margin), id
-
-
-@needs_record
-def test_other_stated_numbers_have_other_verdicts() -> None:
-    right = ElectrothermalStaircase(STATED.with_numbers(drops=0.0, sheet_austenite=84e-8))
-    claims = [claim for part in ("record", "model") for claim in right.settle_part(part).claims]
-    assert {"counter", "sheet-austenite"} == with_verdict(claims, "reproduced")
 
 
 def test_claims_without_the_record_say_how_to_get_it(without) -> None:
@@ -251,7 +244,8 @@ def test_figure_without_the_record(without, tmp_path) -> None:
 
 
 @needs_record
-def test_figure(tmp_path) -> None:
+def test_figure(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(resistance_figure, "_OFFSETS", (0.16, 0.24))
     load_study(NAME).figure(tmp_path / "both.png")
     assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
 

@@ -29,7 +29,7 @@ from martensite.studies.finger_calibration.searches import (
     moving_starts,
     run_search,
 )
-from martensite.studies.tables import PrintedRows, printed_numbers
+from martensite.studies.tables import printed_numbers
 
 PRINTED = printed_numbers("finger_calibration")
 TABLE = record_numbers.table_numbers(PRINTED)
@@ -207,14 +207,6 @@ class TestGauges:
         moved = {"T_L": TABLE["T_L"] + 10.0, "sigma_L": TABLE["sigma_L"] + 40e6}
         assert gauge_numbers.largest_change(moved, PRINTED) < 1e-9
 
-    def test_wrong_arm(self):
-        found = gauge_numbers.refit_finger(PRINTED, 9e-3)
-        assert found.rms == pytest.approx(0.06, abs=0.015)
-        assert found.fit["dsigma_dT"] / 1e6 == pytest.approx(5.24, rel=0.02)
-        assert found.fit["Delta_sigma"] / 1e6 == pytest.approx(67.9, rel=0.02)
-        near = gauge_numbers.refit_finger(PRINTED, 7e-3)
-        assert "dsigma_dT" in near.fit.at_bound()
-
     def test_effects(self):
         found = gauge_numbers.single_effects(PRINTED)
         assert len(found) == 10
@@ -278,19 +270,6 @@ class TestWhole:
         rows += [f"{computed(listed, 'wrong-arm'):.2f} MPa/K"]
         assert [row for row in rows if row not in text] == []
 
-    @pytest.mark.parametrize(
-        ("data", "start", "runs", "rms"),
-        [(NEAR, 0, 382, 0.956), (NEAR, 3, 798, 1.062), (FAR, 0, 1098, 2.090), (FAR, 3, 1066, 4.208)],
-        ids=lambda x: getattr(x, "key", None),
-    )
-    def test_coordinate_search_goes_as_the_readme_says(self, listed, data, start, runs, rms):
-        """Roughly: where rounding differs, its way does."""
-        text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        assert f"| {runs} / {rms:.3f} (" in text
-        found = run_search(data, start, COORDINATE, PRINTED)
-        assert found.rms == pytest.approx(rms, rel=0.1)
-        assert found.runs == pytest.approx(runs, rel=0.3)
-
     def test_figure(self, tmp_path, listed):
         load_study("finger-calibration").figure(tmp_path / "calibration.png")
         assert (tmp_path / "calibration.png").read_bytes().startswith(b"\x89PNG")
@@ -310,13 +289,3 @@ def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
     assert FingerCalibration().shipped() is not None
     FingerCalibration().figure(tmp_path / "empty.png")
     assert (tmp_path / "empty.png").stat().st_size > 0
-
-
-@needs_compiler
-@pytest.mark.slow
-def test_a_wrong_number_is_noticed():
-    """A table with another hysteresis than the record was made with is not found again."""
-    other = [one.with_numbers(value=60e6) if one.name == "Delta_sigma" else one for one in PRINTED.searched]
-    wrong = PRINTED.with_numbers(searched=PrintedRows(other))
-    rows = record_numbers.list_again(NEAR, wrong)
-    assert [row["name"] for row in rows if abs(row["found"] - row["true"]) > row["sure"]] == ["ratio"]

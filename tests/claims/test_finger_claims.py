@@ -174,12 +174,3 @@ def test_redundant_parameters_change_nothing():
 def test_figure(tmp_path):
     load_study("finger").figure(tmp_path / "finger.png")
     assert (tmp_path / "finger.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_wrong_number_is_noticed():
-    """Another distance gives another angle; distances listed backwards break the trend."""
-    wrong = PRINTED.with_numbers(offsets=(2.5e-3, 3.5e-3, 5.5e-3))
-    assert bending_numbers.angles_fall(2.0, wrong)
-    assert abs(bending_numbers.top_angles(2.0, wrong)[0] - 92.75) > 5.0
-    backwards = PRINTED.with_numbers(offsets=PRINTED.offsets[::-1])
-    assert bending_numbers.count_falls(backwards) == 0.0

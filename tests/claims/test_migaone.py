@@ -6,19 +6,17 @@ differential equations and root finding), given here to the digits it was noted 
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdict_of, verdicts_of
+from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
 
-from martensite.base.errors import DataError, ParameterError, UnknownNameError
-from martensite.characterise.film_coefficient import film_r_squared, fit_film
-from martensite.scenario.citations import read_bibliography
+from martensite.base.errors import DataError
+from martensite.characterise.film_coefficient import film_r_squared
 from martensite.simulate.result import Result
-from martensite.studies.base import Answer, load_study, study_names
-from martensite.studies.migaone import MigaOne, bench, film_numbers, motion_numbers, wire_numbers
-from martensite.studies.tables import Printed, PrintedRows, printed_numbers
+from martensite.studies.base import Answer, load_study
+from martensite.studies.migaone import bench, film_numbers, motion_numbers, wire_numbers
+from martensite.studies.tables import printed_numbers
 
 PRINTED = printed_numbers("migaone")
 COEFFICIENTS = PRINTED.h0, PRINTED.h1, PRINTED.h2
@@ -49,34 +47,6 @@ def test_verdicts(answer: Answer) -> None:
 def test_the_digest_has_the_computed_numbers(answer: Answer) -> None:
     assert "0.381 mm, not 0.038 mm" in answer.digest["misprinted"]
     assert "no parabola exceeds 0.9890" in answer.digest["contradicts_itself"]
-
-
-def shifted_table() -> Printed:
-    """Table 2 with another temperature at 2 V."""
-    row = Printed(voltage=2.0, temperature=80.0, film=57.28)
-    return PRINTED.with_numbers(steps=PrintedRows((*PRINTED.steps[:2], row, PRINTED.steps[3])))
-
-
-def test_a_wrong_published_number_is_not_reproduced() -> None:
-    steady = MigaOne(shifted_table()).settle_part("film").claims
-    assert verdict_of(steady, "steady-2.0V") == "disagrees"
-    assert verdict_of(steady, "steady-2.5V") == "reproduced"
-
-
-def test_a_corrected_misprint_is_reproduced() -> None:
-    length = wire_numbers.printed_length(PRINTED)
-    right = PRINTED.with_numbers(diameter=0.381e-3, surface=math.pi * 0.381e-3 * length)
-    claims = MigaOne(right).settle_part("wire").claims
-    assert {verdict_of(claims, id) for id in ("diameter", "surface")} == {"reproduced"}
-    fit = film_numbers.no_linear(PRINTED)
-    right = PRINTED.with_numbers(h0=fit.coefficients[0], h2=fit.coefficients[2], r_squared=fit.r_squared)
-    claims = MigaOne(right).settle_part("film").claims
-    assert {verdict_of(claims, id) for id in ("fit", "r-squared")} == {"reproduced"}
-
-
-def test_rounded_temperatures_do_not_give_the_printed_fit() -> None:
-    """The tolerance of the fit: every combination of four temperatures, 0.25 K up or down."""
-    assert film_numbers.rounding_margin(PRINTED) == pytest.approx(0.208, abs=1e-3)
 
 
 # ---------------------------------------------------------------- the wire
@@ -146,26 +116,6 @@ def test_no_parabola_beats_the_fit() -> None:
             assert r_squared < best.r_squared < PRINTED.r_squared
 
 
-def test_fit_film_recovers_a_parabola_and_refuses_nonsense() -> None:
-    at = [40.0, 55.0, 70.0, 85.0, 90.0]
-    h = [40.0 + 0.2 * t - 1e-3 * t * t for t in at]
-    fit = fit_film(at, h)
-    assert fit.coefficients == pytest.approx((40.0, 0.2, -1e-3), rel=1e-9)
-    assert fit.r_squared == pytest.approx(1.0)
-    assert fit.film(60.0) == pytest.approx(48.4)
-    assert math.isnan(fit_film(at[:3], h[:3]).adjusted)
-    with pytest.raises(DataError, match="do not determine"):
-        fit_film([40.0, 40.0, 50.0], h[:3])
-    with pytest.raises(DataError, match="equal lengths"):
-        fit_film(at, h[:3])
-    with pytest.raises(DataError, match="finite"):
-        fit_film(at, [*h[:4], math.inf])
-    with pytest.raises(ParameterError, match="distinct powers"):
-        fit_film(at, h, terms=(0, 1, 1))
-    with pytest.raises(DataError, match="not defined"):
-        fit_film(at, [50.0] * 5)
-
-
 def root_of_balance(power: float, surface: float, coefficients: tuple[float, ...]) -> float:
     """Steady temperature [°C] by bisection of P = h(T) S (T - T_a)."""
     low, high = PRINTED.ambient, 200.0
@@ -186,12 +136,6 @@ def test_steady_temperatures() -> None:
     assert max(map(abs, film_numbers.steady_errors("refitted", PRINTED))) < 0.45
     mean = film_numbers.steady_errors("constant", PRINTED)
     assert max(mean, key=abs) == pytest.approx(7.7, abs=0.05)
-
-
-def test_film_rests_on_the_ambient_temperature() -> None:
-    assert film_numbers.films_at_ambient(38.5, PRINTED) == pytest.approx(PRINTED.steps.column("film"))
-    found = film_numbers.films_at_ambient(41.0, PRINTED)
-    assert found == pytest.approx([65.8, 61.1, 61.9, 68.1], abs=0.05)
 
 
 # ---------------------------------------------------------------- motion
@@ -225,15 +169,6 @@ def test_actuation_time() -> None:
 
 
 # ---------------------------------------------------------------- the study
-
-
-def test_study_is_found_by_name() -> None:
-    assert "migaone" in study_names()
-    study = load_study("migaone")
-    assert study.key == "migaone"
-    assert set(study.cites) <= set(read_bibliography())
-    with pytest.raises(UnknownNameError, match="Did you mean `migaone`"):
-        load_study("migaon")
 
 
 def test_figure(tmp_path) -> None:

@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import LAW_A, SINE_A, problem_a, wire_a
+from command import Command
 
 from laboratory.measure_trials import COMPARED, try_trial
 from laboratory.measures import ALLOWED, MeasureRecord
-from laboratory.scenarios import DRIVES, JUDGED, make_scenario, true_error
+from laboratory.scenarios import DRIVES, make_scenario
 from laboratory.structures import STRUCTURES, list_parts
 from laboratory.table import PAGE, page, quantile, read_outcomes, try_case, try_layers
 from martensite.actuators.elements.base import ELEMENTS
@@ -49,7 +50,13 @@ needs_c = pytest.mark.usefixtures("c_compiler")
 def test_the_accuracy_bounds_the_error(drive: str) -> None:
     found = try_case(1, 1e-4, drive)
     assert found.true <= found.claimed <= 1e-4
-    found = try_layers(18, 1e-3, drive)  # under pulses its rates die out within a step
+
+
+@needs_c
+@pytest.mark.parametrize("drive", ["step", "pulses", "fast pwm"])
+def test_the_accuracy_of_rates_bounds_the_error(drive: str) -> None:
+    """Under pulses the rates of this case die out within a step."""
+    found = try_layers(18, 1e-3, drive)
     assert found.true <= found.claimed <= 1e-3
 
 
@@ -115,17 +122,8 @@ def test_measures_of_loops_come_from_every_step_and_have_no_bound() -> None:
         assert runs[0].measure(words) == runs[1].measure(words)
 
 
-@needs_c
-def test_a_bound_that_does_not_hold_is_noticed() -> None:
-    case = make_scenario(1, "step")
-    coarse = simulate(case.system, case.waveform, case.duration, step=case.duration / 12, samples=13)
-    times = [case.duration * k / 12 for k in range(13)]
-    assert true_error([coarse[name] for name in JUDGED], case.equations.run(times)) > 1e-3
-
-
-@pytest.mark.parametrize("drive", ["step", "sine"])
-def test_the_reference_is_that_of_another_method(drive: str) -> None:
-    case = make_scenario(3, drive)
+def test_the_reference_is_that_of_another_method() -> None:
+    case = make_scenario(3, "step")
     other = replace(case.equations, method="Radau", rows=[])
     meant, found = case.equations.run(case.times), other.run(case.times)
     assert np.abs(meant - found).max(axis=0) == pytest.approx([0, 0, 0], abs=1e-5 * 1e6)
@@ -153,9 +151,9 @@ def test_a_sine_that_divides_the_step_heats() -> None:
 
 @needs_c
 def test_sines_of_round_numbers_heat() -> None:
-    """Forty of them, beside the steady voltage that heats as much."""
+    """Twelve of them, beside the steady voltage that heats as much."""
     case, rng = switched(), np.random.default_rng(7)
-    for _ in range(40):
+    for _ in range(12):
         duration = float(rng.choice([5, 8, 10, 20]))
         samples = int(rng.choice([101, 201, 501, 1001, 2001]))
         frequency = float(rng.choice([10, 20, 25, 50, 100, 200, 500, 1000]))
@@ -170,18 +168,16 @@ def test_sines_of_round_numbers_heat() -> None:
 
 @needs_c
 def test_strong_pulses_are_within_what_is_claimed() -> None:
-    """Fifteen pulses of 1 to 100 ms that transform, beside steps of a 400th of them."""
-    case, rng = switched(), np.random.default_rng(8)
-    for _ in range(15):
-        width = float(10.0 ** rng.uniform(-3.0, -1.0))
-        volts = math.sqrt(rng.uniform(0.5, 1.5) * 30.0 / width)
-        pulse = PulseWidthModulation(high=volts, frequency=1.0 / 5.0, duty=width / 5.0)
+    """Pulses of 5 to 100 ms that transform nothing, all or a part, beside steps of a 400th of them."""
+    case = switched()
+    for width, joule in ((5e-3, 40.0), (0.03, 30.0), (0.05, 20.0), (0.08, 38.0)):
+        pulse = PulseWidthModulation(high=math.sqrt(joule / width), frequency=0.2, duty=0.2 * width)
         found = simulate(case.system, pulse, 5.0, samples=31, runtime="c")
         meant = simulate(case.system, pulse, 5.0, samples=31, step=width / 400, runtime="c")
+        assert found.accuracy is not None and not found.status.failed
         for name, least in case.system.convergence_scales().items():
-            if found.accuracy is not None and not found.status.failed:
-                apart = np.abs(np.subtract(found[name], meant[name])).max()
-                assert apart <= 3.0 * found.accuracy * max(meant.range(name), least)
+            apart = np.abs(np.subtract(found[name], meant[name])).max()
+            assert apart <= 3.0 * found.accuracy * max(meant.range(name), least)
 
 
 @pytest.mark.parametrize(
@@ -213,11 +209,9 @@ def test_what_cannot_be_stops(changes: dict[str, Any], word: str) -> None:
 def test_the_command_line_says_so(setting: str, command: str, code: int, tmp_path: Path) -> None:
     arguments = [str(ROOT / "examples/pwm_bias_spring.toml"), "--set", setting]
     more = ["--out", str(tmp_path / "x.nc"), "--no-figure"] if command == "run" else []
-    done = subprocess.run(
-        [sys.executable, "-m", "martensite", command, *arguments, *more], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == code, done.stdout + done.stderr
-    assert ("The run stopped at t = " in done.stdout + done.stderr) == (code > 0)
+    done = Command(command)(*arguments, *more)
+    assert done.exit_code == code, done.output
+    assert ("The run stopped at t = " in done.output) == (code > 0)
 
 
 # ---------------------------------------------------------------- cost
@@ -235,7 +229,7 @@ def test_a_train_of_pulses_costs_as_many_pulses() -> None:
 @needs_c
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc on this system")
 def test_memory_grows_with_what_is_kept_alone() -> None:
-    """A single run keeps the record of its steps and their outputs: below 600 bytes for each of a million steps."""
+    """A single run keeps the record of its steps and their outputs: below 600 bytes for each of 300,000 steps."""
     code = (
         "import re, sys; sys.path.insert(0, {tests!r})\n"
         "from builders import SINE_A, problem_a\n"
@@ -245,7 +239,7 @@ def test_memory_grows_with_what_is_kept_alone() -> None:
         "print(run.steps, re.search('VmHWM:.* ([0-9]+) kB', open('/proc/self/status').read())[1])\n"
     )
     found = []
-    for steps in (10_000, 1_000_000):
+    for steps in (10_000, 300_000):
         text = code.format(tests=str(ROOT / "tests"), steps=steps)
         done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
@@ -253,7 +247,7 @@ def test_memory_grows_with_what_is_kept_alone() -> None:
         assert taken >= steps
         found.append(kilobytes)
     assert found[0] < 200_000
-    assert found[1] < found[0] + 600_000
+    assert found[1] < found[0] + 180_000
 
 
 def test_a_budget_is_kept_to() -> None:
