@@ -22,7 +22,7 @@ from martensite.simulate.batch import simulate_batch
 from martensite.simulate.result import Result
 from martensite.testing.examples import build_example
 
-END, SCANNED, NARROWED = 30.0, 33, 36
+END, SCANNED, NARROWED = 30.0, 25, 24
 JUDGED = ("temperature", "martensite_fraction", "stress", "position")
 FORGETFUL: dict[str, dict[str, Any]] = {
     "liang-rogers": {},
