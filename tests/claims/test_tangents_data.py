@@ -79,6 +79,14 @@ def test_half_way_temperatures_of_flexinol(flexinol: TangentFit) -> None:
 
 
 @needs(FLEXINOL)
+def test_another_half_way_would_be_noticed(flexinol: TangentFit) -> None:
+    """Half of the stroke is not the same as the middle of start and finish."""
+    points, (heating, _) = flexinol.levels[0], half_of_stroke(next(iter(FLEXINOL)))
+    assert abs(points.A_s - KELVIN - heating[0]) > 2.0
+    assert abs(points.A_f - KELVIN - heating[0]) > 2.0
+
+
+@needs(FLEXINOL)
 def test_slopes_and_strokes_of_flexinol(flexinol: TangentFit) -> None:
     assert flexinol.C_A == pytest.approx(8.1e6, abs=0.1e6)
     assert flexinol.C_M == pytest.approx(7.5e6, abs=0.1e6)

@@ -124,6 +124,12 @@ def test_adiabatic_ends_are_the_default() -> None:
     assert isinstance(wire_a(law_a()).ends, AdiabaticEnds)
 
 
+def test_another_conductivity_is_noticed() -> None:
+    mean, _ = fin(1.0, L)
+    wrong = conductance(H, thermal_conductivity=1.05 * K)
+    assert wrong * mean != pytest.approx(1.0, rel=1e-3)
+
+
 # ---------------------------------------------------------------- scenario files
 
 SCENARIO = write_wire(

@@ -10,8 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 from benchmarks.problem_a import RANGE_P, REFERENCE_P, REFERENCE_R
-from builders import SINE_A, ZERO, problem_a
+from builders import SINE_A, ZERO, problem_a, volts_a
 
+from martensite.signals.held import Held
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
 from martensite.studies.readings import choose_runtime
@@ -75,6 +76,18 @@ def test_errors_are_as_small_as_those_of_the_printed_scheme():
     """rms error of the position: about the printed ones of a hand-written return map."""
     for step, printed in ((50e-3, 5.7e-5), (20e-3, 2.5e-6), (10e-3, 6.6e-7), (5e-3, 1.6e-7)):
         assert shares(run("resume", step), run("resume", FINE))[1][-1] < 1.3 * printed
+
+
+def test_a_first_order_scheme_is_noticed():
+    """The drive taken at the beginning of each step instead of its middle."""
+
+    def lagged(step):
+        wave = Held(values=tuple(volts_a(step * k) for k in range(round(60.0 / step))), frequency=1.0 / step)
+        return judged(simulate(problem_a(), wave, 60.0, step=step, samples=601, runtime=choose_runtime()))
+
+    few = STEPS[:2]  # thousands of held values take long to be read
+    errors = [shares(lagged(step), run("resume", FINE))[1][-1] for step in few]
+    assert slope(few, errors) == pytest.approx(1.0, abs=0.15)
 
 
 @pytest.mark.parametrize("rule", RULES)

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from martensite.boards.link.frames import BoardClock, FrameReader, encode_frame
-from martensite.boards.link.messages import KINDS, MOST, print_header
+from martensite.boards.link.messages import KINDS, MOST, pack_message, print_header
 from martensite.kernels.compiler import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
@@ -155,6 +155,15 @@ def test_nothing_garbled_is_taken(library: Any, seed: int) -> None:
     reader = FrameReader()
     assert list(reader.feed(data)) == [] and in_c == []
     assert reader.counts.garbled == sum(piece != b"\0" for piece in line)
+
+
+def test_a_check_that_is_not_looked_at_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    code, payload = pack_message("set", place=1, value=2.0)
+    monkeypatch.setattr(zlib, "crc32", lambda _: 0x01010101)
+    bad = bytearray(encode_frame(code, 1, payload))
+    bad[4] ^= 2  # the place of the setting
+    reader = FrameReader()
+    assert list(reader.feed(bytes(bad))) != []
 
 
 def test_clocks_do_not_wrap(library: Any) -> None:

@@ -22,6 +22,12 @@ def test_law_equals_reference(kind, rule, paths):
     assert worst(kind, rule, paths) <= TOLERANCE
 
 
+@pytest.mark.parametrize("name", ["C_A", "C_M", "A_s", "A_f", "M_s", "M_f"])
+def test_a_wrong_parameter_is_noticed(name):
+    found = worst(0, "resume", 20, lambda p: {name: p[name] * (1 + 1e-6)})
+    assert found > 1e3 * TOLERANCE
+
+
 class TestTwoProcessesInOneLeg:
     """In the overlap one straight leg may hold a whole process and a part of the other."""
 
