@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import REGISTRIES, example, examples, label, law_a, wire_a
+from builders import REGISTRIES, example, label, law_a, registered, variants, wire_a
 from sensing_cases import PERIOD, run, sensing_bench, sensing_plant, shaken
 
 from martensite.actuators.assembly import Actuator, Group, Machine
@@ -47,7 +47,7 @@ def histories(law: Any) -> list[Any]:
     return found
 
 
-@pytest.mark.parametrize("law", examples("law"), ids=label)
+@pytest.mark.parametrize("law", [variants(cls)[0] for cls in registered("law")], ids=label)
 class TestMoved:
     def test_the_same_point_changes_nothing(self, law: Any) -> None:
         for memory in histories(law):

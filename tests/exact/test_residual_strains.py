@@ -74,15 +74,14 @@ def loop(law, celsius, top, count=4001):
     return 0.5e6 * (stresses[1:] + stresses[:-1]), strains, compliances
 
 
-@BOTH_RULES
 @EVERY
 @over("Theta", [0.0, 0.055e6])
-def test_work_of_a_full_isothermal_loop(case, rule, Theta):
+def test_work_of_a_full_isothermal_loop(case, Theta):
     """W = ε_L [C_M (T - u*) - C_A (T - w*)] + ½ ∮ σ² d(1/E), with the mean lines u* and w*.
 
     Cosines: halfway through the strips. Exponentials: one decay length, width/(2 ln 10), in.
     """
-    law, celsius = case.law(rule, Theta=Theta), 120.0
+    law, celsius = case.law(Theta=Theta), 120.0
     mean, strains, compliances = loop(law, celsius, C_M * (celsius - M_F) + 200.0)
     inside = 0.5 if case.left is cosine else 1.0 / (2.0 * math.log(10.0))
     forward, reverse = M_S - inside * (M_S - M_F), A_S + inside * (A_F - A_S)

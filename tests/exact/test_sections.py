@@ -26,7 +26,6 @@ from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.brinson import Brinson
 from martensite.physics.laws.lagoudas import Lagoudas
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
-from martensite.physics.laws.strip_laws import Tanaka
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.simulate.api import simulate
@@ -169,7 +168,7 @@ def test_a_bar_that_is_let_go_bears_stress_of_both_signs_and_no_moment() -> None
     assert 0.3 < element.locate_surface(floats, state).elongation * lever / 0.03 < 1.0
 
 
-LAWS = (law_a(), example(Brinson), example(Lagoudas), example(Tanaka), flat_law(0.05))
+LAWS = (example(Brinson), example(Lagoudas), flat_law(0.05))
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.registered_name)

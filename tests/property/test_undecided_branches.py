@@ -91,9 +91,10 @@ def narrow(law: Any, drive: Callable[[float], Table], low: float, high: float) -
 
 
 def list_cases(laws: dict[str, dict[str, Any]]) -> list[Any]:
-    """Return every law with every drive and its levels around a touch of the surface [V]."""
+    """Return every law with one drive in turn and its levels around a touch of the surface [V]."""
     drives = (reheat, 2.0, 2.3), (pause, 1.45, 1.75)
-    return [pytest.param(name, *drive, id=f"{name} {drive[0].__name__}") for drive in drives for name in laws]
+    cases = [(name, drives[k % 2]) for k, name in enumerate(laws)]
+    return [pytest.param(name, *drive, id=f"{name} {drive[0].__name__}") for name, drive in cases]
 
 
 def bound_distance(one: Result, other: Result) -> float:

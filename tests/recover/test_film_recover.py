@@ -18,7 +18,7 @@ from martensite.characterise.film_ambient import fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, FilmPoints, fit_film, fit_film_points
 from martensite.characterise.film_report import judge_film
 
-REPETITIONS, MANY = 200, 400
+REPETITIONS, MANY = 200, 250
 AT = np.linspace(45.0, 95.0, 7)
 AMBIENT, H0, H1, H2 = 25.0, 30.0, 0.3, 1e-3
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
