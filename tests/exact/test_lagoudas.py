@@ -148,12 +148,11 @@ def test_constants_of_a_waisted_law_close_the_balances():
     assert law_of((0.2, 0.5, 0.9, 0.4)).constants(floats).a_3 != pytest.approx(c.a_3, rel=1e-3)
 
 
-@pytest.mark.parametrize("leg", ["both", "loading and heating"])
-def test_strain_through_a_waist_converges_with_the_cuts(leg):
+def test_strain_through_a_waist_converges_with_the_cuts():
     """∫H dξ across the whole waist: little in a single step, less with more."""
-    law = law_of(EXPONENTS["round"], **WAISTED)
-    exact = oriented_after(law, LEGS[leg], 0.0, 2048)
-    errors = [abs(oriented_after(law, LEGS[leg], 0.0, cuts) - exact) for cuts in (1, 16, 256)]
+    law, leg = law_of(EXPONENTS["round"], **WAISTED), LEGS["both"]
+    exact = oriented_after(law, leg, 0.0, 1024)
+    errors = [abs(oriented_after(law, leg, 0.0, cuts) - exact) for cuts in (1, 16, 256)]
     assert errors[0] < 2e-2
     assert errors[1] < 1e-4
     assert errors[2] < 1e-7
@@ -317,7 +316,7 @@ def test_a_turn_of_the_forward_surface_inside_a_leg():
     assert fraction_after(law, back, 0.0, 64) == pytest.approx(whole, abs=1e-12)
 
 
-@pytest.mark.parametrize("exponents", list(EXPONENTS.values())[:2], ids=list(EXPONENTS)[:2])
+@pytest.mark.parametrize("exponents", list(EXPONENTS.values())[1:2], ids=list(EXPONENTS)[1:2])
 @pytest.mark.parametrize("leg", list(LEGS.values())[1:], ids=list(LEGS)[1:])
 def test_transformation_strain_converges_with_the_cuts(exponents, leg):
     """∫H dξ: at least third order, and within a hundredth in a single step."""

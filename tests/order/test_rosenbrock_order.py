@@ -53,8 +53,8 @@ class Course:
         self.voltage = voltage
         self.start = self.functions["init"](0.0)[: self.size]
         warm = feed_step(Moments.constant(math.sqrt(OHMS * POWER) if voltage else POWER))
-        for _ in range(600):
-            self.start = self.functions["step"](*self.start, *warm, 5e-3)[: self.size]
+        for _ in range(200):
+            self.start = self.functions["step"](*self.start, *warm, 15e-3)[: self.size]
 
     def step(self, state: Row, begin: float, end: float) -> list[Row]:
         """End, middle, and end to the lower order."""

@@ -28,7 +28,7 @@ def noise(seed: int, count: int, phi: float) -> np.ndarray:
     """AR(1) noise of unit variance; white for φ = 0."""
     steps = np.random.default_rng(seed).normal(size=count)
     steps[1:] *= math.sqrt(1.0 - phi * phi)
-    return signal.lfilter([1.0], [1.0, -phi], steps)
+    return np.asarray(signal.lfilter([1.0], [1.0, -phi], steps))
 
 
 @cache
