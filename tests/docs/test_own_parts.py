@@ -96,7 +96,7 @@ def answers(folder: Path, findings: list[Any]) -> dict[str, tuple[int, str]]:
     for scenario, names in RUNS.items():
         files = [file for file, _, name, _ in findings if name in names.split()]
         given = [word for file in files for word in ("--import", file)]
-        lines[scenario] = ["run", scenario, *given, "--set", "run.duration=2 s", "--json", "--no-figure"]
+        lines[scenario] = ["run", scenario, *given, "--set", "run.duration=0.4 s", "--json", "--no-figure"]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
         return dict(zip(lines, json.loads(call(folder, "-c", ASK, json.dumps([*lines.values()]))), strict=True))
