@@ -7,9 +7,9 @@ they are no derivative.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -197,20 +197,20 @@ PULLED = ("brinson",)
 """Laws that are always tried in a testing machine too."""
 
 
-def cases() -> Iterator[tuple[Case, bool]]:
-    """All laws twice, all other registered parts of a system; and whether to try them always."""
+def cases() -> Iterator[tuple[str, Callable[[], Case], bool]]:
+    """All laws twice, all other registered parts of a system: names, how to make them, whether to try them always."""
     known: set[str] = set()
-    for make, kind in (
-        (under_weight, "law"),
-        (exchanged, "element"),
-        (exchanged, "mechanism"),
-        (exchanged, "drive"),
-        (exchanged, "cooling"),
+    for make, kind, word in (
+        (under_weight, "law", "weight-"),
+        (exchanged, "element", ""),
+        (exchanged, "mechanism", ""),
+        (exchanged, "drive", ""),
+        (exchanged, "cooling", ""),
     ):
         for thing in examples(kind):
             name = thing.registered_name
             usual = name not in known and name not in HEAVY and name not in SIMPLE
-            yield make(thing), usual
+            yield f"{word}{label(thing)}", partial(make, thing), usual
             if kind == "law" and name not in known:
-                yield in_machine(thing), usual and name in PULLED
+                yield f"machine-{label(thing)}", partial(in_machine, thing), usual and name in PULLED
             known.add(name)

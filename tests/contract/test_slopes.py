@@ -7,6 +7,8 @@ take most of a compiler's time. One case holds them to the directions one by one
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from builders import law_a
@@ -33,12 +35,13 @@ def one_by_one(unoptimised, monkeypatch):
     monkeypatch.setattr(native_slopes, "choose_width", lambda count: 1)
 
 
-def listed(case: Case, usual: bool):
-    return pytest.param(case, id=case.name, marks=[] if usual else [pytest.mark.slow])
+def listed(name: str, make: Callable[[], Case], usual: bool):
+    return pytest.param(make, id=name, marks=[] if usual else [pytest.mark.slow])
 
 
-@pytest.mark.parametrize("case", [listed(*row) for row in cases()])
-def test_slopes_are_those_of_differences(case: Case, one_by_one):
+@pytest.mark.parametrize("make", [listed(*row) for row in cases()])
+def test_slopes_are_those_of_differences(make: Callable[[], Case], one_by_one):
+    case = make()
     error, good = case.apart()
     assert good >= GOOD
     assert error <= TOLERANCE
