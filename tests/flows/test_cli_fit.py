@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -46,11 +47,17 @@ def change(cells: Callable[[int, list[str]], list[str]]) -> Callable[[Rows], Row
     return lambda rows: [rows[0], *(cells(k, row) for k, row in enumerate(rows[1:]))]
 
 
+@cache
+def fit_small() -> dict[str, Any]:
+    """The usual fit; not to be changed."""
+    return FIT.report(*SMALL)
+
+
 # ---------------------------------------------------------------- what is found
 
 
 def test_report_holds_the_truth_and_how_far_to_trust_it() -> None:
-    found = FIT.report(*SMALL)
+    found = fit_small()
     for name, true in fit_cases.TRUE.items():
         one = found["parameters"][name]
         assert one["low"] < true < one["high"]
@@ -114,7 +121,7 @@ def test_columns_of_other_names_and_logs_without_headings() -> None:
     fit_cases.write_rows("other.csv", other)
     same = ("--set", "drive.waveform.column=chamber", "--set", "signals.command.column=machine")
     found = FIT.report("other.csv", *SMALL[1:], *same, "--column", "strain=gauge*0.01")
-    right = FIT.report(*SMALL)
+    right = fit_small()
     assert found["parameters"]["A_s"]["value"] == pytest.approx(right["parameters"]["A_s"]["value"], abs=1e-3)
     fit_cases.write_rows("bare.csv", [row[1:] for row in rows[1:]])
     named = ("--as=1=temperature[degC]", "--as=2=stress[MPa]", "--as=3=strain[%]")
@@ -146,7 +153,7 @@ def test_offsets_noise_loss_and_steps_are_passed_on() -> None:
 
 
 def test_coordinate_search_takes_more_runs_for_the_same() -> None:
-    few, many = FIT.report(*SMALL), FIT.report(*SMALL, "--method", "coordinate")
+    few, many = fit_small(), FIT.report(*SMALL, "--method", "coordinate")
     assert many["method"] == "coordinate"
     assert many["simulations"] > 3 * few["simulations"]
     assert many["cost"] == pytest.approx(few["cost"], rel=0.05)
@@ -258,7 +265,7 @@ def test_interrupted_search_keeps_the_best_and_is_taken_up_again(monkeypatch: py
     assert found["cost"] == pytest.approx(notes[-1].cost)
     kept = json.loads(Path("state.json").read_text(encoding="utf-8"))
     assert kept["values"] == pytest.approx(list(notes[-1].values))
-    whole = FIT.report(*SMALL)
+    whole = fit_small()
     later = interrupting(1000, monkeypatch)
     resumed = FIT.report(*SMALL, "--resume", "state.json")
     assert resumed["reason"] == "converged"
