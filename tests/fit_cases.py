@@ -6,6 +6,7 @@ import csv
 import math
 import random
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -73,11 +74,13 @@ def measured(
     return Record(drive.name, columns, spelt)
 
 
+@cache
 def isobaric(stress: float = 100e6, noise: float = 0.01, seed: int = 1) -> Record:
     """A log of an isobaric test."""
     return measured(cycle(stress), ISOBARIC, ["strain"], TRUTH, noise, seed)
 
 
+@cache
 def heated(current: float = 0.55, noise: float = 0.01) -> Record:
     """A log of a wire that a current heats."""
     return measured(pulse(current), HEATED, ["position", "resistance"], HEAT_TRUTH, noise)
