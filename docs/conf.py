@@ -5,10 +5,17 @@ build. `_ext/from_declarations.py` writes the reference tables from the package 
 Formulas are set by the MathJax copy in `_static`, without a network connection.
 """
 
+import functools
+import gc
 import os
 import sys
 from importlib.metadata import version as installed
 from pathlib import Path
+
+from sphinx.search.en import SearchEnglish
+
+gc.set_threshold(100_000, 20, 50)  # trees of nodes are full of cycles, looked for too often
+SearchEnglish.stem = functools.cache(SearchEnglish.stem)  # the same words are on many pages
 
 HELPERS = str(Path(__file__).parent / "_ext")
 sys.path.insert(0, HELPERS)
