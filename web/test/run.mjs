@@ -1,4 +1,4 @@
-// Runs the tests of functions that need no page: bundles each, then node's own test runner.
+// Runs the tests of functions that need no page: bundles them into one file, so that one process runs all.
 import { build } from "esbuild";
 import { spawnSync } from "node:child_process";
 import { mkdtemp, readdir, rm } from "node:fs/promises";
@@ -6,13 +6,12 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 
 const here = import.meta.dirname ?? new URL(".", import.meta.url).pathname;
-const tests = (await readdir(here)).filter((name) => name.endsWith(".test.ts"));
+const tests = (await readdir(here)).filter((name) => name.endsWith(".test.ts")).sort();
 const out = await mkdtemp(join(tmpdir(), "martensite-web-"));
 try {
   await build({
-    entryPoints: tests.map((name) => join(here, name)),
-    outdir: out,
-    outExtension: { ".js": ".mjs" },
+    stdin: { contents: tests.map((name) => `import "./${name}";`).join("\n"), resolveDir: here },
+    outfile: join(out, "tests.mjs"),
     bundle: true,
     platform: "node",
     format: "esm",
@@ -20,8 +19,7 @@ try {
     jsxImportSource: "preact",
     logLevel: "warning",
   });
-  const files = tests.map((name) => join(out, name.replace(/\.ts$/, ".mjs")));
-  const { status } = spawnSync(process.execPath, ["--test", ...files], { stdio: "inherit" });
+  const { status } = spawnSync(process.execPath, [join(out, "tests.mjs")], { stdio: "inherit" });
   process.exitCode = status ?? 1;
 } finally {
   await rm(out, { recursive: true });
