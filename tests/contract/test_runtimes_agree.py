@@ -19,7 +19,9 @@ from kernels import (
 )
 
 from martensite.base.parameters import Parametrised
+from martensite.kernels.c99 import c_source
 from martensite.kernels.dual import value_and_slope
+from martensite.kernels.program import Program
 from martensite.physics.laws.strip_laws import LiangRogers
 
 TOLERANCE = 1e-12
@@ -225,6 +227,49 @@ def test_loops_over_states_may_nest(runtime):
     meant = on_kernel_itself(Parametrised(), kernel, inputs)
     assert np.ptp(meant[:6], axis=1).min() > 0.1
     assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 1e-14
+
+
+def carried(_, xp, a, b):
+    """Loops over rows with a state: columns that are read forwards, backwards and shifted, and last states."""
+
+    def walk(xp, start, first, second):
+        def step(total, most, x, y):
+            now = xp.maximum(most, x * y)
+            return total + x * b, now, xp.exp(-total * total) + now
+
+        return xp.scan(step, start, first, second)
+
+    first = [a, b, a * b, 1.0, a - b, 2.0]
+    totals, largest, seen = walk(xp, (0.0, b), first, first[::-1])
+    (again,) = xp.scan(lambda s, x, y: (0.5 * s + x * y,), (seen[-1],), totals[:-1], seen[:0:-1])
+    slopes = value_and_slope(xp, lambda xp, x: walk(xp, (x, 0.0), first, [x] * 6)[2][-1], b)
+    return *totals, largest[-1], *seen, again[-1], again[2], *slopes
+
+
+def test_loops_over_rows_may_have_a_state(runtime):
+    kernel = Kernel({"a": (-2.0, 2.0), "b": (-2.0, 2.0)}, carried)
+    inputs = kernel.inputs()
+    meant = on_kernel_itself(Parametrised(), kernel, inputs)
+    assert np.ptp(meant, axis=1).min() > 0.1
+    assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 1e-14
+
+
+def test_the_source_does_not_grow_with_the_rows():
+    """Columns are read in place, so that the compile time of a fine mesh is that of a coarse one."""
+
+    def source(count):
+        def kernel(xp, *x):
+            (made,) = xp.each(lambda y, z: (y * z,), x[::2], x[1::2])
+            mixed = [0.5 * (one - other) for one, other in zip(made, made[::-1], strict=True)]
+            sums, seen = xp.scan(lambda s, y, z: (s + y, s * z), (0.0,), mixed, made)
+            state = xp.repeat(3, lambda *s: [0.5 * one for one in s], *seen)
+            return *state, sums[-1]
+
+        program = Program()
+        program.add("f", [f"x{k}" for k in range(2 * count)], kernel)
+        return c_source(program, [program.functions["f"]])
+
+    assert source(400).count("\n") == source(40).count("\n")
 
 
 def test_a_missing_operation_is_named():

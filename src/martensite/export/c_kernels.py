@@ -19,6 +19,7 @@ from martensite.kernels.graph import Expr, Graph
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.printer import Dialect
 from martensite.kernels.program import Function, Program
+from martensite.kernels.rolled_lines import roll_lines
 from martensite.simulate.march import SOLVED
 
 TINY, HUGE = 1.1754943508222875e-38, 3.4028234663852886e38
@@ -150,10 +151,10 @@ def kernels_text(
 
 
 def _print_function(name: str, taken: Sequence[str], given: str, made: Statements, precision: Precision) -> str:
-    number, lines = precision.number, list(made.lines)
-    one, zero = precision.literal(1.0), precision.literal(0.0)
-    for i, (value, flag) in enumerate(zip(made.results, made.flags, strict=True)):
-        lines.append(f"{given}[{i}] = {f'({value}) ? {one} : {zero}' if flag else value};")
+    number, one, zero = precision.number, precision.literal(1.0), precision.literal(0.0)
+    values = zip(made.results, made.flags, strict=True)
+    numbers = [f"({value}) ? {one} : {zero}" if flag else value for value, flag in values]
+    lines = [*made.lines, *roll_lines([f"{given}[{i}] = {number};" for i, number in enumerate(numbers)])]
     body = "".join(f"    {line}\n" for line in lines)
     arguments = ", ".join(f"{number} {a}" if a == "dt" else f"const {number} *restrict {a}" for a in taken)
     unused = [a for a in taken if (a if a == "dt" else f"{a}[") not in body]

@@ -27,7 +27,8 @@ class ArrayNamespace:
         self.abs = np.abs
         self.sin, self.cos, self.tanh = np.sin, np.cos, np.tanh
         self.detach, self.eps = floats.detach, floats.eps
-        self.each, self.repeat, self.implicit_root = floats.each, floats.repeat, floats.implicit_root
+        self.each, self.scan, self.repeat = floats.each, floats.scan, floats.repeat
+        self.implicit_root = floats.implicit_root
 
     def iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:
         """Return the state after iterations of a body; elements with a first variable not above 0 stay constant."""

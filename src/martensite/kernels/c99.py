@@ -10,6 +10,7 @@ directions then share one evaluation of the values. This needs the vector types 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,6 +22,7 @@ from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, ev
 from martensite.kernels.printer import FLAG, NUMBER, PYTHON_OPERATORS, SLOPES, Dialect, LoopText, RepeatText
 from martensite.kernels.program import Function, Program
 from martensite.kernels.quick_compiler import compiles_only_quickly
+from martensite.kernels.rolled_lines import merge_texts, roll_lines
 from martensite.kernels.slopes import ZERO
 
 
@@ -35,6 +37,8 @@ def c_number(value: float) -> str:
 
 _TYPES = {FLAG: "_Bool", NUMBER: "double", SLOPES: "slopes"}
 """C types by kind; `slopes` is a vector type that the source declares."""
+MOST_VARIABLES = 32
+"""Largest number of state variables of a loop outside an array."""
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -44,26 +48,36 @@ def _print_assignment(name: str, expression: str, kind: str, types: Mapping[str,
 
 def _print_loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
     """Return a loop over arrays on the stack."""
-    rows = len(loop.columns[0])
-    kinds = [_declare_kind(kind, types) for kind in loop.row_kinds]
-    columns = [f"{loop.name}_{name}" for name in loop.row]
-    tables = zip(kinds, columns, loop.columns, strict=True)
-    named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs))))
-    inputs = list(zip(kinds, loop.row, columns, strict=True))
-    results = list(zip(loop.results(), loop.outputs, strict=True))
-    stored = [_declare_kind(kind, types) for kind in loop.output_kinds]
-    made = zip(stored, loop.results(), strict=True)
-    row = f"r_{loop.name}"
+    row, tables, inputs = f"r_{loop.name}", list[str](), list[str]()
+    for name, cells, kind in zip(loop.row, loop.columns, loop.row_kinds, strict=True):
+        number, text = _declare_kind(kind, types), merge_texts(cells, row)
+        if text is None:
+            text = f"{loop.name}_{name}[{row}]"
+            tables += _print_table(number, f"{loop.name}_{name}", cells)
+        inputs.append(f"const {number} {name} = {text};")
+    kinds = [_declare_kind(kind, types) for kind in loop.state_kinds]
+    states = list(zip(kinds, loop.state, loop.begin, loop.carried, strict=True))
     return [
-        *(f"{kind} {name}[{rows}];" for kind, name in made),
-        *(f"const {kind} {name}[{rows}] = {{{', '.join(cells)}}};" for kind, name, cells in tables),
-        *(f"(void){column};" for _, name, column in inputs if name not in named),
-        f"for (int {row} = 0; {row} < {rows}; {row}++) {{",
-        *(f"    const {kind} {name} = {column}[{row}];" for kind, name, column in inputs if name in named),
+        *(f"{_declare_kind(kind, types)} {name}[{loop.rows}];" for name, (_, kind) in loop.kept.items()),
+        *tables,
+        *(f"{kind} {name} = {begin};" for kind, name, begin, _ in states),
+        f"for (int {row} = 0; {row} < {loop.rows}; {row}++) {{",
+        *(f"    {line}" for line in inputs),
         *(f"    {line}" for line in loop.body),
-        *(f"    {name}[{row}] = {value};" for name, value in results),
+        *(f"    {name}[{row}] = {value};" for name, (value, _) in loop.kept.items()),
+        *(f"    const {kind} n_{name} = {value};" for kind, name, _, value in states),
+        *(f"    {name} = n_{name};" for _, name, _, _ in states),
         "}",
     ]
+
+
+def _print_table(number: str, name: str, cells: Sequence[str]) -> list[str]:
+    """Return the declaration of a column of different expressions."""
+    lines = [f"{name}[{row}] = {cell};" for row, cell in enumerate(cells)]
+    rolled = roll_lines(lines)
+    if len(rolled) < len(lines):
+        return [f"{number} {name}[{len(cells)}];", *rolled]
+    return [f"const {number} {name}[{len(cells)}] = {{{', '.join(cells)}}};"]
 
 
 def _declare_kind(kind: str, types: Mapping[str, str]) -> str:
@@ -84,31 +98,38 @@ class LoopCondition:
 def _print_repetition(
     loop: RepeatText, types: Mapping[str, str] = _TYPES, going: LoopCondition = LoopCondition()
 ) -> list[str]:
-    """Print a loop over the variables of a separate block."""
+    """Print a loop over its state variables."""
     name, first = loop.name, loop.state[0]
     test = f" && {going.test.format(first)}" if loop.stops else ""
     keep = going.keep if loop.stops else LoopCondition.keep
-    kinds = [_declare_kind(kind, types) for kind in loop.kinds]
-    state = list(zip(kinds, loop.state, loop.begin, loop.outputs, strict=True))
-    rows = zip(loop.used, kinds, loop.results(), loop.state, strict=True)
-    results = [row[1:] for row in rows if row[0]]
+    news = [f"n_{one}" for one in loop.state]
+    rows = list(zip(loop.state, news, strict=True))
     named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs, test))))
-    named |= {r[-1] for r in results}
+    step = [
+        *_declare_states(loop, news, loop.outputs, types, "const "),
+        *roll_lines([f"{old} = {keep.format(old=old, new=new, going=first)};" for old, new in (*rows[1:], rows[0])]),
+    ]
     return [
-        *(f"{kind} {result};" for kind, result, _ in results),
-        "{",
-        *(f"    {kind} {name} = {begin};" for kind, name, begin, _ in state),
-        *(f"    (void){name};" for name in loop.state if name not in named),
-        f"    for (int k_{name} = 0; k_{name} < {loop.count}{test}; k_{name}++) {{",
-        *(f"        {line}" for line in loop.body),
-        *(f"        const {kind} n_{name} = {value};" for kind, name, _, value in state),
-        *(
-            f"        {name} = {keep.format(old=name, new=f'n_{name}', going=first)};"
-            for _, name, _, _ in (*state[1:], state[0])
-        ),
-        "    }",
-        *(f"    {result} = {name};" for _, result, name in results),
+        *_declare_states(loop, loop.state, loop.begin, types),
+        *(f"(void){name};" for name in loop.state if _WORD.findall(name)[0] not in named),
+        f"for (int k_{name} = 0; k_{name} < {loop.count}{test}; k_{name}++) {{",
+        *(f"    {line}" for line in (*loop.body, *step)),
         "}",
+    ]
+
+
+def _declare_states(
+    loop: RepeatText, names: Sequence[str], values: Sequence[str], types: Mapping[str, str], head: str = ""
+) -> list[str]:
+    """Return the declaration of state variables or arrays with the given values."""
+    kinds = [_declare_kind(kind, types) for kind in loop.kinds]
+    if not names[0].endswith("]"):
+        return [f"{head}{kind} {name} = {value};" for kind, name, value in zip(kinds, names, values, strict=True)]
+    arrays = {name.split("[")[0]: kind for kind, name in zip(kinds, names, strict=True)}
+    counts = Counter(name.split("[")[0] for name in names)
+    return [
+        *(f"{kind} {array}[{counts[array]}];" for array, kind in arrays.items()),
+        *roll_lines([f"{name} = {value};" for name, value in zip(names, values, strict=True)]),
     ]
 
 
@@ -138,6 +159,7 @@ C_DIALECT = Dialect(
     constant=_print_constant,
     loop=_print_loop,
     repeat=_print_repetition,
+    most_variables=MOST_VARIABLES,
 )
 
 
@@ -188,7 +210,7 @@ __attribute__((optimize("O0"))) static inline void k_init(long, const double *re
 
 
 def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
-    lines = [*made.lines, *(f"y[{i} * n + l] = {text};" for i, text in enumerate(made.results))]
+    lines = [*made.lines, *roll_lines([f"y[{i} * n + l] = {text};" for i, text in enumerate(made.results)])]
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)
     return (
@@ -266,7 +288,7 @@ def _print_slopes(
     name: str, taken: Sequence[str], given: tuple[str, str], made: Statements, places: Sequence[tuple[str, int]]
 ) -> str:
     rows = zip(places, made.results, strict=True)
-    lines = [*made.lines, *(f"{array}[{k}] = {text};" for (array, k), text in rows)]
+    lines = [*made.lines, *roll_lines([f"{array}[{k}] = {text};" for (array, k), text in rows])]
     kinds = ("double", "slopes")
     arguments = [f"const {kinds[i % 2]} *restrict {a}" for i, a in enumerate(taken)]
     arguments += [f"{kind} *restrict {a}" for kind, a in zip(kinds, given, strict=True)]

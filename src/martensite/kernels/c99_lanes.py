@@ -21,6 +21,7 @@ from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import Dialect
 from martensite.kernels.program import Function, Program
+from martensite.kernels.rolled_lines import roll_lines
 
 BLOCK = 16
 """Divisor of the batch size: a pair of the widest vectors, or several pairs of narrower ones."""
@@ -68,9 +69,9 @@ def _print_constant(value: float | bool) -> str:
 
 
 def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
-    lines = list(made.lines)
-    for i, (value, flag) in enumerate(zip(made.results, made.flags, strict=True)):
-        lines.append(f"PUT(y, {i}, {f'pick({value}, all(1.0), all(0.0))' if flag else value});")
+    values = zip(made.results, made.flags, strict=True)
+    numbers = [f"pick({value}, all(1.0), all(0.0))" if flag else value for value, flag in values]
+    lines = [*made.lines, *roll_lines([f"PUT(y, {i}, {number});" for i, number in enumerate(numbers)])]
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)
     return (

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Sequence
+from itertools import compress
 from typing import Any
 
 from martensite.kernels import floats
@@ -215,20 +216,68 @@ class DualNamespace:
 
     def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[Sequence[Any], ...]:
         """Return the columns of values and tangents through the base's loop."""
-        split_columns = [_separate_pairs([self.parts(item) for item in column]) for column in columns]
-        moving = [tangents is not None for _, tangents in split_columns]
-        flat = [part for pair in split_columns for part in pair if part is not None]
-        shape: list[bool] = []
+        return self.scan(body, (), *columns)
 
-        def inner(*row: Any) -> list[Any]:
-            numbers = iter(row)
-            duals = [self.pair(next(numbers), next(numbers) if m else None) for m in moving]
-            results = [self.parts(result) for result in body(*duals)]
-            shape[:] = [t is not None for _, t in results]
-            return [part for pair in results for part in pair if part is not None]
+    def scan(
+        self, body: Callable[..., Sequence[Any]], begin: Sequence[Any], *columns: Sequence[Any]
+    ) -> tuple[Sequence[Any], ...]:
+        """Return the columns of values and tangents through the base's loop."""
+        table = [[self.parts(item) for item in column] for column in columns]
+        moving = [any(tangent is not None for _, tangent in column) for column in table]
+        rows = [self.split(row, moving) for row in zip(*table, strict=True)]
+        first = [self.parts(one) for one in begin]
+        size = len(first)
 
-        found = iter(self.base.each(inner, *flat))
-        return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
+        def trace(carried: list[bool]) -> tuple[list[list[Any]], list[bool]]:
+            start, kept = self.split(first, carried), list[bool]()
+
+            def inner(*numbers: Any) -> list[Any]:
+                row = self.join(numbers[len(start) :], moving)
+                results = [self.parts(one) for one in body(*self.join(numbers[: len(start)], carried), *row)]
+                kept[:] = self.list_moving(results, carried)
+                return [*self.split(results[:size], kept[:size]), *self.split(results[size:], kept[size:])]
+
+            found = zip(*self.base.scan(inner, start, *zip(*rows, strict=True)), strict=True)
+            place = size + sum(kept[:size])
+            pairs = ((self.join(row[:place], kept[:size]), self.join(row[place:], kept[size:])) for row in found)
+            return [[*states, *others] for states, others in pairs], kept
+
+        return tuple(zip(*self.spread(first, trace)[0], strict=True))
+
+    def fill(self, tangent: Tangent) -> Any:
+        """Return a tangent, or `zero` for a missing one."""
+        return self.zero if tangent is None else tangent
+
+    def split(self, pairs: Sequence[Pair], moving: Sequence[bool]) -> list[Any]:
+        """Return the values, then the tangents of those that move."""
+        tangents = compress((tangent for _, tangent in pairs), moving)
+        return [*(value for value, _ in pairs), *map(self.fill, tangents)]
+
+    def join(self, numbers: Sequence[Any], moving: Sequence[bool]) -> list[Any]:
+        """Return the numbers whose values and tangents `split` returned."""
+        tangents = iter(numbers[len(moving) :])
+        return [self.pair(value, next(tangents) if m else None) for value, m in zip(numbers, moving, strict=False)]
+
+    def list_moving(self, pairs: Sequence[Pair], moving: Sequence[bool]) -> list[bool]:
+        """Return which results have tangents, or belong to a state variable that moves."""
+        flags = [*moving, *(False for _ in pairs[len(moving) :])]
+        return [m or tangent is not None for (_, tangent), m in zip(pairs, flags, strict=True)]
+
+    def spread(
+        self, begin: Sequence[Pair], trace: Callable[[list[bool]], tuple[Any, list[bool]]]
+    ) -> tuple[Any, list[bool]]:
+        """Trace a loop over a state until all state variables that move are known.
+
+        Args:
+            begin: values and tangents of the first state.
+            trace: function of the moving state variables that returns the results, and which of them move.
+        """
+        moving = [tangent is not None for _, tangent in begin]
+        while True:
+            found, kept = trace(moving)
+            if kept[: len(moving)] == moving:
+                return found, kept
+            moving = kept[: len(moving)]
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         """Return the state after `count` iterations of `body`, unrolled."""
@@ -251,11 +300,6 @@ class DualNamespace:
         rows = zip(numbers[:count], numbers[count:], strict=True)
         return [going, *(self.pair(v, t) for v, t in rows)]
 
-    def _zip(self, values: Sequence[Any], tangents: Sequence[Any] | None) -> Sequence[Any]:
-        if tangents is None:
-            return values
-        return [self.pair(v, t) for v, t in zip(values, tangents, strict=True)]
-
     def implicit_root(self, root: Any, newton: Any) -> Any:
         """Return the value of a root with the tangent of a Newton step from it."""
         (v, _), (w, t) = self.parts(root), self.parts(newton)
@@ -264,14 +308,6 @@ class DualNamespace:
     def detach(self, x: Any) -> Any:
         """Return the value alone."""
         return self.base.detach(self.parts(x)[0])
-
-
-def _separate_pairs(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]:
-    """Return the values, and tangents (0 where constant) if there are any."""
-    values = [value for value, _ in pairs]
-    if all(tangent is None for _, tangent in pairs):
-        return values, None
-    return values, [0.0 if tangent is None else tangent for _, tangent in pairs]
 
 
 def value_and_slope(xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar) -> tuple[Scalar, Scalar]:

@@ -134,9 +134,20 @@ def erfcx(x: float) -> float:
     return 1.0 / (ROOT_PI * tail)
 
 
-def each(body: Callable[..., Sequence[float]], *columns: Sequence[float]) -> tuple[tuple[float, ...], ...]:
+def each(body: Callable[..., Sequence[float]], *columns: Sequence[float]) -> tuple[Sequence[float], ...]:
     """Return the columns of results of `body` over the rows of equally long columns."""
-    return tuple(zip(*(body(*row) for row in zip(*columns, strict=True)), strict=True))
+    return scan(body, (), *columns)
+
+
+def scan(
+    body: Callable[..., Sequence[float]], begin: Sequence[float], *columns: Sequence[float]
+) -> tuple[Sequence[float], ...]:
+    """Return the columns of results of `body` over a state and the rows; its first results are the next state."""
+    state, found = begin, list[Sequence[float]]()
+    for row in zip(*columns, strict=True):
+        found.append(body(*state, *row))
+        state = found[-1][: len(begin)]
+    return tuple(zip(*found, strict=True))
 
 
 def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from itertools import chain, count
+from typing import Any
 
 from martensite.base.errors import KernelError
 from martensite.kernels import floats
 from martensite.kernels.floats import expand_power
+from martensite.kernels.graph_loops import GraphLoop, Repeat
 from martensite.kernels.namespace import OPERATIONS
 from martensite.kernels.traced_numbers import TracedNumber, make_kernel_error, make_operation_error
 
@@ -47,31 +49,6 @@ OPERATORS: dict[str, Callable[..., Any]] = {
     "gt": operator.gt,
     "ge": operator.ge,
 }
-
-
-class GraphLoop(NamedTuple):
-    """Loop with a body for every row of some columns."""
-
-    columns: tuple[tuple[int, ...], ...]
-    row: tuple[int, ...]
-    """Inputs of the body, one per column."""
-    outputs: tuple[int, ...]
-    bit: int
-    """Dependency bit of the nodes of the body."""
-
-
-class Repeat(NamedTuple):
-    """Loop whose body replaces a state by the next state."""
-
-    turns: int
-    stops: bool
-    """True if the loop also ends at a first state variable that is not above 0."""
-    begin: tuple[int, ...]
-    state: tuple[int, ...]
-    """Inputs of the body."""
-    outputs: tuple[int, ...]
-    bit: int
-    """Dependency bit of the nodes of the body."""
 
 
 class Graph:
@@ -116,44 +93,42 @@ class Graph:
         return self._node(operation, indices, self._join_dependencies(indices))
 
     def loop(
-        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]], slopes: Sequence[Sequence[Any]] = ()
+        self, body: Callable[..., Sequence[Any]], begin: Sequence[Any], columns: Sequence[Sequence[Any]]
     ) -> tuple[list[Expr], ...]:
-        """Trace a body over rows, with the `slopes` columns last; equal loops are one."""
-        bit, results, row = self._body(body, "g", len(columns), len(slopes))
-        columns = [*columns, *slopes]
-        inside = [r for r in results if self.depends[r.index] & bit]
+        """Trace a body over rows, which continues the state `begin`; equal loops are one."""
+        first = tuple(self._expr(value).index for value in begin)
         table = tuple(tuple(self._expr(item).index for item in column) for column in columns)
+        bit, results, (state, row) = self._body(body, s=[(i,) for i in first], g=table)
+        inside = [r for k, r in enumerate(results) if k < len(first) or self.depends[r.index] & bit]
         outputs = tuple(r.index for r in inside)
-        needed = (*dict.fromkeys(i for column in table for i in column), *self._outside(outputs, bit))
+        reached, outside = self._reach(outputs, bit)
+        read = (column for column, one in zip(table, row, strict=True) if one in reached)
+        needed = tuple(dict.fromkeys((*first, *chain(*read), *outside)))
         depends = self._loop_depends(needed)
-        node = self._node("each", needed, depends, (table, outputs)).index
-        self.loops[node] = GraphLoop(table, row, outputs, bit)
+        node = self._node("each", needed, depends, (table, first, outputs)).index
+        self.loops[node] = GraphLoop(table, first, state, row, outputs, tuple(outside), bit)
         rows, places = range(len(table[0])), iter(range(len(outputs)))
         found: list[list[Expr]] = []
-        for result in results:
-            if self.depends[result.index] & bit:
-                place, own = next(places), self._like(depends, result.index)
+        for number, result in enumerate(results):
+            if number < len(first) or self.depends[result.index] & bit:
+                place, own = next(places), self._like(depends, state[number] if number < len(first) else result.index)
                 found.append([self._node("item", (node,), own, (place, k)) for k in rows])
             else:
                 found.append([result for _ in rows])
         return tuple(found)
 
     def repeat(
-        self,
-        count: int,
-        body: Callable[..., Sequence[Any]],
-        state: Sequence[Any],
-        slopes: Sequence[Any] = (),
-        stops: bool = False,
+        self, turns: int, body: Callable[..., Sequence[Any]], state: Sequence[Any], stops: bool = False
     ) -> list[Expr]:
-        """Trace one iteration of a loop over a state, with its `slopes` last."""
-        begin = tuple(self._expr(value).index for value in (*state, *slopes))
-        bit, results, inputs = self._body(body, "r", len(state), len(slopes))
+        """Trace one iteration of a loop over a state."""
+        begin = tuple(self._expr(value).index for value in state)
+        bit, results, (inputs,) = self._body(body, r=[(i,) for i in begin])
         outputs = tuple(r.index for r in results)
-        needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, bit))))
+        outside = self._reach(outputs, bit)[1]
+        needed = tuple(dict.fromkeys((*begin, *outside)))
         depends = self._loop_depends(needed)
-        node = self._node("repeat", needed, depends, (count, stops, begin, outputs)).index
-        self.repeats[node] = Repeat(count, stops, begin, inputs, outputs, bit)
+        node = self._node("repeat", needed, depends, (turns, stops, begin, outputs)).index
+        self.repeats[node] = Repeat(turns, stops, begin, inputs, outputs, tuple(outside), bit)
         return [
             self._node("result", (node,), self._like(depends, input_), place) for place, input_ in enumerate(inputs)
         ]
@@ -163,31 +138,38 @@ class Graph:
         return (depends & ~SLOPE) | (self.depends[index] & SLOPE)
 
     def _body(
-        self, body: Callable[..., Sequence[Any]], letter: str, count: int, slopes: int
-    ) -> tuple[int, list[Expr], tuple[int, ...]]:
-        """Trace the body of a loop, and return its bit, results and inputs."""
-        bit, name = LOOP << self._depth, letter * (self._depth + 1)
-        inputs = [self.input(f"{name}{k}", bit | VARYING) for k in range(count)]
-        inputs += [self.input(f"d{name}{k}", bit | VARYING | SLOPE) for k in range(slopes)]
+        self, body: Callable[..., Sequence[Any]], **groups: Sequence[Sequence[int]]
+    ) -> tuple[int, list[Expr], list[tuple[int, ...]]]:
+        """Trace the body of a loop over groups of columns of nodes, and return its bit, results and inputs by group.
+
+        Inputs have the letter of their group. Numbers and derivatives are counted separately, so that the body of a
+        loop keeps its inputs when derivatives follow.
+        """
+        bit, inputs = LOOP << self._depth, list[tuple[Expr, ...]]()
+        for letter, columns in groups.items():
+            counts, name = {0: count(), SLOPE: count()}, letter * (self._depth + 1)
+            slopes = [self._join_dependencies(column) & SLOPE for column in columns]
+            names = [f"{'d' if s else ''}{name}{next(counts[s])}" for s in slopes]
+            inputs.append(tuple(self.input(n, bit | VARYING | s) for n, s in zip(names, slopes, strict=True)))
         self._depth += 1
         try:
-            results = [self._expr(result) for result in body(*inputs)]
+            results = [self._expr(result) for result in body(*chain(*inputs))]
         finally:
             self._depth -= 1
-        return bit, results, tuple(i.index for i in inputs)
+        return bit, results, [tuple(i.index for i in group) for group in inputs]
 
     def _loop_depends(self, needed: Sequence[int]) -> int:
         """Return the dependencies of a loop on these nodes: the loops around it, and VARYING."""
         return VARYING | (self._join_dependencies(needed) & ~PARAMETER)
 
-    def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
-        """Return the nodes outside the body of a loop that it uses."""
+    def _reach(self, outputs: Sequence[int], bit: int) -> tuple[set[int], list[int]]:
+        """Return the nodes in the body of a loop that it uses, and the nodes outside."""
 
         def below(index: int) -> tuple[int, ...]:
-            inside = self.depends[index] & bit and self.operations[index] != "input"
-            return self.arguments[index] if inside else ()
+            return self.children(index) if self.depends[index] & bit else ()
 
-        return sorted(index for index in self.walk(outputs, below) if not self.depends[index] & bit)
+        reached = set(self.walk(outputs, below))
+        return reached, sorted(index for index in reached if not self.depends[index] & bit)
 
     def _join_dependencies(self, indices: Iterable[int]) -> int:
         depends = 0
@@ -384,7 +366,13 @@ class GraphNamespace:
 
     def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[list[Expr], ...]:
         """Add one loop over the rows of the columns."""
-        return self.graph.loop(body, columns)
+        return self.graph.loop(body, (), columns)
+
+    def scan(
+        self, body: Callable[..., Sequence[Any]], begin: Sequence[Any], *columns: Sequence[Any]
+    ) -> tuple[list[Expr], ...]:
+        """Add one loop over the rows of the columns, with a state from row to row."""
+        return self.graph.loop(body, begin, columns)
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
         """Add one loop over a state."""

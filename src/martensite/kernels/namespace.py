@@ -86,6 +86,15 @@ class Namespace(Protocol):
         When traced, the body is one loop and not a copy per row.
         """
 
+    def scan(
+        self, body: Callable[..., Sequence[Scalar]], begin: Sequence[Scalar], *columns: Sequence[Scalar]
+    ) -> tuple[Sequence[Scalar], ...]:
+        """Return the columns of results of `body(*state, *row)` over the rows of equally long columns.
+
+        The first results are the state of the next row. The state of the first row is `begin`, so the last state is the
+        last row of the first columns. When traced, the body is one loop.
+        """
+
     def repeat(self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
         """Return the state after `count` iterations of `body`, as one loop."""
 

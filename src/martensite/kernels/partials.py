@@ -66,10 +66,12 @@ class _PartialsWalk(TangentWalk):
         return self._duals.pair(read.value, _Row(kept) if kept else None)
 
     def _each(self, index: int) -> list[list[Any]]:
-        loop = self._graph.loops[index]
-        columns = [[self._read(i) for i in column] for column in loop.columns]
-        rows = (dict(zip(loop.row, row, strict=True)) for row in zip(*columns, strict=True))
-        found = [self._write_body(loop.bit, row, loop.outputs) for row in rows]
+        loop, found = self._graph.loops[index], list[list[Any]]()
+        state, *columns = ([self._read(i) for i in column] for column in (loop.begin, *loop.columns))
+        for row in zip(*columns, strict=True):
+            known = dict(zip((*loop.state, *loop.row), (*state, *row), strict=True))
+            found.append(self._write_body(loop.bit, known, loop.outputs))
+            state = found[-1][: len(state)]
         return [list(column) for column in zip(*found, strict=True)]
 
     def _repeat(self, index: int) -> list[list[Any]]:
@@ -89,7 +91,7 @@ class _PartialsWalk(TangentWalk):
             found = turn(*found)
         if loop.stops or not any(isinstance(one, Dual) for one in found):
             values = [self._duals.parts(one)[0] for one in begin]
-            found = self._graph.repeat(loop.turns, turn_values, values, (), loop.stops)
+            found = self._graph.repeat(loop.turns, turn_values, values, loop.stops)
         return [[one] for one in found]
 
 

@@ -6,10 +6,15 @@ operations that need plain names as operands.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 
 from martensite.kernels.graph import PARAMETER, SLOPE, Expr, Graph
+from martensite.kernels.graph_loops import GraphLoop, Repeat
 
 DEEPEST = 24
 FLAG, NUMBER, SLOPES = "flag", "number", "slopes"
@@ -27,6 +32,8 @@ class Dialect:
     constant: Callable[[float | bool], str]
     loop: Callable[[LoopText], list[str]]
     repeat: Callable[[RepeatText], list[str]]
+    most_variables: float = math.inf
+    """Largest number of state variables with separate names; more are elements of an array."""
     shares_inverses: bool = False
     """True if divisions by the same number use its inverse, computed once."""
 
@@ -36,17 +43,20 @@ class LoopText:
     """Loop over rows, in the words of the language."""
 
     name: str
+    rows: int
     row: Sequence[str]
-    """Names of the inputs of the body."""
+    """Names of the inputs of the body from the columns."""
     columns: Sequence[Sequence[str]]
-    body: Sequence[str]
-    outputs: Sequence[str]
     row_kinds: Sequence[str]
-    output_kinds: Sequence[str]
-
-    def results(self) -> list[str]:
-        """Return the names of the columns of results."""
-        return [f"{self.name}_{k}" for k in range(len(self.outputs))]
+    state: Sequence[str]
+    """Names of the inputs of the body that are carried from row to row."""
+    begin: Sequence[str]
+    state_kinds: Sequence[str]
+    body: Sequence[str]
+    carried: Sequence[str]
+    """Next state, as results of the body."""
+    kept: Mapping[str, tuple[str, str]]
+    """Names of the columns of results -> result of the body, and its kind."""
 
 
 @dataclass(frozen=True)
@@ -58,17 +68,11 @@ class RepeatText:
     stops: bool
     """True if the loop ends at a first state variable not above 0."""
     state: Sequence[str]
-    """Names of the inputs of the body."""
+    """Names of the state variables, during and after the loop."""
     begin: Sequence[str]
     body: Sequence[str]
     outputs: Sequence[str]
     kinds: Sequence[str]
-    used: Sequence[bool]
-    """Results that are used afterwards."""
-
-    def results(self) -> list[str]:
-        """Return the names of the results."""
-        return [f"{self.name}_{k}" for k in range(len(self.outputs))]
 
 
 class Printer:
@@ -78,6 +82,10 @@ class Printer:
         self.graph = graph
         self.dialect = dialect
         self.shared: dict[int, str] = {}
+        self._ends: set[tuple[int, int]] = set()
+        """Loops and places of the results of which only the last row is used."""
+        self._states: dict[int, list[str]] = {}
+        """Repeat -> names of its state variables."""
 
     def block(self, outputs: Iterable[Expr], assigned: str = "v") -> tuple[list[str], list[str]]:
         """Return the assignments that compute `outputs`, and the outputs as expressions."""
@@ -94,11 +102,11 @@ class Printer:
         for index in sorted(uses):
             if index in self.graph.loops:
                 text[index] = f"e{index}"
-                lines += self._loop(index, text)
+                lines += self._loop(index, text, uses)
                 continue
             if index in self.graph.repeats:
                 text[index] = f"e{index}"
-                lines += self._repeat(index, text, uses)
+                lines += self._repeat(index, text)
                 continue
             expression = self._expression(index, text)
             arguments = self._children(index)
@@ -111,7 +119,7 @@ class Printer:
                     lines.append(self.dialect.assign(name, inverse, NUMBER))
                 expression = self.dialect.templates["mul"].format(text[arguments[0]], name)
             depth[index] = 1 + max((depth.get(a, 0) for a in arguments), default=0)
-            atomic = not arguments
+            atomic = not arguments or self.graph.operations[index] in ("item", "result")
             if atomic or (uses[index] == 1 and depth[index] < DEEPEST):
                 text[index] = expression
                 continue
@@ -129,39 +137,70 @@ class Printer:
         groups = [group for group in by.values() if len(group) > 1]
         return {index: group[0] for group in groups for index in group}
 
-    def _loop(self, index: int, text: Mapping[int, str]) -> list[str]:
+    def _loop(self, index: int, text: Mapping[int, str], uses: Mapping[int, int]) -> list[str]:
         """Print a loop over rows; its body uses separate names."""
-        loop, inner = self.graph.loops[index], dict(text)
-        uses = self._uses(loop.outputs, loop.bit)
-        body = self._lines(uses, inner, "b")
+        loop, name = self.graph.loops[index], text[index]
+        used: dict[int, set[int]] = {}
+        for place, row in (self.graph.details[i] for i in uses if self.graph.arguments[i] == (index,)):
+            used.setdefault(place, set()).add(row)
+        size, last = len(loop.state), {len(loop.columns[0]) - 1}
+        ends = {place for place, rows in used.items() if place < size and rows == last}
+        self._ends = {one for one in self._ends if one[0] != index} | {(index, place) for place in ends}
+        kept = [place for place in sorted(used) if place not in ends]
+        states = [f"{name}_s{place}" for place in range(size)]
+        body, carried, results, read = self._body(loop, states, [*range(size), *kept], text, "b")
+        columns = [(i, column) for i, column in zip(loop.row, loop.columns, strict=True) if i in read]
+        kinds = [self.kind(loop.outputs[place]) for place in kept]
+        names = [f"{name}_{place}" for place in kept]
         named = LoopText(
-            name=text[index],
-            row=[str(self.graph.arguments[i][0]) for i in loop.row],
-            columns=[[text[i] for i in column] for column in loop.columns],
+            name=name,
+            rows=len(loop.columns[0]),
+            row=[str(self.graph.arguments[i][0]) for i, _ in columns],
+            columns=[[text[i] for i in column] for _, column in columns],
+            row_kinds=[self.kind(i) for i, _ in columns],
+            state=states,
+            begin=[text[i] for i in loop.begin],
+            state_kinds=[self.kind(i) for i in loop.state],
             body=body,
-            outputs=[inner[i] for i in loop.outputs],
-            row_kinds=[self.kind(i) for i in loop.row],
-            output_kinds=[self.kind(i) for i in loop.outputs],
+            carried=carried,
+            kept=dict(zip(names, zip(results, kinds, strict=True), strict=True)),
         )
         return self.dialect.loop(named)
 
-    def _repeat(self, index: int, text: Mapping[int, str], uses: Mapping[int, int]) -> list[str]:
+    def _body(
+        self,
+        loop: GraphLoop | Repeat,
+        states: Sequence[str],
+        places: Sequence[int],
+        text: Mapping[int, str],
+        letter: str,
+    ) -> tuple[list[str], list[str], list[str], Collection[int]]:
+        """Return the lines of the body of a loop, its next state, other results at `places`, and used nodes."""
+        inner = dict(text)
+        self.shared.update(zip(loop.state, states, strict=True))
+        wanted = [loop.outputs[place] for place in places]
+        uses = self._uses(wanted, loop.bit)
+        lines = self._lines(uses, inner, letter)
+        for i in loop.state:
+            del self.shared[i]
+        results = [inner[i] for i in wanted]
+        return lines, results[: len(states)], results[len(states) :], uses
+
+    def _repeat(self, index: int, text: Mapping[int, str]) -> list[str]:
         """Print a loop over a state; its body uses separate names."""
-        loop, inner = self.graph.repeats[index], dict(text)
-        body = self._lines(self._uses(loop.outputs, loop.bit), inner, "t")
-        taken = {self.graph.details[i] for i in uses if self.graph.arguments[i] == (index,)}
-        named = RepeatText(
-            name=text[index],
-            count=loop.turns,
-            stops=loop.stops,
-            state=[str(self.graph.arguments[i][0]) for i in loop.state],
-            begin=[text[i] for i in loop.begin],
-            body=body,
-            outputs=[inner[i] for i in loop.outputs],
-            kinds=[self.kind(i) for i in loop.state],
-            used=[place in taken for place in range(len(loop.state))],
-        )
-        return self.dialect.repeat(named)
+        loop, name = self.graph.repeats[index], text[index]
+        kinds = [self.kind(i) for i in loop.state]
+        states = self._states[index] = self._name_states(name, kinds)
+        body, outputs, *_ = self._body(loop, states, range(len(kinds)), text, "t")
+        begin = [text[i] for i in loop.begin]
+        return self.dialect.repeat(RepeatText(name, loop.turns, loop.stops, states, begin, body, outputs, kinds))
+
+    def _name_states(self, name: str, kinds: Sequence[str]) -> list[str]:
+        """Return the names of the state variables of a loop, during and after it."""
+        if len(kinds) <= self.dialect.most_variables:
+            return [f"{name}_{place}" for place in range(len(kinds))]
+        counts = {kind: count() for kind in kinds}
+        return [f"{'d' if kind == SLOPES else ''}{name}[{next(counts[kind])}]" for kind in kinds]
 
     def share(self, nodes: Iterable[Expr], name: Callable[[int], str]) -> None:
         """Declare that these nodes have a name from now on."""
@@ -198,15 +237,23 @@ class Printer:
             if index in seen:
                 continue
             seen.add(index)
-            wants = self.graph.operations[index] in self.dialect.wants_names
-            loops = index in self.graph.loops or index in self.graph.repeats
-            weight = 2 if wants or loops else 1
-            for child in self._children(index):
+            for child, weight in self._weigh(index).items():
                 if inside and not self.graph.depends[child] & inside:
                     continue
                 uses[child] = uses.get(child, 0) + weight
                 stack.append(child)
         return uses
+
+    def _weigh(self, index: int) -> Mapping[int, int]:
+        """Return the operands of a node, and how often the node uses each; 2 if it must be a name."""
+        loop = self.graph.loops.get(index) or self.graph.repeats.get(index)
+        children = self._children(index)
+        if loop is None:
+            weight = 2 if self.graph.operations[index] in self.dialect.wants_names else 1
+            return {child: weight * number for child, number in Counter(children).items()}
+        once = Counter((*loop.begin, *chain.from_iterable(loop.columns if isinstance(loop, GraphLoop) else ())))
+        named = set(loop.outside)
+        return {child: 2 if child in named else once[child] for child in children}
 
     def _expression(self, index: int, text: dict[int, str]) -> str:
         if index in self.shared:
@@ -218,9 +265,11 @@ class Printer:
             return self.dialect.constant(args[0])
         if operation == "item":
             place, row = self.graph.details[index]
-            return f"{text[args[0]]}_{place}[{row}]"
+            end = (args[0], place) in self._ends
+            return f"{text[args[0]]}_s{place}" if end else f"{text[args[0]]}_{place}[{row}]"
         if operation == "result":
-            return f"{text[args[0]]}_{self.graph.details[index]}"
+            place: int = self.graph.details[index]
+            return self._states[args[0]][place]
         return self.dialect.templates[operation].format(*(text[a] for a in self._children(index)))
 
 
@@ -256,16 +305,34 @@ PYTHON_OPERATORS = {
 """Operations with the same form in Python and C."""
 
 
+ITEM = re.compile(r"(\w+)\[(\d+)\]")
+
+
 def _float_loop(loop: LoopText) -> list[str]:
     """Return a Python loop that appends to lists."""
-    columns = ", ".join(f"({', '.join(column)},)" for column in loop.columns)
-    results = list(zip(loop.results(), loop.outputs, strict=True))
-    inner = [*loop.body, *(f"{name}.append({value})" for name, value in results)]
+    state = ", ".join(loop.state)
     return [
-        *(f"{name} = []" for name, _ in results),
-        f"for {', '.join(loop.row)}, in zip({columns}):",
-        *(f"    {line}" for line in inner),
+        *(f"{name} = []" for name in loop.kept),
+        *([f"{state}, = {', '.join(loop.begin)},"] if state else []),
+        f"for {', '.join(loop.row)}, in zip({', '.join(map(_list_items, loop.columns))}):"
+        if loop.row
+        else f"for _ in range({loop.rows}):",
+        *(f"    {line}" for line in loop.body),
+        *(f"    {name}.append({value})" for name, (value, _) in loop.kept.items()),
+        *([f"    {state}, = {', '.join(loop.carried)},"] if state else []),
     ]
+
+
+def _list_items(cells: Sequence[str]) -> str:
+    """Return a column as an expression: a list of results, a slice of it, or a tuple."""
+    found = [ITEM.fullmatch(cell) for cell in cells]
+    items = [(one[1], int(one[2])) for one in found if one]
+    (name, first), (_, last) = (items[0], items[-1]) if items else (("", 0), ("", 0))
+    step = 1 if last >= first else -1
+    if not items or items != [(name, first + step * k) for k in range(len(cells))]:
+        return f"({', '.join(cells)},)"
+    end = last + step
+    return f"{name}[{first}:{end if end >= 0 else ''}:{step}]"
 
 
 def _float_repeat(loop: RepeatText) -> list[str]:
@@ -277,7 +344,6 @@ def _float_repeat(loop: RepeatText) -> list[str]:
         *([f"    if not {loop.state[0]} > 0.0:", "        break"] if loop.stops else []),
         *(f"    {line}" for line in loop.body),
         f"    {state}, = {', '.join(loop.outputs)},",
-        f"{', '.join(loop.results())}, = {state},",
     ]
 
 

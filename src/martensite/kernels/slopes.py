@@ -9,7 +9,6 @@ gradients, are in `martensite.kernels.partials`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import compress, repeat
 from typing import Any
 
 from martensite.kernels.dual import Dual, DualNamespace
@@ -96,10 +95,6 @@ class GraphDuals(DualNamespace):
         rule = OPERATORS.get(operation)
         return rule(*arguments) if rule else getattr(self, operation)(*arguments)
 
-    def fill(self, slope: Any) -> Any:
-        """Return a tangent, or `zero` for a missing one."""
-        return self.zero if slope is None else slope
-
     def _divide_once(self, top: Any, bottom: Any) -> Any:
         """a/b with one division for all directions."""
         (a, da), (b, db) = self.parts(top), self.parts(bottom)
@@ -116,7 +111,7 @@ class _Level:
     def __init__(self, bit: int, known: dict[int, Any]) -> None:
         self.bit = bit
         self.known = known
-        self.loops: dict[int, list[list[Any]]] = {}
+        self.loops: dict[int, Sequence[Sequence[Any]]] = {}
 
 
 class TangentWalk:
@@ -203,67 +198,35 @@ class TangentWalk:
 
     # ------------------------------------------------------------ loops
 
-    def _each(self, index: int) -> list[list[Any]]:
+    def _each(self, index: int) -> Sequence[Sequence[Any]]:
         """Return the results of a loop over rows, by place and row."""
         loop = self._graph.loops[index]
-        columns = [[self._duals.parts(self._read(i)) for i in column] for column in loop.columns]
-        moving = [any(slope is not None for _, slope in column) for column in columns]
-        values = [[value for value, _ in column] for column in columns]
-        slopes = [[self._duals.fill(slope) for _, slope in column] for column in compress(columns, moving)]
-        kept: list[bool] = []
 
-        def body(*row: Expr) -> Sequence[Expr]:
-            flat, kept[:] = self._inside(loop.bit, loop.row, row, moving, loop.outputs)
-            return flat
+        def body(*numbers: Any) -> list[Any]:
+            known = dict(zip((*loop.state, *loop.row), numbers, strict=True))
+            return self._write_body(loop.bit, known, loop.outputs)
 
-        found = self._graph.loop(body, *self._part(values, slopes))
-        rest = iter(found[len(loop.outputs) :])
-        tangents = [next(rest) if has else repeat(None) for has in kept]
-        return [list(map(self._duals.pair, *columns)) for columns in zip(found, tangents, strict=False)]
+        begin, *columns = ([self._read(i) for i in column] for column in (loop.begin, *loop.columns))
+        return self._duals.scan(body, begin, *columns)
 
-    def _repeat(self, index: int) -> list[list[Any]]:
+    def _repeat(self, index: int) -> Sequence[Sequence[Any]]:
         """Return the results of a loop over a state, by place, in rows of one."""
-        loop, graph = self._graph.repeats[index], self._graph
-        begin = [self._duals.parts(self._read(i)) for i in loop.begin]
-        moving = [slope is not None for _, slope in begin]
-        values = [value for value, _ in begin]
+        loop, duals = self._graph.repeats[index], self._duals
+        begin = [duals.parts(self._read(i)) for i in loop.begin]
 
-        def body(*state: Expr) -> Sequence[Expr]:
-            flat, has = self._inside(loop.bit, loop.state, state, moving, loop.outputs)
-            count = len(has)
-            slopes = iter(flat[count:])
-            every = [next(slopes) if h else self._duals.zero for h in has]
-            found[:] = has
-            return [*flat[:count], *compress(every, moving)]
+        def trace(moving: list[bool]) -> tuple[list[Expr], list[bool]]:
+            kept = list[bool]()
 
-        found: list[bool] = []
-        while True:
-            slopes = [self._duals.fill(slope) for _, slope in compress(begin, moving)]
-            results = graph.repeat(loop.turns, body, *self._part(values, slopes), loop.stops)
-            spread = [a or b for a, b in zip(moving, found, strict=True)]
-            if spread == moving:
-                break
-            moving[:] = spread
-        rest = iter(results[len(values) :])
-        return [[self._duals.pair(value, next(rest) if m else None)] for value, m in zip(results, moving, strict=False)]
+            def body(*numbers: Expr) -> list[Any]:
+                known = dict(zip(loop.state, duals.join(numbers, moving), strict=True))
+                pairs = [duals.parts(one) for one in self._write_body(loop.bit, known, loop.outputs)]
+                kept[:] = duals.list_moving(pairs, moving)
+                return duals.split(pairs, kept)
 
-    def _part(self, values: list[Any], slopes: list[Any]) -> tuple[list[Any], list[Any]]:
-        """Return the inputs of a loop, with separate derivatives for dual numbers."""
-        zero: Any = self._duals.zero
-        return (values, slopes) if self._graph.depends[zero.index] & SLOPE else ([*values, *slopes], [])
+            return self._graph.repeat(loop.turns, body, duals.split(begin, moving), loop.stops), kept
 
-    def _inside(
-        self, bit: int, inputs: Sequence[int], row: Sequence[Expr], moving: Sequence[bool], outputs: Iterable[int]
-    ) -> tuple[list[Expr], list[bool]]:
-        """Return the values and derivatives of the results of a body, and the indices of results with derivatives."""
-        slopes = iter(row[len(inputs) :])
-        known = {
-            i: self._duals.pair(value, next(slopes) if moves else None)
-            for i, value, moves in zip(inputs, row, moving, strict=False)
-        }
-        pairs = [self._duals.parts(one) for one in self._write_body(bit, known, outputs)]
-        has = [slope is not None for _, slope in pairs]
-        return [*(value for value, _ in pairs), *(s for _, s in pairs if s is not None)], has
+        results, moving = duals.spread(begin, trace)
+        return [[one] for one in duals.join(results, moving)]
 
     def _write_body(self, bit: int, known: dict[int, Any], outputs: Iterable[int]) -> list[Any]:
         self._levels.append(_Level(bit, known))

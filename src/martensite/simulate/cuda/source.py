@@ -23,6 +23,7 @@ from martensite.kernels.floats import LARGEST
 from martensite.kernels.graph import PARAMETER, VARYING, Expr
 from martensite.kernels.printer import Dialect, Printer, parameter_nodes
 from martensite.kernels.program import Function
+from martensite.kernels.rolled_lines import roll_lines
 from martensite.simulate.compiled import CompiledMarch
 
 REPORTS = 2
@@ -209,7 +210,7 @@ class MarchSource:
 
         def write(name: str, taken: Sequence[str], given: str, outputs: Sequence[Expr]) -> str:
             lines, results = printer.block(outputs)
-            lines += [f"{given}[{k}] = {text};" for k, text in enumerate(results)]
+            lines += roll_lines([f"{given}[{k}] = {text};" for k, text in enumerate(results)])
             arguments = ", ".join([*(f"const number *{one}" for one in taken), f"number *{given}"])
             body = "".join(f"    {line}\n" for line in lines)
             return f"FUNCTION void k_{name}({arguments}) {{\n{body}}}\n"
