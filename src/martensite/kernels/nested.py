@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar, cast
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
+LEAST_ROWS = 5
+"""Number of rows from which a loop is better than a copy per row."""
 Chosen = TypeVar("Chosen", bound=tuple[Any, ...])
 
 
@@ -58,8 +60,45 @@ def sum_column(column: Sequence[Scalar]) -> Scalar:
     return result
 
 
+def sum_columns(xp: Namespace, *columns: Sequence[Scalar]) -> list[Scalar]:
+    """Return the sums of equally long columns, as one loop."""
+    size = len(columns)
+
+    def add(*numbers: Scalar) -> list[Scalar]:
+        return [total + number for total, number in zip(numbers[:size], numbers[size:], strict=True)]
+
+    totals = xp.scan(add, [column[0] for column in columns], *(column[1:] for column in columns))
+    return [total[-1] for total in totals]
+
+
+def map_rows(xp: Namespace, function: Callable[..., Scalar], *columns: Sequence[Scalar]) -> Sequence[Scalar]:
+    """Return the column of values of a function of the rows of columns, as one loop."""
+    return xp.each(lambda *row: (function(*row),), *columns)[0]
+
+
+def map_tuples(function: Callable[..., Any], xp: Namespace, *columns: Sequence[Any]) -> list[Any]:
+    """Return the nested tuples of a function of the rows of nested tuples, as one loop if there are many."""
+    if len(columns[0]) < LEAST_ROWS:
+        return [function(*row) for row in zip(*columns, strict=True)]
+    taken, made = NestedShape(tuple(column[0] for column in columns)), list[Any]()
+
+    def one(*flat: Scalar) -> list[Scalar]:
+        made[:] = [function(*taken.rebuild(flat))]
+        return flatten_numbers(made[0])
+
+    rows = [flatten_numbers(row) for row in zip(*columns, strict=True)]
+    found = zip(*xp.each(one, *zip(*rows, strict=True)), strict=True)
+    return [NestedShape(made[0]).rebuild(numbers) for numbers in found]
+
+
 def find_largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:
     """Return the largest number of a column."""
+    if len(column) >= LEAST_ROWS:
+
+        def compare(most: Scalar, number: Scalar) -> tuple[Scalar]:
+            return (xp.maximum(most, number),)
+
+        return xp.scan(compare, column[:1], column[1:])[0][-1]
     result = column[0]
     for number in column[1:]:
         result = xp.maximum(result, number)

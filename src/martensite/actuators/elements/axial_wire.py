@@ -21,6 +21,7 @@ from martensite.base.interfaces import override
 from martensite.base.parameters import FROM_MATERIAL, Number, option, param, part
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import map_rows
 
 
 @ELEMENTS.register("axial-wire")
@@ -68,8 +69,14 @@ class AxialWire(AbstractCells):
         """Return the conductances between cells, and from the first cell to the clamp [W/K]."""
         along = self.thermal_conductivity * self.wire.section()
         less = 1.0 / self.conductivity_ratio - 1.0
-        halves = [
-            0.5 * length * (1.0 + less * x) / along for length, x in zip(self.lengths(xp), fractions, strict=True)
-        ]  # thermal resistance [K/W]
+
+        def resist(length: Scalar, x: Scalar) -> Scalar:
+            return 0.5 * length * (1.0 + less * x) / along  # [K/W]
+
+        def join(a: Scalar, b: Scalar) -> Scalar:
+            return 1.0 / (a + b)
+
+        halves = map_rows(xp, resist, self.lengths(xp), fractions)
+        between = map_rows(xp, join, halves[:-1], halves[1:])
         clamp = self.contact / (1.0 + self.contact * halves[0])
-        return Links([1.0 / (a + b) for a, b in pairwise(halves)], [clamp] + [0.0] * (len(halves) - 1))
+        return Links(between, [clamp] + [0.0] * len(between))

@@ -23,6 +23,7 @@ from martensite.base.interfaces import make_missing_error
 from martensite.base.parameters import Given, Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import map_tuples
 from martensite.physics.electrical.base import AbstractSource, Heat
 from martensite.physics.laws.base import AbstractLaw, Fork, Fractions
 from martensite.physics.laws.coupling import StepReport
@@ -263,10 +264,12 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
     """Return material points from the memories of a law; empty for a rate-dependent law."""
     if law.rate_dependent:
         return []
-    return [
-        MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], tuple(law.kinks(xp, m)), tuple(law.forks(xp, m)))
-        for m in memories
-    ]
+
+    def point(m: Any) -> MaterialPoint:
+        kinks, forks = tuple(law.kinks(xp, m)), tuple(law.forks(xp, m))
+        return MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], kinks, forks)
+
+    return map_tuples(point, xp, memories)
 
 
 def equilibrium_force(

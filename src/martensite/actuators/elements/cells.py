@@ -1,5 +1,6 @@
 """Elements of many cells, each with its own phase state and temperature."""
 
+import operator
 from abc import abstractmethod
 
 from martensite.actuators.elements.base import (
@@ -23,7 +24,7 @@ from martensite.actuators.elements.wire import Wire
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import override
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, map_rows, sum_column, sum_columns
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
@@ -98,10 +99,10 @@ class AbstractCut(AbstractElement):
         """Return how the cells share force and elongation."""
         return EndToEnd(self.copies())
 
-    def force_on_cells(self, state: Cells) -> Column:
+    def force_on_cells(self, xp: Namespace, state: Cells) -> Column:
         """Return the force on each cell at the end of the last step [N]."""
         area = self.wire.section()
-        return [memory.stress * area for memory in state.memories]
+        return map_rows(xp, operator.mul, [memory.stress for memory in state.memories], [area] * len(state.memories))
 
     def springs(
         self, xp: Namespace, martensite: Column, oriented: Column, temperatures: Column
@@ -170,14 +171,16 @@ class AbstractCells(AbstractCut):
     ) -> tuple[Cells, StepReport]:
         step = SweepStep(self, state, heating, pull, dt)
         start = step.start(xp)
-        guess = step.guess_without_transformation(start)
+        guess = step.guess_without_transformation(xp, start)
         shape = NestedShape(guess)
+
+        def change(a: Scalar, b: Scalar) -> Scalar:
+            return xp.abs(a - b)
 
         def turn(_: Scalar, turned: Scalar, last: Scalar, *numbers: Scalar) -> list[Scalar]:
             before = shape.rebuild(numbers)
             after = step.sweep(xp, start, before)
-            pairs = zip(after.martensite, before.martensite, strict=True)
-            moved = find_largest(xp, [xp.abs(a - b) for a, b in pairs])
+            moved = find_largest(xp, map_rows(xp, change, after.martensite, before.martensite))
             middle = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
             share = xp.where(xp.both(middle, moved > FALLING * last), 0.5, 1.0)
             now = [b + share * (a - b) for a, b in zip(flatten_numbers(after), numbers, strict=True)]
@@ -200,14 +203,14 @@ class AbstractCells(AbstractCut):
             return cell.heat_loss(xp, at, environment), share * ohms
 
         columns = lengths, m, o, temperatures, stresses, self.shares(xp)
-        losses, ohms = xp.each(one, *columns)
+        lost, resistance = sum_columns(xp, *xp.each(one, *columns))
         outside = self.links(xp, m).outside
         ambient = environment.temperature
         drained = [g * (t - ambient) for g, t in zip(outside, temperatures, strict=True)]
         per_length = 1.0 / sum_column(lengths)
 
         def mean(column: Column) -> Scalar:
-            return per_length * sum_column([w * v for w, v in zip(lengths, column, strict=True)])
+            return per_length * sum_columns(xp, [w * v for w, v in zip(lengths, column, strict=True)])[0]
 
         return Condition(
             temperature=mean(temperatures),
@@ -216,8 +219,8 @@ class AbstractCells(AbstractCut):
             oriented_fraction=mean(o),
             stress=find_largest(xp, stresses),
             strain=self.elongation(xp, state, force) * (1.0 / self.wire.length),
-            resistance=self.copies() * sum_column(ohms),
-            heat_loss=self.copies() * (sum_column(losses) + sum_column(drained)),
+            resistance=self.copies() * resistance,
+            heat_loss=self.copies() * (lost + sum_column(drained)),
         )
 
     @override
@@ -233,15 +236,15 @@ class AbstractCells(AbstractCut):
         sensible, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
         efforts = [Effort(self.copies() * h, x) for h, x in zip(latent, fractions, strict=True)]
         if self.law.constant_heat:  # the energy itself, as one number
-            efforts = [Effort(1.0, sum_column([h * x for h, x in efforts]))]
-        return StoredHeat(self.copies() * sum_column(sensible), tuple(efforts))
+            efforts = [Effort(1.0, *sum_columns(xp, [h * x for h, x in efforts]))]
+        return StoredHeat(self.copies() * sum_columns(xp, sensible)[0], tuple(efforts))
 
     @override
     def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:
         free, soft = self.springs(xp, *self._columns(state))
         carried = self.force_share(xp, free, soft, state.force)
         rows = zip(soft, carried, strict=True)
-        return self.copies() * sum_column([0.5 * c * each * each for c, each in rows])
+        return self.copies() * sum_columns(xp, [0.5 * c * each * each for c, each in rows])[0]
 
     @override
     def heat_capacity_total(self) -> Scalar:

@@ -15,50 +15,54 @@ Mechanically the other cells are a pair of sums. Cells end to end carry the same
 side by side have the same elongation, and their forces add; a longer cell is slack.
 """
 
+import operator
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.actuators.elements.base import Spring
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import sum_column
+from martensite.kernels.nested import map_rows, sum_column, sum_columns
 
 Column = Sequence[Scalar]
 
 
-class Others(NamedTuple):
-    """Effect of all other cells on each cell."""
+def fold_others(xp: Namespace, diagonal: Column, links: Column, *rights: Column) -> list[Column]:
+    """Return b, and s for each right-hand side: the effect of all other cells on each.
 
-    slope: list[Scalar]
-    """b, added to its diagonal."""
-    source: list[Scalar]
-    """s, added to its right-hand side."""
-
-
-def fold_others(diagonal: Column, right: Column, links: Column) -> Others:
-    """Return the effect of all other cells on each; `links` has one entry less than there are cells."""
-    below = _eliminate_before(diagonal, right, links)
-    above = _eliminate_before(diagonal[::-1], right[::-1], links[::-1])
-    above = Others(above.slope[::-1], above.source[::-1])
-    slope = [a + b for a, b in zip(below.slope, above.slope, strict=True)]
-    source = [a + b for a, b in zip(below.source, above.source, strict=True)]
-    return Others(slope, source)
+    `links` has one entry less than there are cells.
+    """
+    ends = [diagonal, [*links, 0.0], *rights]
+    below = _eliminate_before(xp, *ends)
+    ends = [diagonal[::-1], [*links[::-1], 0.0], *(right[::-1] for right in rights)]
+    above = [column[::-1] for column in _eliminate_before(xp, *ends)]
+    return [map_rows(xp, operator.add, *pair) for pair in zip(below, above, strict=True)]
 
 
-def solve_tridiagonal(diagonal: Column, right: Column, links: Column) -> list[Scalar]:
+def solve_tridiagonal(xp: Namespace, diagonal: Column, right: Column, links: Column) -> Column:
     """Return the solution of the linear system."""
-    seen = fold_others(diagonal, right, links)
-    rows = zip(diagonal, right, seen.slope, seen.source, strict=True)
-    return [(r + s) / (d + b) for d, r, b, s in rows]
+    return solve_cells(xp, diagonal, right, *fold_others(xp, diagonal, links, right))
 
 
-def _eliminate_before(diagonal: Column, right: Column, links: Column) -> Others:
+def solve_cells(xp: Namespace, diagonal: Column, right: Column, slope: Column, source: Column) -> Column:
+    """Return the temperature of each cell with the effect of all others."""
+
+    def solve(d: Scalar, r: Scalar, b: Scalar, s: Scalar) -> Scalar:
+        return (r + s) / (d + b)
+
+    return map_rows(xp, solve, diagonal, right, slope, source)
+
+
+def _eliminate_before(xp: Namespace, diagonal: Column, links: Column, *rights: Column) -> list[Column]:
     """Return the effect on each cell of the cells before it."""
-    slope, source = [0.0], [0.0]
-    for d, r, g in zip(diagonal[:-1], right[:-1], links, strict=True):
-        share = g / (d + slope[-1] + g)
-        source.append(share * (r + source[-1]))
-        slope.append(share * (d + slope[-1]))
-    return Others(slope, source)
+    size = 1 + len(rights)
+
+    def eliminate(*numbers: Scalar) -> list[Scalar]:
+        (slope, *sources), (d, g, *r) = numbers[:size], numbers[size:]
+        share = g / (d + slope + g)
+        after = [share * (d + slope), *(share * (a + b) for a, b in zip(r, sources, strict=True))]
+        return [*after, *numbers[:size]]
+
+    return list(xp.scan(eliminate, [0.0] * size, diagonal, links, *rights)[size:])
 
 
 ELONGATION_TOLERANCE = 1e-12
@@ -80,11 +84,12 @@ class EndToEnd:
 
     def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:
         """Return all cells as one spring, near a force [N]."""
-        return Spring(self.copies * sum_column(free), self.copies * sum_column(compliance))
+        long, soft = sum_columns(xp, free, compliance)
+        return Spring(self.copies * long, self.copies * soft)
 
     def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
         """Return the sums over all other cells, for each cell, at its force [N]."""
-        long, soft = sum_column(free), sum_column(compliance)
+        long, soft = sum_columns(xp, free, compliance)
         return [long - f for f in free], [soft - c for c in compliance]
 
     def combine_springs(self, rest: Rest, own: Spring) -> Spring:

@@ -38,7 +38,7 @@ from martensite.base.interfaces import override
 from martensite.base.parameters import option
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import choose_tuple, sum_column
+from martensite.kernels.nested import choose_tuple, map_tuples, sum_column, sum_columns
 from martensite.physics.laws.base import COLD, SHELF_TIME, Fractions
 from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
@@ -158,8 +158,9 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             return grip * lever, grip * self.law.free_strain(xp, Fractions(m, o), temperature)
 
         stiffness, pull = xp.each(one, martensite, oriented, *self.fibre_columns(xp))
-        soft = 1.0 / sum_column(stiffness)
-        return Spring(soft * sum_column(pull), soft)
+        whole, pulls = sum_columns(xp, stiffness, pull)
+        soft = 1.0 / whole
+        return Spring(soft * pulls, soft)
 
     def freeze_fibres(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
         """Return the fibres of a state as one spring, at a temperature [K]."""
@@ -171,7 +172,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         volumes = self.fibre_columns(xp)[1]
         fractions = [self.law.fractions(memory) for memory in state.memories]
         rows = list(zip(volumes, fractions, strict=True))
-        m, o = sum_column([v * f.martensite for v, f in rows]), sum_column([v * f.oriented for v, f in rows])
+        m, o = sum_columns(xp, [v * f.martensite for v, f in rows], [v * f.oriented for v, f in rows])
         return Fractions(m / sum_column(volumes), o / sum_column(volumes))
 
     def locate_surface(self, xp: Namespace, state: Section) -> Point:
@@ -192,20 +193,33 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         heat = SectionHeat(temperature, 0.0, 0.0, 0.0, 0.0)
         warm, _ = advance_fibres(xp, self, cold, heat, lambda xp, spring: force, SHELF_TIME)
         before, after = (self.mean_fractions(xp, one).martensite for one in (trained, warm))
-        return choose_tuple(xp, after < before - LOST, warm, trained)
+        flag = after < before - LOST
+
+        def choose(one: Any, other: Any) -> Any:
+            return choose_tuple(xp, flag, one, other)
+
+        memories = map_tuples(choose, xp, warm.memories, trained.memories)
+        return Section(tuple(memories), xp.where(flag, warm.force, trained.force))
 
     def _init_trained(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Section:
         """Return the trained state: orientation (without twins all martensite) falls to zero at the core."""
-        levers, fractions = self.fibre_columns(xp)[0], list[Fractions]()
-        for share in [lever / levers[-1] for lever in levers]:
-            own = self.initial_fractions(xp, self.stress(xp, force) * share)
-            martensite = own.martensite if self.law.twins else own.martensite * share
-            fractions.append(Fractions(martensite, own.oriented * share))
-        columns = [f.martensite for f in fractions], [f.oriented for f in fractions]
-        whole = self.add_contact(xp, self.combine_fibres(xp, *columns, temperature), force)
+        levers, stress = self.fibre_columns(xp)[0], self.stress(xp, force)
+
+        def train(lever: Scalar) -> tuple[Scalar, Scalar]:
+            share = lever / levers[-1]
+            own = self.initial_fractions(xp, stress * share)
+            return own.martensite if self.law.twins else own.martensite * share, own.oriented * share
+
+        martensite, oriented = xp.each(train, levers)
+        whole = self.add_contact(xp, self.combine_fibres(xp, martensite, oriented, temperature), force)
         e = whole.free + whole.compliance * force
-        rows = [(f, self.find_fibre_stress(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
-        return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
+
+        def load(martensite: Scalar, oriented: Scalar, lever: Scalar) -> Any:
+            fractions = Fractions(martensite, oriented)
+            stress = self.find_fibre_stress(xp, fractions, lever * e, temperature)
+            return self.law.init(xp, fractions, stress, temperature)
+
+        return Section(tuple(map_tuples(load, xp, martensite, oriented, levers)), force)
 
     @override
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
@@ -245,28 +259,41 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
     def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat:
         if self.uniform:
             return super().stored_heat(xp, state)
-        latent, rows = self.density * self.latent_heat, zip(self.fibre_columns(xp)[1], state.memories, strict=True)
-        heats = [(v * self.law.heat(xp, latent, m.stress, m.temperature), self.law.fractions(m)) for v, m in rows]
-        efforts = [Effort(-heat, self.law.released(fractions)) for heat, fractions in heats]
-        if self.law.constant_heat:  # the energy itself, as one number
-            efforts = [Effort(1.0, sum_column([heat * share for heat, share in efforts]))]
+        latent, law = self.density * self.latent_heat, self.law
+
+        def hold(volume: Scalar, memory: Any) -> Effort:
+            heat = volume * law.heat(xp, latent, memory.stress, memory.temperature)
+            return Effort(-heat, law.released(law.fractions(memory)))
+
+        efforts = map_tuples(hold, xp, self.fibre_columns(xp)[1], state.memories)
+        if law.constant_heat:  # the energy itself, as one number
+            efforts = [Effort(1.0, *sum_columns(xp, [heat * share for heat, share in efforts]))]
         return StoredHeat(self.heat_capacity_total() * state.memories[-1].temperature, tuple(efforts))
 
     @override
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
         if self.uniform:
             return super().elastic_energy(xp, state)
-        rows = zip(self.fibre_columns(xp)[1], state.memories, strict=True)
-        return sum_column([0.5 * v * self.law.compliance(xp, self.law.fractions(m)) * m.stress**2 for v, m in rows])
+
+        def store(volume: Scalar, memory: Any) -> Scalar:
+            return 0.5 * volume * self.law.compliance(xp, self.law.fractions(memory)) * memory.stress**2
+
+        return sum_columns(xp, map_tuples(store, xp, self.fibre_columns(xp)[1], state.memories))[0]
 
     def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
         """Return the measurable condition under a force [N]; the stress is the largest in the section."""
         if self.uniform:
             return super().condition(xp, state, force, environment)
-        temperature, e, largest = state.memories[-1].temperature, self.elongation(xp, state, force), 0.0
-        for lever, memory in zip(self.fibre_columns(xp)[0], state.memories, strict=True):
-            stress = self.find_fibre_stress(xp, self.law.fractions(memory), lever * e, temperature)
-            largest = xp.where(xp.abs(stress) > xp.abs(largest), stress, largest)
+        temperature, e = state.memories[-1].temperature, self.elongation(xp, state, force)
+
+        def load(lever: Scalar, memory: Any) -> Scalar:
+            return self.find_fibre_stress(xp, self.law.fractions(memory), lever * e, temperature)
+
+        def compare(largest: Scalar, stress: Scalar) -> tuple[Scalar]:
+            return (xp.where(xp.abs(stress) > xp.abs(largest), stress, largest),)
+
+        stresses = map_tuples(load, xp, self.fibre_columns(xp)[0], state.memories)
+        largest = xp.scan(compare, (0.0,), stresses)[0][-1]
         mean, strain = self.mean_fractions(xp, state), self.strain(xp, e)
         return Condition(
             temperature=temperature,

@@ -26,7 +26,7 @@ from martensite.actuators.elements.heat_steps import relax_heat
 from martensite.actuators.elements.network import Column
 from martensite.kernels.dual import compute_jacobian, value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column, sum_columns
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport
 
@@ -200,7 +200,7 @@ class SectionStep:
             return *force, *heat, warm, strain, per, grows, law.compliance(xp, Fractions(*end)), change, *end, *slopes
 
         columns = xp.each(one, stresses, *self.list_columns(moves))
-        return [sum_column(column) for column in columns[:7]], list(columns[7:])
+        return sum_columns(xp, *columns[:7]), list(columns[7:])
 
     def solve_elongation(self, xp: Namespace, sums: Column, at: Scalar) -> tuple[Scalar, Callable[[Scalar], Scalar]]:
         """Return the elongation of the linearised balance at a temperature, and the warming at an elongation."""
@@ -273,18 +273,21 @@ class SectionStep:
         report = StepReport(find_largest(xp, residual), solved.crossing, self.heat.ripple)
         return self.state._replace(memories=memories, force=force), report
 
-    def _follow_root(self, xp: Namespace, solved: Round) -> tuple[Scalar, list[Scalar], list[Scalar]]:
+    def _follow_root(self, xp: Namespace, solved: Round) -> tuple[Scalar, Column, Column]:
         """Return temperature and fractions, with the derivatives of one Newton step."""
         e, at = (xp.detach(x) for x in solved.point)
         stress = [xp.detach(x) for x in solved.stress]
         sums, (strain, per, grows, _, _, *ends) = self.linearise_fibres(xp, Point(e, at), stress, solved.moves)
         aim, warm = self.solve_elongation(xp, sums, at)
-        rows = zip(self.levers, strain, per, grows, zip(*ends, strict=True), strict=True)
         warmer = warm(aim)
-        newton = [_extrapolate(end, (w * aim - eps - g * warmer) * p, warmer) for w, eps, p, g, end in rows]
-        fractions = zip(solved.martensite, solved.oriented, newton, strict=True)
-        pairs = [(xp.implicit_root(m, to_m), xp.implicit_root(o, to_o)) for m, o, (to_m, to_o) in fractions]
-        martensite, oriented = (list(column) for column in zip(*pairs, strict=True))
+
+        def follow(m: Scalar, o: Scalar, lever: Scalar, *row: Scalar) -> tuple[Scalar, Scalar]:
+            strain, per, grows, *ends = row
+            to_m, to_o = _extrapolate(ends, (lever * aim - strain - grows * warmer) * per, warmer)
+            return xp.implicit_root(m, to_m), xp.implicit_root(o, to_o)
+
+        columns = solved.martensite, solved.oriented, self.levers, strain, per, grows, *ends
+        martensite, oriented = xp.each(follow, *columns)
         return xp.implicit_root(solved.point.temperature, at + warmer), martensite, oriented
 
 

@@ -11,6 +11,7 @@ The flux between two cells is weighted between start and end of the step by θ =
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 from martensite.actuators.elements.base import Heating, Pull
 from martensite.actuators.elements.columns import Cells, HeatBalanceColumns, StepStart, SweepGuess
 from martensite.actuators.elements.heat_steps import compute_relaxation
-from martensite.actuators.elements.network import Column, Rest, fold_others, solve_tridiagonal
+from martensite.actuators.elements.network import Column, Rest, fold_others, solve_cells, solve_tridiagonal
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, map_rows, sum_columns
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
 
@@ -76,14 +77,14 @@ class SweepStep:
 
         return StepStart(*xp.each(one, self.element.lengths(xp), *self.memories))
 
-    def guess_without_transformation(self, start: StepStart) -> SweepGuess:
+    def guess_without_transformation(self, xp: Namespace, start: StepStart) -> SweepGuess:
         """Return the guess without transformation."""
         none = [0.0 for _ in start.long]
         columns = (
             start.martensite,
             start.oriented,
             start.temperature,
-            self.element.force_on_cells(self.state),
+            self.element.force_on_cells(xp, self.state),
             start.long,
             start.elastic,
             start.elastic,
@@ -96,21 +97,32 @@ class SweepStep:
 
     def lines(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> HeatBalanceColumns:
         """Return the heat balance with conduction and Joule heat."""
-        middle = _average_ends(start.martensite, guess.martensite)
+        middle = _average_ends(xp, start.martensite, guess.martensite)
         joule = self._joule(xp, start, guess)
         links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
-        diagonal = list(start.diagonal)
-        right = [a + b for a, b in zip(start.right, joule, strict=True)]
-        t, c, between = start.temperature, start.capacity, list[Scalar]()
-        for i, g in enumerate(links.outside):
-            now, later = _split_exchange(self.dt * g, 1.0 / c[i])
-            diagonal[i] = diagonal[i] + later
-            right[i] = right[i] + later * ambient + now * (ambient - t[i])
-        for i, g in enumerate(links.between):
-            now, later = _split_exchange(self.dt * g, 1.0 / c[i] + 1.0 / c[i + 1])
-            flow = now * (t[i + 1] - t[i])
-            right[i], right[i + 1] = right[i] + flow, right[i + 1] - flow
-            between.append(later)
+        t, c = start.temperature, start.capacity
+
+        def flow(g: Scalar, t: Scalar, beyond: Scalar, c: Scalar, other: Scalar) -> tuple[Scalar, Scalar]:
+            now, later = _split_exchange(self.dt * g, 1.0 / c + 1.0 / other)
+            return now * (beyond - t), later
+
+        flows, between = xp.each(flow, links.between, t[:-1], t[1:], c[:-1], c[1:])
+        outside = [_split_exchange(self.dt * g, 1.0 / one) for g, one in zip(links.outside, c, strict=True)]
+
+        def balance(
+            before: Scalar,
+            after: Scalar,
+            d: Scalar,
+            right: Scalar,
+            joule: Scalar,
+            t: Scalar,
+            now: Scalar,
+            later: Scalar,
+        ) -> tuple[Scalar, ...]:
+            return after, d + later, right + joule + later * ambient + now * (ambient - t) - before + after
+
+        columns = [*flows, 0.0], start.diagonal, start.right, joule, t, *zip(*outside, strict=True)
+        _, diagonal, right = xp.scan(balance, (0.0,), *columns)
         return HeatBalanceColumns(diagonal, right, between)
 
     def _joule(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> list[Scalar]:
@@ -132,7 +144,7 @@ class SweepStep:
 
         columns = (
             element.lengths(xp),
-            _average_ends(start.martensite, guess.martensite),
+            _average_ends(xp, start.martensite, guess.martensite),
             element.shares(xp),
             start.temperature,
             guess.temperature,
@@ -140,15 +152,15 @@ class SweepStep:
             guess.long,
         )
         seen, heated = xp.each(one, *columns)
-        return element.copies() * sum_column(seen), heated
+        return element.copies() * sum_columns(xp, seen)[0], heated
 
     def sweep(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> SweepGuess:
         """Return each cell solved alone, with the others from the previous sweep."""
         lines = self.lines(xp, start, guess)
-        diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
-        seen = fold_others(diagonal, self._expect_latent_heat(start, guess, lines), lines.links)
-        felt = fold_others(diagonal, guess.gives, lines.links)
-        rests = self._rests(xp, guess, solve_tridiagonal(diagonal, guess.gives, lines.links))
+        diagonal = map_rows(xp, operator.add, lines.diagonal, guess.warms)
+        expected = self._expect_latent_heat(xp, start, guess, lines)
+        slope, source, felt = fold_others(xp, diagonal, lines.links, expected, guess.gives)
+        rests = self._rests(xp, guess, solve_cells(xp, diagonal, guess.gives, slope, felt))
 
         def one(*row: Scalar) -> tuple[Scalar, ...]:
             return self._solve_cell(xp, row)
@@ -158,28 +170,35 @@ class SweepStep:
             self.element.lengths(xp),
             start.martensite,
             start.latent,
-            [d + b for d, b in zip(lines.diagonal, seen.slope, strict=True)],
-            [r + s for r, s in zip(lines.right, seen.source, strict=True)],
-            felt.source,
+            [d + b for d, b in zip(lines.diagonal, slope, strict=True)],
+            [r + s for r, s in zip(lines.right, source, strict=True)],
+            felt,
             guess.force,
             *rests,
             *self.memories,
         )
         return SweepGuess(*(tuple(column) for column in rows))
 
-    def _expect_latent_heat(self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns) -> list[Scalar]:
+    def _expect_latent_heat(
+        self, xp: Namespace, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns
+    ) -> Column:
         """Return the right-hand side with latent heat linearised in temperature [J]."""
-        rows = zip(
-            lines.right, start.latent, guess.martensite, start.martensite, guess.warms, guess.temperature, strict=True
-        )
-        return [r + latent * (x - x0) + w * t for r, latent, x, x0, w, t in rows]
+
+        def expect(r: Scalar, latent: Scalar, x: Scalar, x0: Scalar, warms: Scalar, t: Scalar) -> Scalar:
+            return r + latent * (x - x0) + warms * t
+
+        columns = lines.right, start.latent, guess.martensite, start.martensite, guess.warms, guess.temperature
+        return map_rows(xp, expect, *columns)
 
     def _rests(self, xp: Namespace, guess: SweepGuess, heated: Column) -> tuple[Column, Column]:
         """Return the others as springs; more force on all of them also heats them [K/N]."""
-        rows = zip(guess.soft, guess.shrinks, heated, guess.elastic, strict=True)
-        soft = [xp.maximum(c + s * h, e) for c, s, h, e in rows]
-        long = zip(guess.long, soft, guess.force, strict=True)
-        free = [e - c * f for e, c, f in long]
+
+        def rest(c: Scalar, s: Scalar, h: Scalar, least: Scalar, long: Scalar, force: Scalar) -> tuple[Scalar, Scalar]:
+            soft = xp.maximum(c + s * h, least)
+            return long - soft * force, soft
+
+        columns = guess.soft, guess.shrinks, heated, guess.elastic, guess.long, guess.force
+        free, soft = xp.each(rest, *columns)
         return self.element.linkage().rests(xp, free, soft, guess.force)
 
     def _solve_cell(self, xp: Namespace, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
@@ -248,13 +267,19 @@ class SweepStep:
         if imposed is not None:
             return [imposed for _ in start.temperature]
         lines = self.lines(xp, start, guess)
-        rows = zip(lines.right, start.latent, guess.martensite, start.martensite, strict=True)
-        right = [r + latent * (x - x0) for r, latent, x, x0 in rows]
-        return solve_tridiagonal(lines.diagonal, right, lines.links)
+
+        def settle(r: Scalar, latent: Scalar, x: Scalar, x0: Scalar) -> Scalar:
+            return r + latent * (x - x0)
+
+        right = map_rows(xp, settle, lines.right, start.latent, guess.martensite, start.martensite)
+        return solve_tridiagonal(xp, lines.diagonal, right, lines.links)
 
 
-def _average_ends(first: Column, last: Column) -> list[Scalar]:
-    return [0.5 * (a + b) for a, b in zip(first, last, strict=True)]
+def _average_ends(xp: Namespace, first: Column, last: Column) -> Column:
+    def average(a: Scalar, b: Scalar) -> Scalar:
+        return 0.5 * (a + b)
+
+    return map_rows(xp, average, first, last)
 
 
 def _split_exchange(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
