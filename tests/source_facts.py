@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -31,25 +33,31 @@ class Facts:
     """First argument of raised errors."""
     strings: list[tuple[int, str]] = field(default_factory=list[tuple[int, str]])
     """Line and text of strings that begin with the name of the package."""
-    imports: list[ast.ImportFrom] = field(default_factory=list[ast.ImportFrom])
+
+
+def list_children(node: ast.AST) -> list[ast.AST]:
+    """Return the nodes of a node; in a third of the time of `ast.iter_child_nodes`."""
+    found: list[ast.AST] = []
+    for value in vars(node).values():
+        if isinstance(value, list):
+            found += [one for one in value if isinstance(one, ast.AST)]
+        elif isinstance(value, ast.AST) and not isinstance(value, ast.expr_context):
+            found.append(value)
+    return found
 
 
 def walk_tree(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield all nodes, parents first; in a third of the time of `ast.walk`."""
+    """Yield all nodes, parents first."""
     nodes = [tree]
     while nodes:
         node = nodes.pop()
         yield node
-        for value in vars(node).values():
-            if isinstance(value, list):
-                nodes += [one for one in value if isinstance(one, ast.AST)]
-            elif isinstance(value, ast.AST):
-                nodes.append(value)
+        nodes += list_children(node)
 
 
 def count_branches(function: ast.FunctionDef) -> int:
     """Return the cyclomatic complexity of a function, without the functions within it."""
-    count, nodes = 1, list(ast.iter_child_nodes(function))
+    count, nodes = 1, list_children(function)
     while nodes:
         node = nodes.pop()
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -59,7 +67,7 @@ def count_branches(function: ast.FunctionDef) -> int:
             count += len(node.values) - 1
         if isinstance(node, ast.comprehension):
             count += 1 + len(node.ifs)
-        nodes += ast.iter_child_nodes(node)
+        nodes += list_children(node)
     return count
 
 
@@ -89,8 +97,6 @@ def collect_facts(text: str) -> Facts:
             found.messages.append(join_literal(node.exc.args[0]))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.startswith("martensite."):
             found.strings.append((node.lineno, node.value))
-        elif isinstance(node, ast.ImportFrom):
-            found.imports.append(node)
     for one in found.classes:
         for inner in one.body:
             if isinstance(inner, ast.FunctionDef):  # only what is said of it is needed
@@ -102,6 +108,21 @@ def collect_facts(text: str) -> Facts:
 def read_facts(path: Path) -> Facts:
     """Return the facts about a file."""
     return collect_facts(path.read_text("utf-8"))
+
+
+IMPORT = re.compile(r"^[ \t]*(from [\w.]+ import (?:\((?:[^()#]|#[^\n]*)*\)|[^\n#;\\]*))", re.MULTILINE)
+
+
+@cache
+def list_imports(path: Path) -> list[tuple[int, ast.ImportFrom]]:
+    """Return line and statement of each import from a module, also in functions and in texts of code."""
+    text, found = path.read_text("utf-8"), list[tuple[int, ast.ImportFrom]]()
+    for one in IMPORT.finditer(text):
+        with suppress(SyntaxError):  # a sentence
+            (node,) = ast.parse(one[1]).body
+            assert isinstance(node, ast.ImportFrom)
+            found.append((text.count("\n", 0, one.start(1)) + 1, node))
+    return found
 
 
 @cache

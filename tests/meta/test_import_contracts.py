@@ -18,7 +18,7 @@ from pkgutil import iter_modules
 
 import grimp
 import pytest
-from source_facts import PACKAGE, ROOT, Facts, read_facts
+from source_facts import PACKAGE, ROOT, Facts, list_imports, read_facts
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -172,9 +172,9 @@ def find_stale_imports(folder: Path) -> list[str]:
     """Return the imports from the package, at the top or within functions, of modules or names that do not exist."""
     found: list[str] = []
     for path in sorted(folder.rglob("*.py")):
-        for node in read_facts(path).imports:
+        for line, node in list_imports(path):
             if (node.module or "").startswith("martensite."):
-                found += [f"{path.name}:{node.lineno} {fault}" for fault in list_missing(str(node.module), node.names)]
+                found += [f"{path.name}:{line} {fault}" for fault in list_missing(str(node.module), node.names)]
     return found
 
 
@@ -183,10 +183,10 @@ def find_stale_helpers(folder: Path) -> list[str]:
     defined = {path.stem: list_defined(ast.parse(path.read_text("utf-8"))) for path in folder.glob("*.py")}
     found: list[str] = []
     for path in sorted(folder.rglob("*.py")):
-        for node in read_facts(path).imports:
+        for line, node in list_imports(path):
             if node.module in defined:
-                absent = [one.name for one in node.names if one.name not in defined[node.module]]
-                found += [f"{path.name}:{node.lineno} wants `{name}` of `{node.module}`" for name in absent]
+                absent = [one.name for one in node.names if one.name not in {"*", *defined[node.module]}]
+                found += [f"{path.name}:{line} wants `{name}` of `{node.module}`" for name in absent]
     return found
 
 
