@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from app_server import Bench, running
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
 
 from martensite.app.documents import list_standalone
 from martensite.cli.commands.web_bench import pack_text
@@ -56,7 +56,7 @@ EMPTY = """async flat => {
   });
 }"""
 """Forget all that the page keeps in the browser."""
-SCREEN = {"width": 1280, "height": 800}
+SCREEN: ViewportSize = {"width": 1280, "height": 800}
 
 
 @pytest.fixture(scope="package")
