@@ -107,15 +107,16 @@ class Graph:
         depends = self._loop_depends(needed)
         node = self._node("each", needed, depends, (table, first, outputs)).index
         self.loops[node] = GraphLoop(table, first, state, row, outputs, tuple(outside), bit)
-        rows, places = range(len(table[0])), iter(range(len(outputs)))
-        found: list[list[Expr]] = []
-        for number, result in enumerate(results):
-            if number < len(first) or self.depends[result.index] & bit:
-                place, own = next(places), self._like(depends, state[number] if number < len(first) else result.index)
-                found.append([self._node("item", (node,), own, (place, k)) for k in rows])
-            else:
-                found.append([result for _ in rows])
-        return tuple(found)
+        places = iter(range(len(outputs)))
+        return tuple(self._list_rows(node, r, places, state[k : k + 1]) for k, r in enumerate(results))
+
+    def _list_rows(self, node: int, result: Expr, places: Iterator[int], state: Sequence[int]) -> list[Expr]:
+        """Return the column of a result of a loop; results that depend on no row are equal in all."""
+        loop = self.loops[node]
+        if not (state or self.depends[result.index] & loop.bit):
+            return [result for _ in loop.columns[0]]
+        place, own = next(places), self._like(self.depends[node], (*state, result.index)[0])
+        return [self._node("item", (node,), own, (place, row)) for row in range(len(loop.columns[0]))]
 
     def repeat(
         self, turns: int, body: Callable[..., Sequence[Any]], state: Sequence[Any], stops: bool = False

@@ -140,13 +140,7 @@ class Printer:
     def _loop(self, index: int, text: Mapping[int, str], uses: Mapping[int, int]) -> list[str]:
         """Print a loop over rows; its body uses separate names."""
         loop, name = self.graph.loops[index], text[index]
-        used: dict[int, set[int]] = {}
-        for place, row in (self.graph.details[i] for i in uses if self.graph.arguments[i] == (index,)):
-            used.setdefault(place, set()).add(row)
-        size, last = len(loop.state), {len(loop.columns[0]) - 1}
-        ends = {place for place, rows in used.items() if place < size and rows == last}
-        self._ends = {one for one in self._ends if one[0] != index} | {(index, place) for place in ends}
-        kept = [place for place in sorted(used) if place not in ends]
+        size, kept = len(loop.state), self._find_used(index, uses)
         states = [f"{name}_s{place}" for place in range(size)]
         body, carried, results, read = self._body(loop, states, [*range(size), *kept], text, "b")
         columns = [(i, column) for i, column in zip(loop.row, loop.columns, strict=True) if i in read]
@@ -166,6 +160,17 @@ class Printer:
             kept=dict(zip(names, zip(results, kinds, strict=True), strict=True)),
         )
         return self.dialect.loop(named)
+
+    def _find_used(self, index: int, uses: Mapping[int, int]) -> list[int]:
+        """Return the places of results that a loop must keep, and note those of which only the last state is used."""
+        used: dict[int, set[int]] = {}
+        for place, row in (self.graph.details[i] for i in uses if self.graph.arguments[i] == (index,)):
+            used.setdefault(place, set()).add(row)
+        loop = self.graph.loops[index]
+        last = {len(loop.columns[0]) - 1}
+        ends = {place for place, rows in used.items() if place < len(loop.state) and rows == last}
+        self._ends = {one for one in self._ends if one[0] != index} | {(index, place) for place in ends}
+        return [place for place in sorted(used) if place not in ends]
 
     def _body(
         self,
