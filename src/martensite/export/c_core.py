@@ -178,15 +178,15 @@ def core_of(
     timed, leaves = _sample_path(whole), list(whole.leaves())
     places = {leaf.path: i for i, leaf in enumerate(leaves)}
     used = used_parameters(program) | ({places[timed]} if timed else set[int]())
-    kept = sorted(used) if pruned else list(places.values())
-    given = list_parameters((leaves[i] for i in kept), (i in used for i in kept))
-    sample = f"m->p[{kept.index(places[timed])}]" if timed else None
+    indices = sorted(used) if pruned else list(places.values())
+    given = list_parameters((leaves[i] for i in indices), (i in used for i in indices))
+    sample = f"m->p[{indices.index(places[timed])}]" if timed else None
     return CCore(
         name=choose_identifier(name, whole.description()),
         description=whole.description(),
         precision=precision_of(precision).name,
         program=program,
-        kept=kept,
+        kept=indices,
         parameters=given,
         inputs=list_variables("u", inputs, 0.0),
         outputs=list_variables("y", outputs, math.nan),
@@ -241,13 +241,13 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
     if not bench.controllers.members():
         raise ParameterError("The loop of a bench without controllers gives no signals.")
     traced = trace_loop(bench)
-    program, seen = _loop_program(bench, traced)
+    program, outputs = _loop_program(bench, traced)
     return core_of(
         bench,
         program,
         traced.size,
         _loop_inputs(bench),
-        seen,
+        outputs,
         name=name,
         precision=precision,
         reports=False,

@@ -133,32 +133,32 @@ def used_parameters(program: Program) -> set[int]:
 
 
 def kernels_text(
-    program: Program, kept: Sequence[int], kernels: Sequence[CKernel], prefix: str, precision: Precision
+    program: Program, parameter_indices: Sequence[int], kernels: Sequence[CKernel], prefix: str, precision: Precision
 ) -> str:
     """Return C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` for each kernel.
 
-    `kept` are the program's indices of the parameters in p.
+    `parameter_indices` are the program's indices of the parameters in p.
     """
     dialect, zero = precision.dialect(prefix), precision.literal(0.0)
-    printer = KernelPrinter(program, dialect, test=f"({{}} != {zero})", kept=kept)
+    printer = KernelPrinter(program, dialect, test=f"({{}} != {zero})", kept=parameter_indices)
     parts = [_print_function(f"{prefix}kernel_prepare", ("p",), "c", printer.prepare, precision)]
     for kernel in kernels:
         name, taken = f"{prefix}kernel_{kernel.function.name}", ("c", "x", "u", "dt")
-        made = printer.print_function(kernel.function, kernel.inputs)
-        parts.append(_print_function(name, taken, "y", made, precision))
+        body = printer.print_function(kernel.function, kernel.inputs)
+        parts.append(_print_function(name, taken, "y", body, precision))
     text = "\n".join(parts)
     return (_print_erfcx(precision, prefix) + text) if "erfcx(" in text else text
 
 
-def _print_function(name: str, taken: Sequence[str], given: str, made: Statements, precision: Precision) -> str:
+def _print_function(name: str, taken: Sequence[str], given: str, statements: Statements, precision: Precision) -> str:
     number, one, zero = precision.number, precision.literal(1.0), precision.literal(0.0)
-    values = zip(made.results, made.flags, strict=True)
+    values = zip(statements.results, statements.flags, strict=True)
     numbers = [f"({value}) ? {one} : {zero}" if flag else value for value, flag in values]
-    lines = [*made.lines, *roll_lines([f"{given}[{i}] = {number};" for i, number in enumerate(numbers)])]
+    lines = [*statements.lines, *roll_lines([f"{given}[{i}] = {number};" for i, number in enumerate(numbers)])]
     body = "".join(f"    {line}\n" for line in lines)
     arguments = ", ".join(f"{number} {a}" if a == "dt" else f"const {number} *restrict {a}" for a in taken)
     unused = [a for a in taken if (a if a == "dt" else f"{a}[") not in body]
-    unused += [] if made.results else [given]
+    unused += [] if statements.results else [given]
     idle = "".join(f"    (void){a};\n" for a in unused)
     return f"static void {name}({arguments}, {number} *restrict {given}) {{\n{idle}{body}}}\n"
 

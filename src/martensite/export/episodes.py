@@ -194,17 +194,17 @@ class Episodes:
         signals = self._signals_at(self._low + share * self._span, 1)
         rows = self.rows = self._lanes.advance(signals[None], self.bench.period)[0]
         self._at = np.minimum(self._at + 1, self.length)
-        shown = self._list_extras(rows)
+        extras = self._list_extras(rows)
         solved = np.isfinite(rows).all(axis=0) & (self._lanes.worst[0] <= SOLVED)
         hot = (rows[self._hottest] > self._most_heat).any(axis=0)
         strained = (np.abs(rows[self._stress]) > self._most_stress).any(axis=0)
         over = hot | strained | ~solved
         deviation = np.abs(self._wanted() - rows[self._output]) / (self.task.high - self.task.low)
         error = np.minimum(deviation, 1.0).mean(axis=0)
-        cost = self.task.energy_weight * self.bench.period * shown["power"]
+        cost = self.task.energy_weight * self.bench.period * extras["power"]
         lost = self._penalty + (self.length - self._at)
         rewards = np.where(solved, -error - cost, -1.0) - lost * over
-        return Outcome(self._observation(rows), rewards, over, self._at >= self.length, shown)
+        return Outcome(self._observation(rows), rewards, over, self._at >= self.length, extras)
 
     def list_outputs(self, k: int) -> dict[str, float]:
         """Return the present outputs of one environment [SI], by name."""

@@ -107,21 +107,21 @@ class SmaEnv(SharedEpisodes, BASE):
             InputError: the option is unknown.
         """
         super().reset(seed=seed)
-        observations, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
+        observations, extras = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
         self._watch()
-        return observations[0], {name: float(row[0]) for name, row in shown.items()}
+        return observations[0], {name: float(row[0]) for name, row in extras.items()}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Run one period; return observation, reward, terminated, truncated, and true values [SI]."""
         outcome = self._episodes.step(np.asarray(action, float)[None])
         self._watch()
-        shown = {name: float(row[0]) for name, row in outcome.shown.items()}
+        extras = {name: float(row[0]) for name, row in outcome.shown.items()}
         return (
             outcome.observations[0],
             float(outcome.rewards[0]),
             bool(outcome.terminated[0]),
             bool(outcome.truncated[0]),
-            shown,
+            extras,
         )
 
     def render(self) -> Any:

@@ -77,10 +77,10 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         given = dict(options or {})
         which = np.asarray(given.pop("reset_mask", np.ones(self.num_envs, bool)), bool)
         self._seed_environments(seed, which)
-        observations, shown = self._episodes.begin(which, self._random, given)
+        observations, extras = self._episodes.begin(which, self._random, given)
         self._over &= ~which
         self._watch()
-        return observations, _arrange_info(shown, which)
+        return observations, _arrange_info(extras, which)
 
     def render(self) -> tuple[Any, ...] | None:
         """Return a picture of each environment, shape (height, width, 3)."""
@@ -112,29 +112,29 @@ class SmaVectorEnv(SharedEpisodes, BASE):
             return self._same_step(outcome, over)
         return *outcome[:4], _arrange_info(outcome.shown)
 
-    def _next_step(self, outcome: Outcome, begun: Any, over: Any) -> Any:
+    def _next_step(self, outcome: Outcome, restarts: Any, over: Any) -> Any:
         """Return the results of a step, where episodes that ended before restart."""
-        self._over = over & ~begun
-        if not begun.any():
+        self._over = over & ~restarts
+        if not restarts.any():
             return *outcome[:4], _arrange_info(outcome.shown)
-        observations, shown = self._episodes.begin(begun, self._random)
-        observations[~begun] = outcome.observations[~begun]
-        shown = {name: np.where(begun, row, outcome.shown[name]) for name, row in shown.items()}
-        rewards = np.where(begun, 0.0, outcome.rewards)
-        ended = outcome.terminated & ~begun, outcome.truncated & ~begun
-        return observations, rewards, *ended, _arrange_info(shown)
+        observations, extras = self._episodes.begin(restarts, self._random)
+        observations[~restarts] = outcome.observations[~restarts]
+        extras = {name: np.where(restarts, row, outcome.shown[name]) for name, row in extras.items()}
+        rewards = np.where(restarts, 0.0, outcome.rewards)
+        ended = outcome.terminated & ~restarts, outcome.truncated & ~restarts
+        return observations, rewards, *ended, _arrange_info(extras)
 
     def _same_step(self, outcome: Outcome, over: Any) -> Any:
         """Return the results of a step, where episodes that end now restart at once."""
-        observations, shown = self._episodes.begin(over, self._random)
+        observations, extras = self._episodes.begin(over, self._random)
         observations[~over] = outcome.observations[~over]
         infos: dict[str, Any] = {}
         for k in np.flatnonzero(over):
             last = {name: float(row[k]) for name, row in outcome.shown.items()}
             final = {"final_obs": outcome.observations[k], "final_info": last}
             infos = self._add_info(infos, final, int(k))
-        shown = {name: np.where(over, row, outcome.shown[name]) for name, row in shown.items()}
-        return observations, *outcome[1:4], infos | _arrange_info(shown)
+        extras = {name: np.where(over, row, outcome.shown[name]) for name, row in extras.items()}
+        return observations, *outcome[1:4], infos | _arrange_info(extras)
 
 
 def _find_mode(name: str) -> Any:
@@ -142,9 +142,9 @@ def _find_mode(name: str) -> Any:
     return MODES[name]
 
 
-def _arrange_info(shown: Mapping[str, Any], which: Any = None) -> dict[str, Any]:
+def _arrange_info(extras: Mapping[str, Any], which: Any = None) -> dict[str, Any]:
     """Return the additional information in Gymnasium's form: arrays and their masks."""
     arrays: dict[str, Any] = {}
-    for name, row in shown.items():
+    for name, row in extras.items():
         arrays |= {name: row, f"_{name}": np.ones(len(row), bool) if which is None else which}
     return arrays

@@ -31,9 +31,9 @@ def write_source(compiled: Sequence[Compiled]) -> str:
         if id(one.program) not in kinds:
             kinds[id(one.program)] = len(kinds)
             kernel = CKernel.of(one.program.functions["step"], one.size, 3)
-            kept = list(range(len(one.program.parameters)))
+            indices = list(range(len(one.program.parameters)))
             texts.append(
-                kernels_text(one.program, kept, [kernel], f"k{kinds[id(one.program)]}_", precision_of("float64"))
+                kernels_text(one.program, indices, [kernel], f"k{kinds[id(one.program)]}_", precision_of("float64"))
             )
     numbers = NUMBERS | {
         "STRANDS": len(compiled),

@@ -56,15 +56,15 @@ def solve_bracketed(
         high, low = xp.where(above, x, high), xp.where(above, low, x)
         newton = x - value / slope
         step = xp.abs(newton - x)
-        known = xp.both(last > 0.0, last < FIRST)
+        has_last = xp.both(last > 0.0, last < FIRST)
         gains = xp.either(high - low <= 0.5 * width, step <= 0.5 * xp.abs(last))
         gains = xp.either(gains, step <= 0.25 * (high - low))
         inside = xp.both(xp.both(low < newton, newton < high), gains)
         accept = xp.either(inside, step <= rounding)
         after = xp.where(accept, newton, 0.5 * (low + high))
         moved = xp.abs(after - x)
-        ratio = moved / xp.maximum(xp.where(known, last, 1.0), NONE)
-        next_step = xp.where(xp.both(accept, known), STEP_SAFETY * moved * ratio * ratio, moved)
+        ratio = moved / xp.maximum(xp.where(has_last, last, 1.0), NONE)
+        next_step = xp.where(xp.both(accept, has_last), STEP_SAFETY * moved * ratio * ratio, moved)
         going = xp.both(moved > last_step, next_step > last_step) if smooth else moved > last_step
         return xp.where(going, 1.0, 0.0), after, low, high, xp.where(accept, moved, -moved)
 

@@ -209,8 +209,8 @@ __attribute__((optimize("O0"))) static inline void k_init(long, const double *re
 """Declaration of a function called once per run, where optimisation costs more time than it saves."""
 
 
-def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
-    lines = [*made.lines, *roll_lines([f"y[{i} * n + l] = {text};" for i, text in enumerate(made.results)])]
+def _print_function(name: str, constants: str, inputs: Sequence[str], statements: Statements) -> str:
+    lines = [*statements.lines, *roll_lines([f"y[{i} * n + l] = {text};" for i, text in enumerate(statements.results)])]
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)
     return (
@@ -279,16 +279,16 @@ def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence
     taken = ("c", "dc", "x", "dx")
     for one in functions:
         places = [(array, k) for array in ("y", "dy") for k in range(len(one.outputs) // 2)]
-        made = kernels.print_function(one)
-        parts.append(_print_slopes(one.name, taken, ("y", "dy"), made, places))
+        statements = kernels.print_function(one)
+        parts.append(_print_slopes(one.name, taken, ("y", "dy"), statements, places))
     return "\n".join(parts)
 
 
 def _print_slopes(
-    name: str, taken: Sequence[str], given: tuple[str, str], made: Statements, places: Sequence[tuple[str, int]]
+    name: str, taken: Sequence[str], given: tuple[str, str], statements: Statements, places: Sequence[tuple[str, int]]
 ) -> str:
-    rows = zip(places, made.results, strict=True)
-    lines = [*made.lines, *roll_lines([f"{array}[{k}] = {text};" for (array, k), text in rows])]
+    rows = zip(places, statements.results, strict=True)
+    lines = [*statements.lines, *roll_lines([f"{array}[{k}] = {text};" for (array, k), text in rows])]
     kinds = ("double", "slopes")
     arguments = [f"const {kinds[i % 2]} *restrict {a}" for i, a in enumerate(taken)]
     arguments += [f"{kind} *restrict {a}" for kind, a in zip(kinds, given, strict=True)]

@@ -68,10 +68,10 @@ def _print_constant(value: float | bool) -> str:
     return f"all({c_number(value)})"
 
 
-def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
-    values = zip(made.results, made.flags, strict=True)
+def _print_function(name: str, constants: str, inputs: Sequence[str], statements: Statements) -> str:
+    values = zip(statements.results, statements.flags, strict=True)
     numbers = [f"pick({value}, all(1.0), all(0.0))" if flag else value for value, flag in values]
-    lines = [*made.lines, *roll_lines([f"PUT(y, {i}, {number});" for i, number in enumerate(numbers)])]
+    lines = [*statements.lines, *roll_lines([f"PUT(y, {i}, {number});" for i, number in enumerate(numbers)])]
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)
     return (

@@ -37,9 +37,9 @@ def order_library(path: Path, source: str, more: Sequence[str], quick: Path, mod
     if path.with_suffix(FAILED).exists():
         return
     with suppress(OSError):
-        job, made = path.with_suffix(JOB), path.with_suffix(f".{os.getpid()}")
-        made.write_text(json.dumps({"source": source, "more": list(more), "quick": quick.name}))
-        keep_private(made, job)
+        job, draft = path.with_suffix(JOB), path.with_suffix(f".{os.getpid()}")
+        draft.write_text(json.dumps({"source": source, "more": list(more), "quick": quick.name}))
+        keep_private(draft, job)
         with _lock(path.parent) as free:
             idle = free
         if idle:
@@ -97,16 +97,16 @@ def _do(job: Path, compile_library: Callable[[Path, str, tuple[str, ...]], None]
     """Run a job of this user alone, and remove it."""
     trusted = is_private_file(job)
     try:
-        asked = json.loads(job.read_text()) if trusted else None
+        order = json.loads(job.read_text()) if trusted else None
     finally:
         job.unlink()
-    if asked is None:
+    if order is None:
         return
     path = job.with_suffix(".so")
     try:
-        compile_library(path, asked["source"], tuple(asked["more"]))
+        compile_library(path, order["source"], tuple(order["more"]))
     except CompileError as error:
         path.with_suffix(FAILED).write_text(str(error))
         return
     for suffix in (".so", ".sha256"):
-        path.with_name(asked["quick"]).with_suffix(suffix).unlink(missing_ok=True)
+        path.with_name(order["quick"]).with_suffix(suffix).unlink(missing_ok=True)

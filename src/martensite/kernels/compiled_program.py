@@ -41,8 +41,8 @@ class CompiledProgram:
 
     def set_table(self, table: Any) -> None:
         """Replace the values of the parameters, (parameters, batch)."""
-        held = np.ascontiguousarray(table, float)
-        lanes, (values, constants) = self.lanes, map(get_address, (held, self.constants))
+        contiguous_table = np.ascontiguousarray(table, float)
+        lanes, (values, constants) = self.lanes, map(get_address, (contiguous_table, self.constants))
         self.library.call_prepare(ctypes.c_long(lanes), values, constants, constants)
 
     def bind(self, name: str, x: Any, y: Any) -> Callable[[], None]:

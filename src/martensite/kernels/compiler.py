@@ -69,9 +69,9 @@ def _find_zig() -> str | None:
         with suppress(OSError):
             path = find_folder() / name
             if not is_private_file(path):
-                made = path.with_suffix(f".{os.getpid()}")
-                made.write_text(text)
-                keep_private(made, path, 0o700)
+                draft = path.with_suffix(f".{os.getpid()}")
+                draft.write_text(text)
+                keep_private(draft, path, 0o700)
             return str(path)
     return None
 

@@ -20,12 +20,12 @@ def cache_answers(maxsize: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Return a decorator that caches the last `maxsize` results; other threads wait during a computation."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        kept = lru_cache(maxsize)(function)
+        cache = lru_cache(maxsize)(function)
 
         @wraps(function)
         def answer(*args: P.args, **kwargs: P.kwargs) -> R:
             with _LOCK:
-                return kept(*args, **kwargs)
+                return cache(*args, **kwargs)
 
         return answer
 

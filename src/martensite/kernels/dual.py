@@ -292,9 +292,9 @@ class DualNamespace:
 
         def turn(going: Any, *numbers: Any) -> list[Any]:
             rows = zip(numbers[:count], numbers[count:], strict=True)
-            found = [self.parts(r) for r in body(going, *(self.pair(v, t) for v, t in rows))]
-            slopes = [self.zero if t is None else t for _, t in found[1:]]
-            return [*(v for v, _ in found), *slopes]
+            results = [self.parts(r) for r in body(going, *(self.pair(v, t) for v, t in rows))]
+            slopes = [self.zero if t is None else t for _, t in results[1:]]
+            return [*(v for v, _ in results), *slopes]
 
         going, *numbers = self.base.iterate(most, turn, first, *values, *tangents)
         rows = zip(numbers[:count], numbers[count:], strict=True)

@@ -152,20 +152,20 @@ def scan(
 
 def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
     """Return the state after `count` iterations of `body`."""
-    found: Sequence[float] = state
+    current_state: Sequence[float] = state
     for _ in range(count):
-        found = body(*found)
-    return found
+        current_state = body(*current_state)
+    return current_state
 
 
 def iterate(most: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
     """Return the state after iterations of `body` while its first variable is above 0."""
-    found: Sequence[float] = state
+    current_state: Sequence[float] = state
     for _ in range(most):
-        if not found[0] > 0.0:
+        if not current_state[0] > 0.0:
             break
-        found = body(*found)
-    return found
+        current_state = body(*current_state)
+    return current_state
 
 
 def detach(x: float) -> float:

@@ -190,11 +190,11 @@ class Graph:
 
     def walk(self, start: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[int]:
         """Yield some nodes and all their descendants, each once; `below` returns the children."""
-        seen, left = set[int](), list(start)
+        earlier_nodes, left = set[int](), list(start)
         while left:
             index = left.pop()
-            if index not in seen:
-                seen.add(index)
+            if index not in earlier_nodes:
+                earlier_nodes.add(index)
                 yield index
                 left += below(index)
 
@@ -242,28 +242,28 @@ class Graph:
         return bool(chosen) or operation in FLAGS
 
     def _simplify(self, operation: str, nodes: list[Expr]) -> Expr | None:
-        known = [self.value_of(node) for node in nodes]
+        constants = [self.value_of(node) for node in nodes]
         if operation == "where":
-            return self._simplify_where(nodes, known)
-        if known and None not in known:
+            return self._simplify_where(nodes, constants)
+        if constants and None not in constants:
             fold = OPERATORS.get(operation) or getattr(floats, operation)
-            return self.constant(fold(*known))
+            return self.constant(fold(*constants))
         if operation in ("add", "sub", "mul", "div"):
-            simple = _apply_identities(operation, nodes, known)
-            return self._signs(operation, nodes, known) if simple is None else simple
-        if operation == "implicit_root" and known[0] is not None:
+            simple = _apply_identities(operation, nodes, constants)
+            return self._signs(operation, nodes, constants) if simple is None else simple
+        if operation == "implicit_root" and constants[0] is not None:
             return nodes[0]
-        if operation in ("both", "either") and (known[0] is not None or known[1] is not None):
-            flag, other = (known[0], nodes[1]) if known[0] is not None else (known[1], nodes[0])
+        if operation in ("both", "either") and (constants[0] is not None or constants[1] is not None):
+            flag, other = (constants[0], nodes[1]) if constants[0] is not None else (constants[1], nodes[0])
             absorbing = operation == "either"
             return self.constant(absorbing) if flag is absorbing else other
         return None
 
-    def _signs(self, operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+    def _signs(self, operation: str, nodes: list[Expr], constants: list[Any]) -> Expr | None:
         """Return the rules for minus signs, which are also exact."""
         a, b = nodes
-        if operation == "mul" and -1.0 in known:
-            return -b if known[0] == -1.0 else -a
+        if operation == "mul" and -1.0 in constants:
+            return -b if constants[0] == -1.0 else -a
         first, last = (self._find_negated(node) for node in nodes)
         if operation == "add" and (first is not None or last is not None):
             return a - last if last is not None else b - first
@@ -275,28 +275,28 @@ class Graph:
             return None
         return Expr(self, self.arguments[node.index][0])
 
-    def _simplify_where(self, nodes: list[Expr], known: list[Any]) -> Expr | None:
-        if known[0] is not None:
-            return nodes[1] if known[0] else nodes[2]
+    def _simplify_where(self, nodes: list[Expr], constants: list[Any]) -> Expr | None:
+        if constants[0] is not None:
+            return nodes[1] if constants[0] else nodes[2]
         return nodes[1] if nodes[1].index == nodes[2].index else None
 
 
-def _apply_identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+def _apply_identities(operation: str, nodes: list[Expr], constants: list[Any]) -> Expr | None:
     """Return the rules that are exact in floating point for finite numbers."""
     a, b = nodes
     if operation == "add":
-        return b if known[0] == 0.0 else a if known[1] == 0.0 else None
+        return b if constants[0] == 0.0 else a if constants[1] == 0.0 else None
     if operation == "sub":
         if a.index == b.index:
             return a.graph.constant(0.0)
-        return a if known[1] == 0.0 else -b if known[0] == 0.0 else None
+        return a if constants[1] == 0.0 else -b if constants[0] == 0.0 else None
     if operation == "mul":
-        if known[0] == 0.0 or known[1] == 0.0:
+        if constants[0] == 0.0 or constants[1] == 0.0:
             return a.graph.constant(0.0)
-        return b if known[0] == 1.0 else a if known[1] == 1.0 else None
-    if known[0] == 0.0:
+        return b if constants[0] == 1.0 else a if constants[1] == 1.0 else None
+    if constants[0] == 0.0:
         return a.graph.constant(0.0)
-    return a if known[1] == 1.0 else None
+    return a if constants[1] == 1.0 else None
 
 
 def _write_operator(operation: str, reflected: str) -> Callable[..., Any]:

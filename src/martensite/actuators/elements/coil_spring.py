@@ -233,8 +233,8 @@ class CoilSpring(AbstractSection):
         if self.deflection == "large":
             rod = self._rod(strain, compliance)
             coil = _draw_out_rod(xp, rod, self.solid_length(), force)
-            drawn = helix.at_force(xp, rod, xp.maximum(force, coil.touch)).length
-            wire = helix.find_elastic_energy(xp, rod, drawn)
+            length = helix.at_force(xp, rod, xp.maximum(force, coil.touch)).length
+            wire = helix.find_elastic_energy(xp, rod, length)
         else:
             coil = self._flat(strain, compliance)
             drawing = xp.maximum(force, coil.touch)

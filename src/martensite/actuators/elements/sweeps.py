@@ -151,8 +151,8 @@ class SweepStep:
             start.long,
             guess.long,
         )
-        seen, heated = xp.each(one, *columns)
-        return element.copies() * sum_columns(xp, seen)[0], heated
+        resistances, heated = xp.each(one, *columns)
+        return element.copies() * sum_columns(xp, resistances)[0], heated
 
     def sweep(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> SweepGuess:
         """Return each cell solved alone, with the others from the previous sweep."""

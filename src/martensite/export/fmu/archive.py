@@ -90,20 +90,20 @@ def to_fmu(
     if port is not None and not ports:
         raise InputError("Argument `port` chooses the element of an FMU with ports; add `ports`.")
     plan = plan_port(model, identifier, step, port) if ports else plan_of(model, identifier, step)
-    shown = list_variables(plan)
-    token = _make_token([write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()])
+    variables = list_variables(plan)
+    token = _make_token([write_description(fmi, plan, variables, ""), *write_sources(plan, fmi, "").values()])
     texts = write_sources(plan, fmi, token)
-    content: dict[str, str | bytes] = {"modelDescription.xml": write_description(fmi, plan, shown, token)}
+    content: dict[str, str | bytes] = {"modelDescription.xml": write_description(fmi, plan, variables, token)}
     for target in targets:
         content[_locate_library(fmi, target, identifier)] = build_library(texts, target)
     content |= {f"sources/{file}": text for file, text in texts.items()}
     content |= _write_beside(fmi, plan)
     if ports and fmi == "3.0":
         folder = "terminalsAndIcons"
-        content |= {f"{folder}/terminalsAndIcons.xml": write_terminals(shown), f"{folder}/icon.png": draw_icon()}
+        content |= {f"{folder}/terminalsAndIcons.xml": write_terminals(variables), f"{folder}/icon.png": draw_icon()}
     write_file(path, _zip_files(content))
     discrete = plan.period > 0.0
-    return Fmu(path, fmi, identifier, token, plan.step, discrete, shown, tuple(targets))
+    return Fmu(path, fmi, identifier, token, plan.step, discrete, variables, tuple(targets))
 
 
 def _locate_library(fmi: str, target: str, name: str) -> str:

@@ -15,18 +15,18 @@ CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 
 def write_description(fmi: str, plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> str:
     """Return modelDescription.xml for FMI 2.0 or 3.0."""
-    made = _write_version_2(plan, variables, token) if fmi == "2.0" else _write_version_3(plan, variables, token)
-    return as_text(made)
+    root = _write_version_2(plan, variables, token) if fmi == "2.0" else _write_version_3(plan, variables, token)
+    return as_text(root)
 
 
 def build_description(identifier: str, sources: Sequence[str]) -> str:
     """Return buildDescription.xml of FMI 3.0."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
-    made = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
-    files = SubElement(made, "SourceFileSet", language="C99")
+    configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    files = SubElement(configuration, "SourceFileSet", language="C99")
     for name in sources:
         SubElement(files, "SourceFile", name=name)
-    SubElement(made, "Library", name="m")
+    SubElement(configuration, "Library", name="m")
     return as_text(root)
 
 

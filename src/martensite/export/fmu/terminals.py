@@ -41,9 +41,9 @@ def write_terminals(variables: Sequence[FmuVariable]) -> str:
     names = {one.name for one in variables}
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     box = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
-    drawn = SubElement(root, "GraphicalRepresentation")
-    SubElement(drawn, "CoordinateSystem", box, suggestedScalingFactorTo_mm="0.1")
-    SubElement(drawn, "Icon", box)
+    graphics = SubElement(root, "GraphicalRepresentation")
+    SubElement(graphics, "CoordinateSystem", box, suggestedScalingFactorTo_mm="0.1")
+    SubElement(graphics, "Icon", box)
     every = SubElement(root, "Terminals")
     for name, (words, members) in TERMINALS.items():
         terminal = SubElement(every, "Terminal", name=name, matchingRule="plug", description=words)

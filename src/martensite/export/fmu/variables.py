@@ -98,8 +98,8 @@ def unit_of(declared: str) -> str | None:
 
 def display_of(declared: str) -> str | None:
     """Return the readable unit of a quantity if it differs, else None."""
-    shown = units.choose_readable_unit(declared)
-    return None if declared == units.DEGREES or shown == declared else shown
+    display_unit = units.choose_readable_unit(declared)
+    return None if declared == units.DEGREES or display_unit == declared else display_unit
 
 
 def add_units(parent: Element, names: list[str]) -> None:
@@ -110,9 +110,9 @@ def add_units(parent: Element, names: list[str]) -> None:
         exponents = base_units(name)
         if exponents is not None:
             SubElement(unit, "BaseUnit", {key: str(power) for key, power in exponents.items()})
-        shown = display_of(name)
-        if shown is not None:
-            SubElement(unit, "DisplayUnit", {"name": shown, **_find_scale(shown, name)})
+        display_unit = display_of(name)
+        if display_unit is not None:
+            SubElement(unit, "DisplayUnit", {"name": display_unit, **_find_scale(display_unit, name)})
 
 
 def base_units(name: str) -> dict[str, int] | None:
@@ -125,7 +125,7 @@ def base_units(name: str) -> dict[str, int] | None:
     return {key: int(power) for key, power in exponents.items()} if whole else None
 
 
-def _find_scale(shown: str, name: str) -> dict[str, str]:
-    factor, offset = units.find_conversion(shown, name)
+def _find_scale(display_unit: str, name: str) -> dict[str, str]:
+    factor, offset = units.find_conversion(display_unit, name)
     scale = {"factor": repr(1.0 / factor)}
     return scale | ({"offset": repr(-offset / factor)} if offset else {})

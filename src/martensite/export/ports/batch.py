@@ -178,8 +178,8 @@ class UniaxialModel:
             runtime: `c`, `floats`, or `auto`: C if there is a compiler.
         """
         system = model if isinstance(model, AbstractSystem) else model.system
-        made = build_material_port(system, port=port, preload=preload, compressed=compressed)
-        self._batch = PortBatch(made, runtime=runtime)
+        material_port = build_material_port(system, port=port, preload=preload, compressed=compressed)
+        self._batch = PortBatch(material_port, runtime=runtime)
         self.temperature: float | Array = temperature
         self.stress_by_temperature: Array = np.empty(0)
         self.heat: Array = np.empty(0)

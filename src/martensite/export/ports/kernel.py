@@ -158,10 +158,10 @@ def _add_response(keyed: Keyed[AbstractSystem], answers: tuple[str, ...]) -> Pro
         return [*flatten_numbers(after), *flatten_numbers(report)[: len(REPORT)], *(outputs[k] for k in places)]
 
     program.add(RESPOND, [*names, "dt"], respond)
-    made = program.functions[RESPOND]
+    function = program.functions[RESPOND]
     first = size + len(REPORT)
-    wanted = made.inputs[size : size + count]
+    wanted = function.inputs[size : size + count]
     slopes = differentiate_results(program, RESPOND, range(first, first + len(places)), wanted)
     flat = tuple(one for row in slopes for one in row)
-    program.functions[RESPOND] = replace(made, outputs=made.outputs + flat)
+    program.functions[RESPOND] = replace(function, outputs=function.outputs + flat)
     return program

@@ -92,13 +92,13 @@ def list_architectures() -> list[int]:
     return sorted(take_answer(_load_nvrtc().nvrtcGetSupportedArchs()))
 
 
-def choose_target(capability: int, known: Iterable[int]) -> str:
+def choose_target(capability: int, architectures: Iterable[int]) -> str:
     """Return the target of NVRTC: machine code for the device, or PTX for a newer device.
 
     Raises:
         InputError: NVRTC no longer supports the device.
     """
-    older = [one for one in known if one <= capability]
+    older = [one for one in architectures if one <= capability]
     if not older:
         raise InputError(
             f"The CUDA device has compute capability {capability / 10:.1f}, which the installed NVRTC no longer "
@@ -124,11 +124,11 @@ def compile_source(text: str, target: str, more: Sequence[str] = ()) -> bytes:
             take_answer(nvrtc.nvrtcGetProgramLog(program, log))
             raise CompileError(f"NVRTC failed: {log.decode().strip()[:500]}")
         kind = "CUBIN" if target.startswith("sm_") else "PTX"
-        made = b" " * take_answer(getattr(nvrtc, f"nvrtcGet{kind}Size")(program))
-        take_answer(getattr(nvrtc, f"nvrtcGet{kind}")(program, made))
+        binary = b" " * take_answer(getattr(nvrtc, f"nvrtcGet{kind}Size")(program))
+        take_answer(getattr(nvrtc, f"nvrtcGet{kind}")(program, binary))
     finally:
         nvrtc.nvrtcDestroyProgram(program)
-    return made
+    return binary
 
 
 @cache
@@ -143,20 +143,20 @@ def _load_nvrtc() -> Any:
 
 def _compile_once(text: str, target: str, more: tuple[str, ...]) -> bytes:
     """Compile a source, and cache the result if the folder is writable."""
-    said = repr((text, target, FLAGS, more, take_answer(_load_nvrtc().nvrtcVersion())))
+    key = repr((text, target, FLAGS, more, take_answer(_load_nvrtc().nvrtcVersion())))
     path: Path | None = None
     with suppress(OSError):
-        path = make_cache("cuda") / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.bin"
-        kept = path.read_bytes()
-        if is_private_file(path) and hashlib.sha256(kept[32:]).digest() == kept[:32]:
-            return kept[32:]
-    made = compile_source(text, target, more)
+        path = make_cache("cuda") / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.bin"
+        content = path.read_bytes()
+        if is_private_file(path) and hashlib.sha256(content[32:]).digest() == content[:32]:
+            return content[32:]
+    binary = compile_source(text, target, more)
     with suppress(OSError):
         if path is not None:
             part = path.with_suffix(f".{os.getpid()}")
-            part.write_bytes(hashlib.sha256(made).digest() + made)
+            part.write_bytes(hashlib.sha256(binary).digest() + binary)
             keep_private(part, path)
-    return made
+    return binary
 
 
 # ---------------------------------------------------------------- running

@@ -84,15 +84,15 @@ def march_batch(
     march, runs = load_march(source), table.shape[1]
     with device.DeviceMemory() as memory:
         chunk = chunk or march.count_fitting(memory.count_free(), len(grid.times), len(grid.arrays[-1]), runs)
-    made = np.empty((len(grid.times), len(source.outputs), runs)), np.empty((REPORTS, runs)), np.empty(runs)
+    wholes = np.empty((len(grid.times), len(source.outputs), runs)), np.empty((REPORTS, runs)), np.empty(runs)
     for first in range(0, runs, chunk):
         some = slice(first, min(first + chunk, runs))
         signals = [a[..., some] if source.own_steps and a.ndim > 1 else a for a in grid.arrays]
         bounds = limits[..., some] if source.own_limits else limits
-        found = march.run(nominal, [table[:, some], *signals, bounds], [a.shape[:-1] for a in made], len(grid.counts))
-        for whole, piece in zip(made, found, strict=True):
+        batch = march.run(nominal, [table[:, some], *signals, bounds], [a.shape[:-1] for a in wholes], len(grid.counts))
+        for whole, piece in zip(wholes, batch, strict=True):
             whole[..., some] = piece
-    return made
+    return wholes
 
 
 class GivenStepsMarch:
@@ -123,19 +123,19 @@ class GivenStepsMarch:
         """Return rows, reports and exit times of a batch with individual values."""
         kind, runs = self.source.kind, given[0].shape[1]
         kinds = kind, kind, np.dtype(float)
-        made = [np.empty((*shape, runs), k) for shape, k in zip(shapes, kinds, strict=True)]
+        results = [np.empty((*shape, runs), k) for shape, k in zip(shapes, kinds, strict=True)]
         with device.DeviceMemory() as memory:
             prepared = memory.take(kind.itemsize * self.source.sizes["COMMON"])
             places = [ctypes.c_longlong(one) for one in (memory.give(np.array(nominal, kind)), prepared)]
             self.program.launch("prepare", 1, places)
             memory.move(prepared, self.program.locate("common"), kind.itemsize * self.source.sizes["COMMON"])
             arrays = (np.ascontiguousarray(a, np.int32 if a.dtype.kind == "i" else kind) for a in given)
-            there = [memory.take(array.nbytes) for array in made]
+            there = [memory.take(array.nbytes) for array in results]
             places = [ctypes.c_longlong(one) for one in (*map(memory.give, arrays), *there)]
             self.program.launch("march", runs, [ctypes.c_longlong(runs), ctypes.c_int(intervals), *places])
-            for place, array in zip(there, made, strict=True):
+            for place, array in zip(there, results, strict=True):
                 memory.fetch(place, array)
-        return made
+        return results
 
 
 @lru_cache(maxsize=32)

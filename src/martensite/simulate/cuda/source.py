@@ -172,11 +172,11 @@ class MarchSource:
     def _varying(self) -> set[int]:
         """Return the nodes that contain a varied parameter."""
         graph = self.compiled.program.graph
-        found = {graph.input(f"p{place}", PARAMETER).index for place in self.varied}
+        nodes = {graph.input(f"p{place}", PARAMETER).index for place in self.varied}
         for index in range(len(graph.operations)):
-            if not found.isdisjoint(graph.children(index)):
-                found.add(index)
-        return found
+            if not nodes.isdisjoint(graph.children(index)):
+                nodes.add(index)
+        return nodes
 
     @cached_property
     def _own(self) -> list[Expr]:
