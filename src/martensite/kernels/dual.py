@@ -229,18 +229,20 @@ class DualNamespace:
         size = len(first)
 
         def trace(carried: list[bool]) -> tuple[list[list[Any]], list[bool]]:
-            start, kept = self.split(first, carried), list[bool]()
+            start, flags = self.split(first, carried), list[bool]()
 
             def inner(*numbers: Any) -> list[Any]:
                 row = self.join(numbers[len(start) :], moving)
                 results = [self.parts(one) for one in body(*self.join(numbers[: len(start)], carried), *row)]
-                kept[:] = self.list_moving(results, carried)
-                return [*self.split(results[:size], kept[:size]), *self.split(results[size:], kept[size:])]
+                flags[:] = self.list_moving(results, carried)
+                return [*self.split(results[:size], flags[:size]), *self.split(results[size:], flags[size:])]
 
-            found = zip(*self.base.scan(inner, start, *zip(*rows, strict=True)), strict=True)
-            place = size + sum(kept[:size])
-            pairs = ((self.join(row[:place], kept[:size]), self.join(row[place:], kept[size:])) for row in found)
-            return [[*states, *others] for states, others in pairs], kept
+            result_rows = zip(*self.base.scan(inner, start, *zip(*rows, strict=True)), strict=True)
+            place = size + sum(flags[:size])
+            pairs = (
+                (self.join(row[:place], flags[:size]), self.join(row[place:], flags[size:])) for row in result_rows
+            )
+            return [[*states, *others] for states, others in pairs], flags
 
         return tuple(zip(*self.spread(first, trace)[0], strict=True))
 
@@ -274,10 +276,10 @@ class DualNamespace:
         """
         moving = [tangent is not None for _, tangent in begin]
         while True:
-            found, kept = trace(moving)
-            if kept[: len(moving)] == moving:
-                return found, kept
-            moving = kept[: len(moving)]
+            results, flags = trace(moving)
+            if flags[: len(moving)] == moving:
+                return results, flags
+            moving = flags[: len(moving)]
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         """Return the state after `count` iterations of `body`, unrolled."""

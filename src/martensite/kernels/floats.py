@@ -143,11 +143,11 @@ def scan(
     body: Callable[..., Sequence[float]], begin: Sequence[float], *columns: Sequence[float]
 ) -> tuple[Sequence[float], ...]:
     """Return the columns of results of `body` over a state and the rows; its first results are the next state."""
-    state, found = begin, list[Sequence[float]]()
+    state, result_rows = begin, list[Sequence[float]]()
     for row in zip(*columns, strict=True):
-        found.append(body(*state, *row))
-        state = found[-1][: len(begin)]
-    return tuple(zip(*found, strict=True))
+        result_rows.append(body(*state, *row))
+        state = result_rows[-1][: len(begin)]
+    return tuple(zip(*result_rows, strict=True))
 
 
 def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:

@@ -80,15 +80,15 @@ def map_tuples(function: Callable[..., Any], xp: Namespace, *columns: Sequence[A
     """Return the nested tuples of a function of the rows of nested tuples, as one loop if there are many."""
     if len(columns[0]) < LEAST_ROWS:
         return [function(*row) for row in zip(*columns, strict=True)]
-    taken, made = NestedShape(tuple(column[0] for column in columns)), list[Any]()
+    taken, example = NestedShape(tuple(column[0] for column in columns)), list[Any]()
 
     def one(*flat: Scalar) -> list[Scalar]:
-        made[:] = [function(*taken.rebuild(flat))]
-        return flatten_numbers(made[0])
+        example[:] = [function(*taken.rebuild(flat))]
+        return flatten_numbers(example[0])
 
     rows = [flatten_numbers(row) for row in zip(*columns, strict=True)]
-    found = zip(*xp.each(one, *zip(*rows, strict=True)), strict=True)
-    return [NestedShape(made[0]).rebuild(numbers) for numbers in found]
+    flat_rows = zip(*xp.each(one, *zip(*rows, strict=True)), strict=True)
+    return [NestedShape(example[0]).rebuild(numbers) for numbers in flat_rows]
 
 
 def find_largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:

@@ -69,8 +69,8 @@ class _PartialsWalk(TangentWalk):
         loop, result_rows = self._graph.loops[index], list[list[Any]]()
         state, *columns = ([self._read(i) for i in column] for column in (loop.begin, *loop.columns))
         for row in zip(*columns, strict=True):
-            known = dict(zip((*loop.state, *loop.row), (*state, *row), strict=True))
-            result_rows.append(self._write_body(loop.bit, known, loop.outputs))
+            node_values = dict(zip((*loop.state, *loop.row), (*state, *row), strict=True))
+            result_rows.append(self._write_body(loop.bit, node_values, loop.outputs))
             state = result_rows[-1][: len(state)]
         return [list(column) for column in zip(*result_rows, strict=True)]
 

@@ -140,12 +140,12 @@ class Printer:
     def _loop(self, index: int, text: Mapping[int, str], uses: Mapping[int, int]) -> list[str]:
         """Print a loop over rows; its body uses separate names."""
         loop, name = self.graph.loops[index], text[index]
-        size, kept = len(loop.state), self._find_used(index, uses)
+        size, places = len(loop.state), self._find_used(index, uses)
         states = [f"{name}_s{place}" for place in range(size)]
-        body, carried, results, read = self._body(loop, states, [*range(size), *kept], text, "b")
+        body, carried, results, read = self._body(loop, states, [*range(size), *places], text, "b")
         columns = [(i, column) for i, column in zip(loop.row, loop.columns, strict=True) if i in read]
-        kinds = [self.kind(loop.outputs[place]) for place in kept]
-        names = [f"{name}_{place}" for place in kept]
+        kinds = [self.kind(loop.outputs[place]) for place in places]
+        names = [f"{name}_{place}" for place in places]
         named = LoopText(
             name=name,
             rows=len(loop.columns[0]),
@@ -330,8 +330,8 @@ def _float_loop(loop: LoopText) -> list[str]:
 
 def _list_items(cells: Sequence[str]) -> str:
     """Return a column as an expression: a list of results, a slice of it, or a tuple."""
-    found = [ITEM.fullmatch(cell) for cell in cells]
-    items = [(one[1], int(one[2])) for one in found if one]
+    matches = [ITEM.fullmatch(cell) for cell in cells]
+    items = [(one[1], int(one[2])) for one in matches if one]
     (name, first), (_, last) = (items[0], items[-1]) if items else (("", 0), ("", 0))
     step = 1 if last >= first else -1
     if not items or items != [(name, first + step * k) for k in range(len(cells))]:

@@ -27,18 +27,18 @@ def merge_texts(texts: Sequence[str], row: str) -> str | None:
 
 def roll_lines(lines: Sequence[str], row: str = "row") -> list[str]:
     """Return complete statements, with loops over `row` for repeated ones."""
-    made, at, parts = list[str](), 0, [_split_text(line) for line in lines]
+    rolled, at, parts = list[str](), 0, [_split_text(line) for line in lines]
     while at < len(lines):
         size, turns = _find_period(parts, at)
         if turns < LEAST_TURNS:
-            made.append(lines[at])
+            rolled.append(lines[at])
             at += 1
             continue
         head = f"for (int {row} = 0; {row} < {turns}; {row}++)"
         body = [_merge_parts(parts[at + k : at + size * turns : size], row) for k in range(size)]
-        made += [f"{head} {body[0]}"] if size == 1 else [f"{head} {{", *(f"    {one}" for one in body), "}"]
+        rolled += [f"{head} {body[0]}"] if size == 1 else [f"{head} {{", *(f"    {one}" for one in body), "}"]
         at += size * turns
-    return made
+    return rolled
 
 
 def _split_text(text: str) -> Parts:

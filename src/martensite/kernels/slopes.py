@@ -203,8 +203,8 @@ class TangentWalk:
         loop = self._graph.loops[index]
 
         def body(*numbers: Any) -> list[Any]:
-            known = dict(zip((*loop.state, *loop.row), numbers, strict=True))
-            return self._write_body(loop.bit, known, loop.outputs)
+            node_values = dict(zip((*loop.state, *loop.row), numbers, strict=True))
+            return self._write_body(loop.bit, node_values, loop.outputs)
 
         begin, *columns = ([self._read(i) for i in column] for column in (loop.begin, *loop.columns))
         return self._duals.scan(body, begin, *columns)
@@ -215,15 +215,15 @@ class TangentWalk:
         begin = [duals.parts(self._read(i)) for i in loop.begin]
 
         def trace(moving: list[bool]) -> tuple[list[Expr], list[bool]]:
-            kept = list[bool]()
+            flags = list[bool]()
 
             def body(*numbers: Expr) -> list[Any]:
-                known = dict(zip(loop.state, duals.join(numbers, moving), strict=True))
-                pairs = [duals.parts(one) for one in self._write_body(loop.bit, known, loop.outputs)]
-                kept[:] = duals.list_moving(pairs, moving)
-                return duals.split(pairs, kept)
+                node_values = dict(zip(loop.state, duals.join(numbers, moving), strict=True))
+                pairs = [duals.parts(one) for one in self._write_body(loop.bit, node_values, loop.outputs)]
+                flags[:] = duals.list_moving(pairs, moving)
+                return duals.split(pairs, flags)
 
-            return self._graph.repeat(loop.turns, body, duals.split(begin, moving), loop.stops), kept
+            return self._graph.repeat(loop.turns, body, duals.split(begin, moving), loop.stops), flags
 
         results, moving = duals.spread(begin, trace)
         return [[one] for one in duals.join(results, moving)]
