@@ -19,7 +19,7 @@ try {
     jsxImportSource: "preact",
     logLevel: "warning",
   });
-  const { status } = spawnSync(process.execPath, [join(out, "tests.mjs")], { stdio: "inherit" });
+  const { status } = spawnSync(process.execPath, ["--test-reporter=dot", join(out, "tests.mjs")], { stdio: "inherit" });
   process.exitCode = status ?? 1;
 } finally {
   await rm(out, { recursive: true });
