@@ -37,6 +37,7 @@ def test_a_wrong_unit_is_refused_beside_its_field(page: Page) -> None:
 
 def test_a_wish_becomes_a_wire_in_two_clicks(page: Page, clicks: Callable[[], int]) -> None:
     page.get_by_role("link", name="Which wire?").click()
+    expect(page.get_by_role("textbox", name="force")).to_have_value("8 N")  # the form writes its wish to the address
     visit(page, f"size?{SMALL}")  # as typed into the form
     expect(page.get_by_role("textbox", name="force")).to_have_value("0.5 N")
     page.get_by_role("button", name="Find wires").click()
