@@ -175,6 +175,45 @@ def test_waists_of_a_smooth_law_are_named():
 # ---------------------------------------------------------------- calibration
 
 
+@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+class TestZeroStress:
+    def test_forward_runs_from_M_s_to_M_f(self, exponents):
+        law = law_of(exponents)
+        assert fraction_after(law, [(0.0, 400.0), (0.0, law.M_s)], 0.0) == 0.0
+        assert fraction_after(law, [(0.0, 400.0), (0.0, law.M_f)], 0.0) == 1.0
+        assert 0.0 < fraction_after(law, [(0.0, 400.0), (0.0, law.M_s - 5.0)], 0.0) < 1.0
+        assert 0.0 < fraction_after(law, [(0.0, 400.0), (0.0, law.M_f + 5.0)], 0.0) < 1.0
+
+    def test_reverse_runs_from_A_s_to_A_f(self, exponents):
+        law = law_of(exponents)
+        assert fraction_after(law, [(0.0, 250.0), (0.0, law.A_s)], 1.0) == 1.0
+        assert fraction_after(law, [(0.0, 250.0), (0.0, law.A_f)], 1.0) == 0.0
+        assert 0.0 < fraction_after(law, [(0.0, 250.0), (0.0, law.A_s + 3.0)], 1.0) < 1.0
+        assert 0.0 < fraction_after(law, [(0.0, 250.0), (0.0, law.A_f - 3.0)], 1.0) < 1.0
+
+    def test_between_the_curve_is_the_hardening(self, exponents):
+        law, (n_1, n_2, n_3, n_4) = law_of(exponents), exponents
+        for xi in (0.1, 0.5, 0.8):
+            cold = law.M_s - (law.M_s - law.M_f) * 0.5 * (1 + xi**n_1 - (1 - xi) ** n_2)
+            hot = law.A_f - (law.A_f - law.A_s) * 0.5 * (1 + xi**n_3 - (1 - xi) ** n_4)
+            assert fraction_after(law, [(0.0, 400.0), (0.0, cold)], 0.0) == pytest.approx(xi)
+            assert fraction_after(law, [(0.0, 250.0), (0.0, hot)], 1.0) == pytest.approx(xi)
+
+
+def test_constants_close_the_balances():
+    """Equal hardening energy both ways, and the sum and difference of the surfaces at σ = 0."""
+    law = law_of((0.2, 0.5, 0.9, 0.4))
+    c = law.constants(floats)
+    forward = 0.5 * c.a_1 * (1 + 1 / 1.2 - 1 / 1.5) + c.a_3
+    reverse = 0.5 * c.a_2 * (1 + 1 / 1.9 - 1 / 1.4) - c.a_3
+    assert forward == pytest.approx(reverse, rel=1e-12)
+    s, u, y = c.rho_Delta_s0, c.rho_Delta_u0, c.Y_0
+    assert s * law.M_s == pytest.approx(u + c.a_3 + y)
+    assert s * law.M_f == pytest.approx(u + c.a_1 + c.a_3 + y)
+    assert s * law.A_f == pytest.approx(u - c.a_3 - y)
+    assert s * law.A_s == pytest.approx(u + c.a_2 - c.a_3 - y)
+
+
 # ---------------------------------------------------------------- loops
 
 

@@ -244,3 +244,10 @@ def test_the_bare_law_does_not_depend_on_the_cuts(control):
         assert path.residual < 1e-10
         assert path.plus[-1] == pytest.approx(ends[0].plus[-1], abs=ROUNDING)
         assert path.stress[-1] == pytest.approx(ends[0].stress[-1], abs=1.0)
+
+
+def test_a_coarse_step_is_second_to_the_rate_law():
+    """Steps of 0.1 s are off by less than a fifth of what the two laws are apart."""
+    step = apart(wire("mas-hybrid", 0.1), wire("mas-hybrid", 0.1 / 64), "stress")
+    law = apart(wire("mas-hybrid", 0.1 / 64), wire("mas", 0.005, rates="barrier"), "stress")
+    assert step < 0.2 * law

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import ZERO, along, example, hanging_wire, isobar, isotherm, strain_of
+from kernels import KERNELS, disagreement, on_c, on_kernel_itself
 from one_wire import cool, hang, write_wire
 from rphase_cases import VALUES, of_material, rphase_law, rphase_system, two_phase_model
 
@@ -195,6 +196,13 @@ def test_steps_of_any_length_are_solved() -> None:
         for duty, dt in zip(rng.uniform(0.0, 0.5, 40), 10 ** rng.uniform(-2, 1, 40), strict=True):
             state, report = system.step(floats, state, duty, dt=dt)
             assert report.residual < 1e-12
+
+
+def test_an_element_of_three_phases_is_the_same_in_c(c_compiler: str) -> None:
+    element, kernel = rphase_system().element, KERNELS["element"]["step"]
+    inputs = kernel.inputs()
+    meant = on_kernel_itself(element, kernel, inputs)
+    assert disagreement(meant, on_c(element, kernel, inputs)) < 1e-12
 
 
 # ---------------------------------------------------------------- what is refused, and what is said
