@@ -170,7 +170,7 @@ def test_search_options_hold_without_a_scenario(tmp_path: Path) -> None:
     rows = zip(np.add(loop["temperature"], -273.15), np.multiply(100.0, loop["strain"]), strict=True)
     path.write_text("\n".join(["temperature [degC],strain [%]", *(f"{t:.2f},{x:.5f}" for t, x in rows)]))
     words = ("--fix", "eps_L=4 %", "--free", "M_f-M_s=-90..-2 K", "--starts", "1", "--hold-out", "25 %")
-    found = json.loads(FIT(str(path), *words, "--time-box", "1 s", "--json").stdout)
+    found = json.loads(FIT(str(path), *words, "--time-box", "3 s", "--json").stdout)
     assert "eps_L" not in found["numbers"]
     assert -90.0 <= found["numbers"]["M_f-M_s"] <= -2.0
     assert not found["held_out"][0]["whole"]

@@ -70,11 +70,11 @@ class TestClimb:
         rng = np.random.default_rng(4)
         u = np.concatenate([excite(rng, 700), np.zeros(300)])
         u[690:] = 0.0
-        found = climb_ladder(record("still", u, low_pass(u), rng), time_box=1.0)
+        found = climb_ladder(record("still", u, low_pass(u), rng), time_box=5.0)
         assert any("blocks held out" in text for text in found.doubts)
 
     def test_a_time_box_keeps_what_was_found(self):
-        found = climb_ladder(noise(105, 800), time_box=1.5)
+        found = climb_ladder(noise(105, 800), time_box=3.0)
         assert found.stopped == "time box"
         assert found.rungs[0].name == "linear"
         assert not found.predicts
