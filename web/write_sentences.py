@@ -42,7 +42,7 @@ def write_sentence(tree: ast.Module, name: str, words: str) -> str:
 
 
 def list_texts(scope: ast.FunctionDef) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the names in a function that stand for a text, a condition, or a choice, with their values."""
+    """Yield each local name of a function whose value is a text, a condition or a choice, with that value."""
     for node in ast.walk(scope):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value) if isinstance(value, TEXTS) and is_plain(value):

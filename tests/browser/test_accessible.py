@@ -5,11 +5,10 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Page, ViewportSize, expect
+from playwright.sync_api import Page, expect
 
 PAGES = ("start", "bench", "studies", "identify", "size", "sweep", "board")
 AUDIT = (Path(__file__).parent / "audit.js").read_text("utf-8")
-SCREEN: ViewportSize = {"width": 1280, "height": 800}
 SCREENS = {"desk": (1280, 800), "tablet": (1024, 768), "phone": (390, 844)}
 NAMED = {
     "button",
@@ -98,14 +97,20 @@ def list_violations(page: Page) -> list[str]:
     return [f"{one['id']}: {node['html'][:120]}" for one in found for node in one["nodes"]]
 
 
+def resize(page: Page, screen: str) -> None:
+    """Give the page the size of a screen."""
+    width, height = SCREENS[screen]
+    page.set_viewport_size({"width": width, "height": height})
+
+
 def list_faults(page: Page) -> dict[str, list[str]]:
-    """What is wrong on each screen, as the browser tells it, and by axe-core."""
-    found: dict[str, list[str]] = {}
-    for screen, (width, height) in SCREENS.items():
-        page.set_viewport_size({"width": width, "height": height})
+    """Return the faults of each screen by the audit script, and those of names and axe-core."""
+    faults: dict[str, list[str]] = {}
+    for screen in SCREENS:
+        resize(page, screen)
         page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
-        found[screen] = page.evaluate(AUDIT)
-    return {**found, "names": unnamed(page), "axe": list_violations(page)}
+        faults[screen] = page.evaluate(AUDIT)
+    return {**faults, "names": unnamed(page), "axe": list_violations(page)}
 
 
 @pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
@@ -114,7 +119,7 @@ def test_pages_have_no_faults(page: Page, theme: str) -> None:
         page.get_by_role("button", name="Switch to dark").click()
     found: dict[str, dict[str, list[str]]] = {}
     for name in (*PAGES, "studies/migaone"):
-        page.set_viewport_size(SCREEN)
+        resize(page, "desk")
         opened(page, name)
         found[name] = {where: faults for where, faults in list_faults(page).items() if faults}
     assert {name: faults for name, faults in found.items() if faults} == {}

@@ -404,7 +404,7 @@ def test_a_failed_replacement_leaves_the_old_figure(tmp_path: Path, monkeypatch:
 
 
 def test_pyplot_is_not_imported(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither at the top of a module nor by what is called."""
+    """No module names it, and a figure is drawn while it cannot be imported."""
     files = Path(overview.__file__).parents[1].rglob("*.py")
     assert [
         path.name for path in files if re.search(r"^\s*(from|import) .*\bpyplot\b", path.read_text("utf-8"), re.M)

@@ -151,7 +151,7 @@ def test_a_sine_that_divides_the_step_heats() -> None:
 
 @needs_c
 def test_sines_of_round_numbers_heat() -> None:
-    """Twelve of them, beside the steady voltage that heats as much."""
+    """Compare twelve sines with the steady voltage of the same heat."""
     case, rng = switched(), np.random.default_rng(7)
     for _ in range(12):
         duration = float(rng.choice([5, 8, 10, 20]))
@@ -168,7 +168,7 @@ def test_sines_of_round_numbers_heat() -> None:
 
 @needs_c
 def test_strong_pulses_are_within_what_is_claimed() -> None:
-    """Pulses of 5 to 100 ms that transform nothing, all or a part, beside steps of a 400th of them."""
+    """Compare pulses that transform nothing, all or a part with runs in steps of a 400th of a pulse."""
     case = switched()
     for width, joule in ((5e-3, 40.0), (0.03, 30.0), (0.05, 20.0), (0.08, 38.0)):
         pulse = PulseWidthModulation(high=math.sqrt(joule / width), frequency=0.2, duty=0.2 * width)

@@ -13,7 +13,7 @@ describe("addresses", () => {
     ({ remember } = await import("../src/state/route.ts"));
   });
 
-  test("an address without a page is that of the start, with a scenario that of the bench", () => {
+  test("an address without a page opens the start, and one with a scenario the bench", () => {
     for (const [hash, page] of [["", "start"], ["#/?scenario=x", "bench"]] as const) {
       line.hash = hash;
       remember(page, { scenario: "abc" });
