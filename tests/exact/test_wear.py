@@ -105,6 +105,13 @@ def test_an_observer_that_corrects_the_state_makes_no_cycles() -> None:
     assert (moved.worn.cycles, moved.worn.martensite) == (0.0, 0.2)
 
 
+def test_strain_that_is_kept_at_its_least_is_reported() -> None:
+    loss = {"stroke_loss": 0.8, "stroke_loss_per_decade": 0.1}
+    little, much = (Wear(settling_cycles=10.0, cycles=cycles, **loss) for cycles in (50.0, 1000.0))
+    assert not any("keeps" in text for text in little.cautions())
+    assert "wear would take 100% of the transformation strain; the model keeps 5% of it" in much.cautions()[-1]
+
+
 def test_what_cannot_wear_is_refused() -> None:
     with pytest.raises(ParameterError, match="more than a tenth of the transformation strain"):
         build_wire(Wear(settling_cycles=1.0, residual_strain=0.05))

@@ -19,6 +19,7 @@ from typing import NamedTuple
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, param
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
@@ -66,7 +67,14 @@ class Wear(Parametrised):
 
     @override
     def cautions(self) -> list[str]:
-        return ["Wear follows numbers of no known source: it predicts nothing beyond the cycles they were fitted to."]
+        texts = ["Wear follows numbers of no known source: it predicts nothing beyond the cycles they were fitted to."]
+        lost = self._lose(floats, self.cycles)
+        if lost > 1.0 - LEAST_LEFT:
+            texts.append(
+                f"After {self.cycles:g} cycles, wear would take {lost:.0%} of the transformation strain; "
+                f"the model keeps {LEAST_LEFT:.0%} of it. Reduce `stroke_loss`, `stroke_loss_per_decade` or `cycles`."
+            )
+        return texts
 
     def check_law(self, law: AbstractLaw) -> None:
         """Raise `ParameterError` if a law has no wearing parameters, or residual strain grows too fast."""
@@ -101,8 +109,7 @@ class Wear(Parametrised):
         """Return the worn law."""
         done, decades = self._settle(xp, worn.cycles), self._decades(xp, worn.cycles)
         shift = done * self.temperature_shift + decades * self.temperature_shift_per_decade
-        lost = done * self.stroke_loss + decades * self.stroke_loss_per_decade
-        left = xp.maximum(1.0 - lost, LEAST_LEFT)
+        left = xp.maximum(1.0 - self._lose(xp, worn.cycles), LEAST_LEFT)
         numbers = {leaf.path: leaf.value for leaf in law.leaves()}
         changed = {name: numbers[name] + shift for name in TEMPERATURES if name in numbers}
         changed |= {name: numbers[name] * left for name in STRAINS if name in numbers}
@@ -114,6 +121,10 @@ class Wear(Parametrised):
 
         twin.__dict__["free_strain"] = free_strain
         return twin
+
+    def _lose(self, xp: Namespace, cycles: Scalar) -> Scalar:
+        """Return the lost share of the transformation strain, above 1 if nothing would be left."""
+        return self._settle(xp, cycles) * self.stroke_loss + self._decades(xp, cycles) * self.stroke_loss_per_decade
 
     def _settle(self, xp: Namespace, cycles: Scalar) -> Scalar:
         """Return the completed fraction of the change."""
