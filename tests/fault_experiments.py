@@ -587,7 +587,7 @@ def try_cluster(seed: int) -> Verdict:
             after = rng.randrange(1, 25)
 
             def tell(now: Any) -> None:
-                if now.made >= after and pids:
+                if now.new_runs >= after and pids:
                     os.kill(pids.pop(), signal.SIGKILL)
 
             begun.run(tell)

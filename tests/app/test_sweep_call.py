@@ -95,7 +95,7 @@ def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
         levels = (range(300), range(300))  # pyright: ignore[reportAssignmentType]
 
     found = Large(Store(tmp_path))
-    kept = found.kept(np.arange(90_000))
+    kept = found.select_drawn_runs(np.arange(90_000))
     assert 0.4 * MOST_DRAWN < len(kept) <= MOST_DRAWN
     assert found.strides == [3, 2] or found.strides == [2, 3]
     assert len({int(k) // 300 for k in kept}) == -(-300 // found.strides[0])

@@ -81,7 +81,7 @@ def test_a_damaged_chunk_is_refused_and_made_again(store: Path, sound: Path) -> 
     for case in spoil(store, sound, "temperature/c/3/0"):
         assert "is damaged: 1 of 4 chunks are not what was written" in refuse(store), case
         again = sweep(store)
-        assert (again.made, again.remarks) == (3, ["1 chunk was damaged and had to be made again."]), case
+        assert (again.new_runs, again.remarks) == (3, ["1 chunk was damaged and had to be made again."]), case
         assert dict(arrays(store)) == expected, case
 
 
@@ -90,7 +90,7 @@ def test_damaged_metadata_are_refused_and_restored(store: Path, sound: Path, nam
     expected = dict(arrays(sound))
     for case in spoil(store, sound, f"{name}/zarr.json"):
         assert f"is damaged: `{name}`." in refuse(store), case
-        assert sweep(store).made == 0, case
+        assert sweep(store).new_runs == 0, case
         assert dict(arrays(store)) == expected, case
     shutil.rmtree(store / name)
     assert f"is damaged: `{name}`" in refuse(store)
@@ -103,7 +103,7 @@ def test_a_damaged_checksum_is_one_of_a_damaged_chunk(store: Path, sound: Path) 
     for case in spoil(store, sound, "made/c/2"):
         if not case.startswith("gone"):  # then it is not made
             assert "(chunk 2)" in refuse(store), case
-        assert sweep(store).made == 3, case
+        assert sweep(store).new_runs == 3, case
         assert dict(arrays(store)) == expected, case
 
 

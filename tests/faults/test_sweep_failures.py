@@ -96,7 +96,7 @@ def test_a_disk_that_takes_no_more_stops_the_sweep_and_it_goes_on(tmp_path: Path
     limit = small_files(4)
 
     def tell(now: Progress) -> None:
-        if now.made == 6:
+        if now.new_runs == 6:
             limit.__enter__()
 
     begun = begin_sweep(wire(), wanted(), path, SERIAL)
@@ -106,8 +106,8 @@ def test_a_disk_that_takes_no_more_stops_the_sweep_and_it_goes_on(tmp_path: Path
     finally:
         limit.__exit__(None, None, None)
     assert StoppedError.exit_code == 1
-    assert Store(path).made() == {0, 1}
-    assert begin_sweep(wire(), wanted(), path, SERIAL).run().made == 6
+    assert Store(path).list_finished_chunks() == {0, 1}
+    assert begin_sweep(wire(), wanted(), path, SERIAL).run().new_runs == 6
     assert dict(arrays(path)) == expected
 
 
@@ -139,12 +139,12 @@ def test_ctrl_c_is_a_sentence_and_it_goes_on(tmp_path: Path) -> None:
     path = tmp_path / "s.zarr"
 
     def tell(now: Progress) -> None:
-        if now.made == 3:
+        if now.new_runs == 3:
             raise KeyboardInterrupt
 
     with pytest.raises(StoppedError, match="Interrupted when 3 of 12 runs were there"):
         begin_sweep(wire(), wanted(), path, SERIAL).run(tell)
-    assert begin_sweep(wire(), wanted(), path, SERIAL).run().made == 9
+    assert begin_sweep(wire(), wanted(), path, SERIAL).run().new_runs == 9
     assert dict(arrays(path)) == expected
 
 
@@ -163,8 +163,8 @@ def test_whoever_comes_second_opens_what_the_first_has_made(tmp_path: Path, monk
 
     monkeypatch.setattr(Path, "rename", late)
     second = begin_sweep(wire(), wanted(), path, SERIAL)
-    assert second.store.made() == {0}
-    assert second.run().made == 9
+    assert second.store.list_finished_chunks() == {0}
+    assert second.run().new_runs == 9
     assert [one.name for one in tmp_path.iterdir()] == ["s.zarr"]
 
 

@@ -117,7 +117,7 @@ def test_a_killed_command_goes_on_to_the_same_bits(tmp_path: Path) -> None:
     words = "--over", small[0], "--over", small[1], "--chunk-size", "1", "--backend", "serial"
     assert 3 <= killed(tmp_path, 3, *words) < 21
     path, scenario = tmp_path / "s.zarr", load(tmp_path / "wire.toml")
-    assert 0 < begin_sweep(scenario, wanted(*small, chunk=1), path, SweepExecution("serial")).run().made < 21
+    assert 0 < begin_sweep(scenario, wanted(*small, chunk=1), path, SweepExecution("serial")).run().new_runs < 21
     assert dict(arrays(path)) == expected
 
 

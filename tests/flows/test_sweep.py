@@ -116,7 +116,7 @@ def test_failed_runs_keep_their_status_and_no_numbers() -> None:
     good = known.compute(range(3))
     columns = {n: np.ones((3, 11)) for n in known.outputs}
     status = np.array([0, Status.UNSOLVED, 1], np.int8)
-    kept = known._kept(
+    kept = known._collect_results(
         good.values, Ensemble(columns, status, np.zeros(3), np.zeros(3), np.ones((len(known.measures), 3)))
     )
     for words in MEASURES:
@@ -161,7 +161,7 @@ def test_a_store_that_was_moved_goes_on(whole: Path, tmp_path: Path) -> None:
     moved = replace(wire(), path=tmp_path / "elsewhere" / "wire.toml")
     begun = begin_sweep(moved, wanted(traces=TRACES, runtime=None), second, SERIAL)
     assert begun.plan.course.runtime == "floats"
-    assert begun.run().made == 6
+    assert begun.run().new_runs == 6
     assert dict(arrays(second)) == dict(arrays(whole))
 
 
@@ -215,7 +215,7 @@ def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="other parts"):
         begin_sweep(wire(), wanted(), path, replace(force, part="1/2"))
     assert dict(arrays(path)) == before
-    assert begin_sweep(wire(), wanted(seed=2), path, force).run().made == 12
+    assert begin_sweep(wire(), wanted(seed=2), path, force).run().new_runs == 12
 
 
 # ---------------------------------------------------------------- plans
@@ -272,7 +272,7 @@ def test_parts_share_all_chunks_once() -> None:
 )
 def test_wrong_backends_are_refused(backend: SweepExecution, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        backend.made(9, "c")
+        backend.make_backend(9, "c")
 
 
 FREE = WIRE.replace('step = "0.1 s"', "tolerance = 1e-3")
@@ -333,7 +333,7 @@ def test_a_job_travels_and_refuses_to_make_another_sweep(tmp_path: Path) -> None
     create_store(tmp_path / "s.zarr", made, spec)
     job = pickle.loads(pickle.dumps(SweepJob(tmp_path / "s.zarr", json.dumps(spec))))
     assert job(2).status == {0: 3}
-    assert Store(tmp_path / "s.zarr").made() == {2}
+    assert Store(tmp_path / "s.zarr").list_finished_chunks() == {2}
     for wrong, sentence in (
         ({"version": "0.0.1"}, "version of martensite `0.0.1` there"),
         ({"numbers": "another"}, "numbers in files"),
@@ -413,4 +413,4 @@ def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
     ],
 )
 def test_who_runs_chunks_by_itself(how: SweepExecution, chunks: int, runtime: str, name: str) -> None:
-    assert how.made(chunks, runtime).registered_name == name
+    assert how.make_backend(chunks, runtime).registered_name == name

@@ -41,9 +41,9 @@ def scheduler() -> Iterator[str]:
 def test_a_cluster_makes_the_same_bits(scheduler: str, tmp_path: Path) -> None:
     expected = undisturbed(tmp_path / "whole.zarr")
     path = tmp_path / "s.zarr"
-    assert begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made == 12
+    assert begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().new_runs == 12
     assert dict(arrays(path)) == expected
-    assert begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made == 0
+    assert begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().new_runs == 0
 
 
 @dataclass(frozen=True)

@@ -151,7 +151,7 @@ def test_a_level_that_is_not_affine_is_refused() -> None:
 def test_it_agrees_with_brute_force() -> None:
     best = found(("strand.diameter=0.08..0.14 mm", "drive.waveform.high=2..6 W"))
     grid = scan_designs(best.designs, 21)
-    assert best.kept
+    assert best.feasible
     assert grid.best is not None
     assert best.goal <= grid.values[0] * (1.0 + 1e-6)
     assert grid.values[0] <= best.goal * 3.0 ** (1.0 / 20.0)  # energy is power: a cell of it
@@ -174,15 +174,15 @@ def test_what_a_limit_costs_is_what_another_limit_gains() -> None:
 def test_whole_numbers_are_those_of_a_grid() -> None:
     best = found((COUNT, DIAMETER, POWER))
     grid = scan_designs(best.designs, [6, 7, 7])
-    assert best.kept
+    assert best.feasible
     assert best.numbers[0] == round(best.numbers[0])
     assert grid.best is not None
     assert best.numbers[0] == grid.numbers[0]
     assert best.goal <= grid.values[0] * (1.0 + 1e-6)
-    tried = {one.whole[0]: one for one in best.held}
+    tried = {one.whole[0]: one for one in best.rounded_designs}
     count = int(best.numbers[0])
     assert {n for n in (count - 1, count + 1) if 1 <= n <= 6} <= set(tried)
-    assert all(best.goal <= one.goal * (1.0 + 1e-9) for one in tried.values() if one.kept)
+    assert all(best.goal <= one.goal * (1.0 + 1e-9) for one in tried.values() if one.feasible)
     assert best.relaxed_goal is not None
     assert best.relaxed_goal <= best.goal * (1.0 + 1e-4)
 
@@ -197,14 +197,14 @@ def test_it_leaves_a_start_that_does_not_move() -> None:
     assert flat is not None
     assert np.abs(flat.slopes[0, 1]).max() < 1e-9  # of the stroke
     best = found(free, begin=begin)
-    assert best.kept
+    assert best.feasible
     assert best.reported[1].before[0] < 1e-4 < 7.5e-3 <= best.reported[1].after[0] * (1.0 + 1e-4)
 
 
 def test_what_cannot_be_kept_is_said() -> None:
     search = DesignSearch(sample=8, more=1, descents=1, clouds=0, iterations=20)
     best = found((DIAMETER, POWER), "stroke >= 50 mm", "max(stress) <= 300 MPa", search=search)
-    assert not best.kept
+    assert not best.feasible
     assert "stroke >= 50 mm" in best.missed
     assert "Widen the bounds" in best.notes[0]
 
@@ -213,7 +213,7 @@ def test_cases_are_all_kept() -> None:
     warm = found((DIAMETER, POWER), cases=("environment.temperature=35 degC",))
     alone = found((DIAMETER, POWER))
     times = {one.words: one.after for one in warm.reported}
-    assert warm.kept
+    assert warm.feasible
     assert times["fall-time"][0] < times["fall-time"][1] <= 1.0 * (1.0 + 1e-4)
     assert times["rise-time"][1] < times["rise-time"][0] <= 0.5 * (1.0 + 1e-4)
     assert warm.goal >= alone.goal * (1.0 - 1e-4)

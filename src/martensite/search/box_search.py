@@ -53,13 +53,13 @@ class JudgedPoints(NamedTuple):
         return np.maximum(-self.slack, 0.0).sum(axis=1)
 
     @property
-    def kept(self) -> NDArray[np.bool_]:
+    def feasible(self) -> NDArray[np.bool_]:
         """Return whether all constraints are satisfied, (points,)."""
         return (self.slack >= -FEASIBLE_VIOLATION).all(axis=1) & (self.goal < FAILED_GOAL)
 
     def order(self) -> list[int]:
         """Return the order from best to worst: feasible points by goal, then others by violation."""
-        lost = np.where(self.kept, 0.0, FEASIBLE_VIOLATION + self.violation)
+        lost = np.where(self.feasible, 0.0, FEASIBLE_VIOLATION + self.violation)
         return [int(k) for k in np.lexsort((self.goal, lost))]
 
 
@@ -80,13 +80,13 @@ class BoxPoint(NamedTuple):
     z: Numbers
     goal: float
     violation: float
-    kept: bool
+    feasible: bool
 
     def is_better_than(self, other: BoxPoint) -> bool:
         """Return whether this point is better than another."""
-        if self.kept and other.kept:
+        if self.feasible and other.feasible:
             return self.goal < other.goal
-        return self.kept or (not other.kept and self.violation < other.violation)
+        return self.feasible or (not other.feasible and self.violation < other.violation)
 
 
 class SearchMark(NamedTuple):
@@ -165,7 +165,7 @@ class BoxSearch:
 
     def note_points(self, z: Numbers, judged: JudgedPoints) -> list[BoxPoint]:
         """Return the evaluated points, and store the best."""
-        rows = zip(z, judged.goal, judged.violation, judged.kept, strict=True)
+        rows = zip(z, judged.goal, judged.violation, judged.feasible, strict=True)
         points = [BoxPoint(p, float(g), float(v), bool(k)) for p, g, v, k in rows]
         for point in points:
             if self.best is None or point.is_better_than(self.best):
@@ -185,7 +185,7 @@ class BoxSearch:
         return self._memory[key]
 
     @property
-    def found(self) -> BoxPoint:
+    def best_point(self) -> BoxPoint:
         """Return the best point."""
         if self.best is None:
             raise SolveError("No design was evaluated.")
@@ -203,11 +203,11 @@ class BoxSearch:
     def look_around(self, fixed: NDArray[np.bool_] | None = None) -> None:
         """Search the neighbourhood of the best point, and continue from a better point."""
         for _ in range(self.cloud_count):
-            before = self.found
+            before = self.best_point
             self.judge(self.scatter_points(before.z, CLOUD_POINTS, fixed=fixed))
-            if self.found is before:
+            if self.best_point is before:
                 break
-            self.descend(self.found.z, fixed)
+            self.descend(self.best_point.z, fixed)
 
     def descend(self, begin: Numbers, fixed: NDArray[np.bool_] | None = None) -> None:
         """Descend from a point with some parameters fixed, and store the best point."""
@@ -289,7 +289,7 @@ class _MovingPart:
         self.bounds = [(0.0, width) for width in search.objective.widths[~fixed]]
         self.last: Numbers = begin
         """Last point."""
-        self._left = 2 * search.iterations
+        self._remaining_runs = 2 * search.iterations
 
     def whole(self, u: Numbers) -> Numbers:
         """Return all parameters from the moving ones."""
@@ -315,15 +315,15 @@ class _MovingPart:
         """Return the goal and slacks with derivatives."""
         z = self.whole(np.asarray(u, float))
         if not np.array_equal(z, self.last):
-            self._left -= 1
+            self._remaining_runs -= 1
             self.last = z
-        if self._left < 0:
+        if self._remaining_runs < 0:
             raise _SpentError
         point = self._search.differentiate(z)
         if point is not None and point.goal < FAILED_GOAL:
             lost = point.slack < -NEARLY_FEASIBLE
             if lost.any() and not point.slack_slope[lost].any():
-                self._left -= STUCK_RUNS  # no free parameter moves
+                self._remaining_runs -= STUCK_RUNS  # no free parameter moves
             return point
         first = self._search.differentiate(self._begin)
         count = 0 if first is None else len(first.slack)

@@ -170,8 +170,10 @@ def _describe_candidate(request: WireRequest, number: int, candidate: Candidate,
 
 
 def _describe_margin(margin: Margin) -> JsonTable:
-    display_unit = "" if margin.unit == margin.shown == "1" else margin.shown
-    used, limit = (f"{units.from_si(value, margin.shown, margin.unit):.3g}" for value in (margin.used, margin.limit))
+    display_unit = "" if margin.unit == margin.display_unit == "1" else margin.display_unit
+    used, limit = (
+        f"{units.from_si(value, margin.display_unit, margin.unit):.3g}" for value in (margin.used, margin.limit)
+    )
     return {
         "name": margin.name,
         "share": margin.share,

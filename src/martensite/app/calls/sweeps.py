@@ -163,7 +163,7 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
         **_count_ended(drawing.store),
         **summarise_store(key, path),
         "layout": drawing.layout(),
-        "points": drawing.points(drawing.store.made()),
+        "points": drawing.points(drawing.store.list_finished_chunks()),
         "command": write_command(make_slug(drawing.spec["title"]), sweep_request, step=step),
     }
 

@@ -75,7 +75,7 @@ class SweepDrawing:
             steps[int(np.argmax(counts))] += 1
         return steps
 
-    def kept(self, rows: Rows) -> Rows:
+    def select_drawn_runs(self, rows: Rows) -> Rows:
         """Return the drawn ones of some runs."""
         if self.levels is None:
             return rows[rows % self.strides[0] == 0]
@@ -96,7 +96,7 @@ class SweepDrawing:
         table: JsonTable = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
         for first, last in _list_stretches(sorted(chunks)):
             rows = np.arange(self.rows(first)[0], self.rows(last)[-1] + 1)
-            drawn_rows = self.kept(rows)
+            drawn_rows = self.select_drawn_runs(rows)
             if len(drawn_rows):
                 self._add(table, rows, drawn_rows)
         return table
@@ -126,22 +126,22 @@ class SweepDrawing:
             **{name: self.spec[name] for name in ("seed", "step", "runtime", "chunk", "version")},
             "axes": [
                 {
-                    **self._shown(one.target.name),
+                    **self._describe_measure(one.target.name),
                     "short": short[one.target.name],
                     "log": one.logarithmic,
                     "levels": None if self.levels is None else self.levels[k],
                 }
                 for k, one in enumerate(self.axes)
             ],
-            "measures": [{**self._shown(name), "short": name} for name in self.spec["measures"]],
+            "measures": [{**self._describe_measure(name), "short": name} for name in self.spec["measures"]],
             "strides": self.strides,
             "statuses": [[int(one), one.name.lower(), one.sentence] for one in Status],
         }
 
-    def _shown(self, name: str) -> JsonTable:
+    def _describe_measure(self, name: str) -> JsonTable:
         array = self.store.group[name]
         column = SweepColumn(name, str(array.attrs["units"]), np.empty(0))
-        how = describe_conversion(column.declared, column.shown)
+        how = describe_conversion(column.declared, column.display_unit)
         about = str(array.attrs["long_name"])
         return {**how, "name": name, "about": about, "unit": column.unit}
 
@@ -226,7 +226,7 @@ class SweepProgress:
             )
 
     def _state(self, progress: Progress, elapsed: float) -> JsonTable:
-        rate = progress.made / elapsed if progress.made and elapsed > 0.0 else None
+        rate = progress.new_runs / elapsed if progress.new_runs and elapsed > 0.0 else None
         return {
             "phase": "running",
             "key": self.key,

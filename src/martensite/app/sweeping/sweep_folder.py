@@ -120,7 +120,7 @@ def summarise_store(key: str, path: Path) -> JsonTable:
     try:
         store = Store(path)
         spec, runs = store.spec, int(store.group[STATUS].shape[0])
-        chunks, length = store.made(), int(spec["chunk"])
+        chunks, length = store.list_finished_chunks(), int(spec["chunk"])
         done = sum(min(length, runs - chunk * length) for chunk in chunks)
     except (MartensiteError, KeyError, ValueError) as error:
         lost = {"title": path.name, "over": [], "sample": "", "runs": 0, "done": 0}

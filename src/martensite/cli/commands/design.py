@@ -147,7 +147,7 @@ def design(
     from martensite.show.summaries.design import describe_verdict, summarise_design
 
     refused = outputs.answer_verdict(
-        Verdict(not best_design.kept, describe_verdict(best_design)),
+        Verdict(not best_design.feasible, describe_verdict(best_design)),
         summarise_design(best_design, loaded.title),
         answer,
         lambda: write_design(best_design, loaded),

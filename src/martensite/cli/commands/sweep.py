@@ -132,7 +132,7 @@ def show_sweep(label: str) -> Iterator[Callable[[Progress], None] | None]:
 
 def _write_rate(now: Progress, elapsed: float) -> str:
     failed = sum(count for status, count in now.status.items() if status > 1)
-    speed = "" if not elapsed or not now.made else f"{now.made / elapsed:.0f}/s"
+    speed = "" if not elapsed or not now.new_runs else f"{now.new_runs / elapsed:.0f}/s"
     return f"{speed}, {failed} failed" if failed else speed
 
 

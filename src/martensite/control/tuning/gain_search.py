@@ -174,14 +174,14 @@ def search_gains(
     if keep is not None:
         hunt.keep = lambda point: keep({path: float(value) for path, value in costs.numbers(point.z).items()})
     points = hunt.judge(np.array([costs.place(start) for start in starts]))
-    if hunt.found.goal >= FAILED_COST:
+    if hunt.best_point.goal >= FAILED_COST:
         raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")
     wide = START_SPREAD / CLOUD_SPREAD
-    points += hunt.judge(hunt.scatter_points(hunt.found.z, search.scattered, wide))
+    points += hunt.judge(hunt.scatter_points(hunt.best_point.z, search.scattered, wide))
     points = sorted(points, key=lambda point: point.goal)[: max(search.searches, 1)]
     for k, start in enumerate(points):
         hunt.tell(f"search {k + 1}", k / (len(points) + 1))
         hunt.descend(start.z)
     hunt.tell("looking around", len(points) / (len(points) + 1))
     hunt.look_around()
-    return hunt.found.goal, hunt.found.z, tuple(sorted(hunt.ends))
+    return hunt.best_point.goal, hunt.best_point.z, tuple(sorted(hunt.ends))

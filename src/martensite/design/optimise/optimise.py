@@ -114,7 +114,7 @@ def optimise_design(
     begin = np.array([one.share(one.start) for one in question.free])
     hunt = search_designs(designs, begin, how, watch, keep)
     history = list(hunt.history)
-    point, tried, relaxed = round_design(hunt, question.free, hunt.found)
+    point, tried, relaxed = round_design(hunt, question.free, hunt.best_point)
     if tried:
         history.append(_mark_progress(designs, point))
     halvings = HALVINGS if step is None else 0
@@ -126,13 +126,13 @@ def optimise_design(
     if tried:
         answer = replace(
             answer,
-            held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
+            rounded_designs=tuple(_describe_rounded(designs, *one) for one in tried.items()),
             relaxed=tuple(designs.numbers(relaxed.z).tolist()),
             relaxed_goal=designs.restore_goal(relaxed.goal),
         )
     return replace(
         answer,
-        kept=answer.kept and not binding,
+        feasible=answer.feasible and not binding,
         missed=(*answer.missed, *binding),
         exceeded=exceeded,
         history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
@@ -201,7 +201,7 @@ def _refine_step(
         hunt.tell("shorter steps", 0.9)
         hunt.judge(point.z[None])
         hunt.descend(point.z, fixed)
-        point = hunt.found
+        point = hunt.best_point
         apart = _compare_steps(designs, finer, point.z)
     return designs, point, apart
 
@@ -231,7 +231,7 @@ def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: Box
     slack = designs.judge(point.z[None]).slack[0].reshape(-1, len(question.subject) or 1)
     missed = [c.words for k, c in enumerate(question.subject) if (slack[:, k] < -FEASIBLE_VIOLATION).any()]
     notes: list[str] = []
-    if not point.kept:
+    if not point.feasible:
         notes.append(
             "No design in the box was found that keeps all constraints; this one misses least. "
             "Widen the bounds, or ask for less."
@@ -241,7 +241,7 @@ def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: Box
         steering=apply_numbers(steering, question, exact),
         z=tuple(point.z.tolist()),
         numbers=exact,
-        kept=point.kept,
+        feasible=point.feasible,
         missed=tuple(missed),
         reported=_report_measures(designs, exact),
         balance=find_multipliers(designs, point.z),
@@ -278,7 +278,7 @@ def _list_measures(steering: WaveformLevels, aim_words: set[str]) -> list[Design
 def _describe_rounded(designs: DesignEvaluator, whole: tuple[int, ...], point: BoxPoint) -> RoundedDesign:
     numbers = tuple(designs.numbers(point.z).tolist())
     goal = designs.restore_goal(point.goal)
-    return RoundedDesign(whole, numbers, goal, point.kept, point.violation)
+    return RoundedDesign(whole, numbers, goal, point.feasible, point.violation)
 
 
 def _mark_progress(designs: DesignEvaluator, point: BoxPoint) -> SearchMark:

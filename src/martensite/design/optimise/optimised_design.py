@@ -165,7 +165,7 @@ class RoundedDesign:
     """Free parameters [SI]."""
     goal: float
     """[SI]"""
-    kept: bool
+    feasible: bool
     violation: float
     """Violation of the constraints, as fractions of their limits."""
 
@@ -182,7 +182,7 @@ class OptimisedDesign:
     """Positions between the bounds, from 0 to 1."""
     numbers: tuple[float, ...]
     """Optimal values [SI], one per free parameter."""
-    kept: bool
+    feasible: bool
     """True if the rounded design keeps all constraints."""
     missed: tuple[str, ...]
     """Violated constraints."""
@@ -192,7 +192,7 @@ class OptimisedDesign:
     """Active constraints with multipliers; None without derivatives."""
     accuracy: float
     """Largest change of goal and slacks on halving the step, as a fraction of goal and limits."""
-    held: tuple[RoundedDesign, ...] = ()
+    rounded_designs: tuple[RoundedDesign, ...] = ()
     """Best designs by whole numbers."""
     relaxed: tuple[float, ...] | None = None
     """Optimal values with continuous instead of whole numbers [SI]; None without whole numbers."""
@@ -238,7 +238,7 @@ class OptimisedDesign:
         """Return the goal of the scenario [SI]."""
         return _compute_mean(self.reported[0].before)
 
-    def named(self) -> dict[str, float]:
+    def values_by_name(self) -> dict[str, float]:
         """Return the optimal values by name [SI]."""
         names = (one.name for one in self.question.free)
         return dict(zip(names, self.numbers, strict=True))
@@ -255,7 +255,7 @@ class OptimisedDesign:
                 "before": self.goal_before,
                 "after": self.goal,
             },
-            "kept": self.kept,
+            "feasible": self.feasible,
             "missed": list(self.missed),
             "exceeded": list(self.exceeded),
             "free": {
@@ -278,7 +278,7 @@ class OptimisedDesign:
             },
             "pressing": [] if balance is None else [one.to_dict() for one in balance.pressing],
             "imbalance": None if balance is None else balance.residue,
-            "whole_numbers": [vars(one) for one in self.held],
+            "whole_numbers": [vars(one) for one in self.rounded_designs],
             "relaxed": None if self.relaxed is None else {"numbers": list(self.relaxed), "goal": self.relaxed_goal},
             "runs": self.counts.to_dict(),
             "step": self.step,

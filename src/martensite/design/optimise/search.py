@@ -67,7 +67,7 @@ def start_search(
         """Pass on a point that is better than the last one; a rounded design may be worse."""
         if keep is not None and not (best and best[-1].is_better_than(point)):
             best.append(point)
-            keep(designs.question, designs.numbers(point.z).tolist(), point.kept)
+            keep(designs.question, designs.numbers(point.z).tolist(), point.feasible)
 
     hunt.keep = keep_better
     return hunt
@@ -96,7 +96,7 @@ def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, searc
     designs.set_size(values)
     points = hunt.note_points(first, designs.judge_values(values))
     for k in range(search.more):
-        if any(point.kept for point in points):
+        if any(point.feasible for point in points):
             break
         hunt.tell("sampling more", 0.03 * (k + 1))
         points += hunt.judge(sobol.random(len(points) - 1))
@@ -199,7 +199,7 @@ def _search_from(hunt: BoxSearch, z: NDArray[np.float64], fixed: NDArray[np.bool
     hunt.judge(z[None])
     hunt.descend(z, fixed)
     hunt.look_around(fixed)
-    return hunt.found
+    return hunt.best_point
 
 
 # ---------------------------------------------------------------- brute force beside it
@@ -231,7 +231,7 @@ class DesignScan:
         return {
             "simulations": len(self.z),
             "shape": list(self.shape),
-            "kept": int(self.judged.kept.sum()),
+            "feasible": int(self.judged.feasible.sum()),
             "numbers": list(self.numbers),
             "values": list(self.values),
         }
@@ -267,7 +267,7 @@ def scan_designs(
         z,
         judged,
         shape,
-        first if judged.kept[first] else None,
+        first if judged.feasible[first] else None,
         tuple(designs.numbers(z[first]).tolist()),
         tuple(values[first].mean(axis=0).tolist()),
     )

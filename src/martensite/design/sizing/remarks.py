@@ -162,13 +162,13 @@ def _format_megapascal(pascal: float) -> str:
 
 @dataclass(frozen=True)
 class Margin:
-    """Limit and its used part, in `unit`; `shown` is a readable unit."""
+    """Limit and its used part, in `unit`; `display_unit` is a readable unit."""
 
     name: str
     used: float
     limit: float
     unit: str
-    shown: str
+    display_unit: str
     chosen: bool = False
     """True for the strain, which the sizing itself sets to its limit."""
 

@@ -170,11 +170,11 @@ def format_ratings(ratings: WireRatings, catalogue: WireCatalogue) -> str:
     period = 1.1 * heating + max(1.5 * (cycle.cooling or 0.0) if cycle else 0.0, 6.0 * strand.time_constant())
     wave = f'kind = "pwm", high = "{current:.6g} A", frequency = "{1.0 / period:.6g} Hz", duty = {heating / period:.6g}'
     note = ""
-    if ratings.drawn and isinstance(strand, CoilStrand):
+    if ratings.drawn_coil and isinstance(strand, CoilStrand):
         note = (
             f"# It closes at {1e3 * strand.solid:.4g} mm, turns times diameter, which is in the coil itself. The stop "
-            f"that holds it at {1e3 * ratings.drawn.length:.4g} mm when cold is in no mechanism: a run begins where "
-            "the load draws it to.\n"
+            f"that holds it at {1e3 * ratings.drawn_coil.length:.4g} mm when cold is in no mechanism: a run begins "
+            "where the load draws it to.\n"
         )
     notes = [f"# Does not do: {fault}." for fault in ratings.faults]
     notes += [f"# {COIL_DOUBT}"] * isinstance(strand, CoilStrand)

@@ -69,7 +69,7 @@ class WireRatings:
     strain_limit: float
     returns: bool
     """True if the ambient is below M_f under the cold load."""
-    drawn: Drawn | None = None
+    drawn_coil: Drawn | None = None
     """Coil at its drawn length."""
     contradiction: str = ""
     """Contradiction between the measured resistance and the maker's table, or ''."""
@@ -91,9 +91,11 @@ class WireRatings:
             faults.append(f"{stress:.4g} MPa is above the maker's {limit:.4g} MPa for repeated use")
         alarms = () if self.cycle is None else self.cycle.exceeded
         faults += [describe_excess(alarm) for alarm in alarms if alarm.kind != "stress"]
-        if self.drawn is not None and self.drawn.strain > self.strain_limit:
-            strains = f"{100.0 * self.drawn.strain:.3g} % strain, above the maker's {100.0 * self.strain_limit:.3g} %"
-            faults.append(f"stretched to {1e3 * self.drawn.length:.4g} mm the coil has {strains}")
+        if self.drawn_coil is not None and self.drawn_coil.strain > self.strain_limit:
+            strains = (
+                f"{100.0 * self.drawn_coil.strain:.3g} % strain, above the maker's {100.0 * self.strain_limit:.3g} %"
+            )
+            faults.append(f"stretched to {1e3 * self.drawn_coil.length:.4g} mm the coil has {strains}")
         return tuple(faults)
 
     def _describe_supply(self, needed: float) -> str:
@@ -183,7 +185,7 @@ class WireRatings:
             "series_power": series and series[1],
             "duty": None if series is None or current is None else self.duty(current),
             "coil": self.describe_coil(),
-            "drawn": self.drawn and asdict(self.drawn),
+            "drawn": self.drawn_coil and asdict(self.drawn_coil),
             "supply_time": self.supply_time,
             "table_current": self.size.current.value,
             "count": self.count,

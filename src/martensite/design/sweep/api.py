@@ -40,14 +40,14 @@ class Progress:
     remarks: list[str] = field(default_factory=list[str])
 
     @property
-    def made(self) -> int:
+    def new_runs(self) -> int:
         """Return the number of new runs."""
         return self.status.total()
 
     @property
     def done(self) -> int:
         """Return the number of all finished runs."""
-        return self.before + self.made
+        return self.before + self.new_runs
 
     def note(self, report: Report) -> None:
         """Count a chunk."""
@@ -133,7 +133,7 @@ class SweepExecution:
     force: bool = False
     """Replace an existing store."""
 
-    def made(self, chunks: int, runtime: str | None) -> AbstractBackend:
+    def make_backend(self, chunks: int, runtime: str | None) -> AbstractBackend:
         """Return the backend for a number of chunks.
 
         Raises:
@@ -175,7 +175,7 @@ class PlannedSweep:
         Raises:
             StoppedError: the sweep cannot continue, or was interrupted; finished chunks are kept.
         """
-        progress = run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
+        progress = run_chunks(self.job, self.part, self.store.list_finished_chunks(), self.backend, tell)
         progress.remarks[:0] = self.remarks
         return progress
 
@@ -188,7 +188,7 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
     Raises:
         InputError: an axis, an option or the store is invalid.
     """
-    how.made(0, wanted.runtime)
+    how.make_backend(0, wanted.runtime)
     if how.force and how.part:
         raise InputError("`--force` would remove what other parts have made; leave it out.")
     parse_share(1 << 30, how.part)
@@ -207,7 +207,7 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
     store = create_store(path, plan, spec)
     damaged = store.discard_damaged()
     job, part = SweepJob(path.resolve(), json.dumps(spec)), parse_share(plan.chunks, how.part)
-    backend = how.made(len(set(part) - store.made()), wanted.runtime)
+    backend = how.make_backend(len(set(part) - store.list_finished_chunks()), wanted.runtime)
     count = "1 chunk was" if len(damaged) == 1 else f"{len(damaged):,} chunks were"
     remarks = (f"{count} damaged and had to be made again.",) if damaged else ()
     return PlannedSweep(plan, store, job, part, backend, remarks)

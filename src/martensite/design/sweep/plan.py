@@ -151,7 +151,7 @@ class SweepPlan:
         """Compute some runs."""
         values = self.values(rows)
         system, signals = self.by_owner([np.ascontiguousarray(column) for column in values.T])
-        return self._kept(values, self._ready.run(system, signals))
+        return self._collect_results(values, self._ready.run(system, signals))
 
     def values(self, rows: range) -> Numbers:
         """Return the varied parameters of some runs, (runs, axes), in SI."""
@@ -170,7 +170,7 @@ class SweepPlan:
     def lost(self, rows: range) -> SweepPiece:
         """Return the stored results of lost runs."""
         lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
-        return self._kept(self.values(rows), lost)
+        return self._collect_results(self.values(rows), lost)
 
     def try_measures(self) -> None:
         """Raise `InputError` if a measure fails on an empty run."""
@@ -186,7 +186,7 @@ class SweepPlan:
         measures = tuple(self.measures.values())
         return replace(self.course, outputs=self.outputs, measures=measures, samples=samples)
 
-    def _kept(self, values: Numbers, ran: Ensemble) -> SweepPiece:
+    def _collect_results(self, values: Numbers, ran: Ensemble) -> SweepPiece:
         """Return the measures and traces; a failed run has no measures."""
         bad = ran.status >= Status.UNSOLVED
         scalars = {words: np.where(bad, np.nan, row) for words, row in zip(self.measures, ran.numbers, strict=True)}

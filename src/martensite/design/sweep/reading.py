@@ -69,7 +69,7 @@ def read_status(store: Store) -> NDArray[np.int8]:
     """Return the status of every run; `NOT_MADE` for a missing chunk."""
     status = np.asarray(store.group[STATUS][:], np.int8)
     places = np.arange(len(status)) // int(store.spec["chunk"])
-    return np.where(np.isin(places, list(store.made())), status, np.int8(NOT_MADE))
+    return np.where(np.isin(places, list(store.list_finished_chunks())), status, np.int8(NOT_MADE))
 
 
 def read_axes(store: Store) -> list[FreeNumber]:

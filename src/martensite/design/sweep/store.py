@@ -217,7 +217,7 @@ class Store:
         """Return the metadata of all arrays, and the checksums of times."""
         return json.loads(self._request[1])
 
-    def made(self) -> set[int]:
+    def list_finished_chunks(self) -> set[int]:
         """Return the numbers of the finished chunks."""
         return set(np.flatnonzero(self._read_flags()).tolist())
 

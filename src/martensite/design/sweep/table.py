@@ -40,13 +40,13 @@ class SweepColumn:
         return units.DEGREES if stroke else self.unit
 
     @property
-    def shown(self) -> str:
+    def display_unit(self) -> str:
         """Return the familiar unit."""
         return units.choose_readable_unit(self.declared)
 
     def readable(self, values: Any = None) -> Numbers:
         """Return the values of the column, or other values, in its familiar unit."""
-        factor, offset = units.find_conversion(self.shown, self.declared)
+        factor, offset = units.find_conversion(self.display_unit, self.declared)
         return (np.asarray(self.values if values is None else values, float) - offset) / factor
 
     def words(self, value: float) -> str:
@@ -54,12 +54,12 @@ class SweepColumn:
         if math.isinf(value):
             return "never"
         number = f"{float(self.readable(value)):.5g}"
-        return number if self.shown == "1" else f"{number} {self.shown}"
+        return number if self.display_unit == "1" else f"{number} {self.display_unit}"
 
     def apart(self, difference: float) -> str:
         """Return a difference with its unit."""
-        factor, offset = units.find_conversion(self.shown, self.declared)
-        unit = "K" if offset else self.shown
+        factor, offset = units.find_conversion(self.display_unit, self.declared)
+        unit = "K" if offset else self.display_unit
         number = f"{difference / factor:.4g}"
         return number if unit == "1" else f"{number} {unit}"
 

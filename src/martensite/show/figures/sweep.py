@@ -138,7 +138,7 @@ def _mark_failures(axes: Axes, x: Any, y: Any, table: SweepTable, one: SweepColu
 
 def label_column(one: SweepColumn, short: str = "") -> str:
     """Return the name and unit of a column, for an axis."""
-    return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
+    return f"{short or one.name} [{typeset_unit(one.display_unit, '–')}]"
 
 
 def label_varied(table: SweepTable) -> list[str]:

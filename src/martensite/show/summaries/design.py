@@ -40,7 +40,7 @@ def summarise_design(optimum: OptimisedDesign, title: str) -> Summary:
 
 def describe_verdict(optimum: OptimisedDesign) -> str:
     """Return whether a design keeps all limits, with its goal or violations, without a full stop."""
-    if not optimum.kept:
+    if not optimum.feasible:
         return f"No design that keeps all limits was found: the nearest one misses {', '.join(optimum.missed)}"
     sense, goal = "most" if optimum.question.most else "least", optimum.question.goal
     verdict = (
@@ -110,12 +110,12 @@ def _write_limits(optimum: OptimisedDesign, words: str) -> tuple[str, str]:
 
 
 def _describe_whole(optimum: OptimisedDesign) -> Iterator[Block]:
-    if not optimum.held or optimum.relaxed is None or optimum.relaxed_goal is None:
+    if not optimum.rounded_designs or optimum.relaxed is None or optimum.relaxed_goal is None:
         return
     free, unit = optimum.question.free, optimum.question.goal.unit
     names = [one.name for one in free if one.whole]
     others = [(k, one) for k, one in enumerate(free) if not one.whole]
-    rows = [_whole_row(one, others, unit) for one in optimum.held]
+    rows = [_whole_row(one, others, unit) for one in optimum.rounded_designs]
     head = (*names, *(one.name for _, one in others), optimum.question.goal.words, "kept")
     yield DataTable(head, rows, right=range(len(head) - 1))
     values = ", ".join(f"{one.name} = {v:.4g}" for one, v in zip(free, optimum.relaxed, strict=True) if one.whole)
@@ -125,12 +125,12 @@ def _describe_whole(optimum: OptimisedDesign) -> Iterator[Block]:
 
 def _whole_row(one: RoundedDesign, others: Sequence[tuple[int, object]], unit: str) -> tuple[str, ...]:
     numbers = [write_quantity(float(f"{one.numbers[k]:.5g}"), getattr(free, "unit", "1")) for k, free in others]
-    verdict = "yes" if one.kept else f"no, misses {100.0 * one.violation:.2g} %"
+    verdict = "yes" if one.feasible else f"no, misses {100.0 * one.violation:.2g} %"
     return (*map(str, one.whole), *numbers, write_quantity(float(f"{one.goal:.5g}"), unit), verdict)
 
 
 def _describe_balance(optimum: OptimisedDesign) -> Iterator[Block]:
-    if optimum.balance is None or not optimum.kept:
+    if optimum.balance is None or not optimum.feasible:
         return
     for one in optimum.balance.pressing:
         yield Sentence(one.words(optimum.question.goal.unit))

@@ -41,7 +41,9 @@ def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summar
     warned = (*_tell_failures(plan, store), *progress.remarks)
     blocks = [
         DataTable(("measure", *SPREAD), rows, right=(1, 2, 3)),
-        Sentence(f"{progress.done:,} of {plan.size:,} runs, {progress.made:,} of them now, {_tell_steps(plan, store)}"),
+        Sentence(
+            f"{progress.done:,} of {plan.size:,} runs, {progress.new_runs:,} of them now, {_tell_steps(plan, store)}"
+        ),
         *(Sentence(one) for one in _tell_effort(progress)),
         *(Sentence(f"Caution: {one}", "caution") for one in plan.cautions()),
         *(Sentence(f"Warning: {one}", "caution") for one in warned),
@@ -51,8 +53,8 @@ def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summar
 
 
 def _tell_effort(progress: Progress) -> Iterator[str]:
-    if progress.made and progress.seconds:
-        yield f"{1e3 * progress.seconds / progress.made:.3g} ms of processor time per run"
+    if progress.new_runs and progress.seconds:
+        yield f"{1e3 * progress.seconds / progress.new_runs:.3g} ms of processor time per run"
 
 
 def _tell_steps(plan: SweepPlan, store: Store) -> str:
@@ -84,8 +86,8 @@ def _collect_numbers(plan: SweepPlan, store: Store, progress: Progress) -> dict[
         "store": str(store.path),
         "runs": plan.size,
         "done": progress.done,
-        "made": progress.made,
-        "chunks": [len(store.made()), plan.chunks],
+        "made": progress.new_runs,
+        "chunks": [len(store.list_finished_chunks()), plan.chunks],
         "step": course.step,
         "tolerance": None if course.step else course.tolerance,
         "accuracy": None if course.step else compute_spread(store, ACCURACY)[2],

@@ -64,7 +64,7 @@ def _describe_wire(ratings: WireRatings) -> Iterator[Block]:
 
 
 def _describe_shape(ratings: WireRatings, coil: Mapping[str, float]) -> Iterator[Block]:
-    state = ratings.drawn
+    state = ratings.drawn_coil
     yield Sentence(f"Coil: {describe_coil(coil)}.")
     if state is not None:
         pulls = f"the coil pulls {state.hot_force:.3g} N ({state.hot_stress / 1e6:.4g} MPa)"
