@@ -59,7 +59,7 @@ def in_numpy(chain: Chain, u: np.ndarray) -> Function:
 
     def run(theta: np.ndarray) -> np.ndarray:
         own, poles, last = chain.split(theta)
-        low, high = curve.given()[:2]
+        low, high = curve.fixed_values()[:2]
         r, zero = (2.0 * u - low - high) / (high - low), -(low + high) / (high - low)
         powers = np.array([own[1], own[0], 0.0])
         w = np.polyval(powers, r) - np.polyval(powers, zero)

@@ -46,10 +46,10 @@ def seen() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def test_every_fifth_plateau_is_kept_back() -> None:
     one = fitting.build_experiment("mixture", STATED.offset)
-    held = np.array(fitting.compared_column("set_point"))[one.kept_back]
+    held = np.array(fitting.compared_column("set_point"))[one.held_out_rows]
     assert held == pytest.approx([1.7, 2.2, 2.7, 3.2, 3.7, 4.2])
     assert [len(one.times), fitting.fit_shape("mixture", STATED.offset).uncertainty.samples] == [33, 27]
-    always = [fitting.kept_back(place) for place in range(fitting.HELD)]
+    always = [fitting.list_held_out(place) for place in range(fitting.HELD)]
     assert sum(map(len, always)) == 33 - len(fitting.EDGE)
 
 

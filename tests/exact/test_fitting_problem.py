@@ -155,7 +155,7 @@ def test_held_stretches_are_not_seen_but_judged():
     """What is kept back may be nonsense."""
     one = experiment()
     wrong = moved(one, lambda x: x + 1e-3 * one.times * (one.times < 1.0))
-    task = build_problem([replace(wrong, held=((0.0, 1.0),))], [SearchRange("A_s", start=350.0)])
+    task = build_problem([replace(wrong, held_out_intervals=((0.0, 1.0),))], [SearchRange("A_s", start=350.0)])
     fit = solve_problem(task)
     assert task.lengths == [90]
     assert fit["A_s"] == pytest.approx(law_a().A_s, abs=1e-5)
@@ -171,12 +171,12 @@ def test_records_that_are_kept_back_are_predicted(native: bool, monkeypatch: pyt
     if not native:
         monkeypatch.setattr(batch_runner, "find_compiler", lambda: None)
     one, two = (experiment("one"), experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0])))
-    held = replace(two, held=((-math.inf, math.inf),))
+    held = replace(two, held_out_intervals=((-math.inf, math.inf),))
     task = build_problem([one, held], [SearchRange("A_s", start=350.0)], each=["offset"])
     fit = solve_problem(task)
     assert fit.problem.names == ("A_s", "offset.position@one")
-    assert fit.kept[0].model[:, 0] == pytest.approx(two.measured[:, 0], abs=1e-9)
-    assert fit.kept[0].numbers == pytest.approx({"offset.position@two": 0.0}, abs=1e-9)
+    assert fit.held_out_records[0].model[:, 0] == pytest.approx(two.measured[:, 0], abs=1e-9)
+    assert fit.held_out_records[0].numbers == pytest.approx({"offset.position@two": 0.0}, abs=1e-9)
 
 
 # ---------------------------------------------------------------- derivatives

@@ -27,7 +27,7 @@ def path(block: AbstractBlock, steps: int) -> np.ndarray:
     """Turning points in the range of the block, with as many steps between two of them."""
     places = np.arange((len(TURNS) - 1) * steps + 1) / steps
     r = np.interp(places, np.arange(len(TURNS)), TURNS)
-    low, high = block.given()
+    low, high = block.fixed_values()
     return 0.5 * (low + high) + 0.5 * (high - low) * r
 
 

@@ -362,7 +362,7 @@ def test_problem_from_files_compares_strain_and_knows_its_bounds() -> None:
     logs = [write_log(isobaric(s * 1e6), f"at_{s}.csv", begin=5.0) for s in (50, 100, 200)]
     found = read_problem("isobaric.toml", logs, "A_s,A_f=60..120 degC@85 degC", each="offset", noise={"strain": "1 %"})
     assert [one.name for one in found.experiments] == ["at_50", "at_100", "at_200"]
-    assert [one.held_out for one in found.experiments] == [False, True, False]
+    assert [one.is_held_out for one in found.experiments] == [False, True, False]
     assert {one.outputs for one in found.experiments} == {("strain",)}
     assert found.experiments[0].times[0] == 0.0
     assert found.names == ("A_s", "A_f", "offset.strain@at_50", "offset.strain@at_200")
@@ -486,7 +486,7 @@ def test_fit_file_says_everything() -> None:
     assert task.logs[1].settings == {"element.law.E_M": "20 GPa", "element.length": "90 mm"}
     found = fit_logs("fit.toml")
     assert [one.name for one in found.problem.experiments] == ["first"]
-    assert [kept.experiment.name for kept in found.kept] == ["second"]
+    assert [kept.experiment.name for kept in found.held_out_records] == ["second"]
     assert found.problem.noise == pytest.approx({"strain": 5e-4})
     assert found.problem.experiments[0].weights == {"strain": 2.0}
     other = fit_logs("fit.toml", loss="huber", noise={"strain": "0.1 %"}, each="delay")
@@ -516,7 +516,7 @@ def test_record_flagged_to_be_held_out_is_the_only_one() -> None:
         text += f'[[record]]\nfile = "log{k}.csv"\n{flag}'
     Path("fit.toml").write_text(text, encoding="utf-8")
     found = read_fit_file("fit.toml").arrange().problem
-    assert [one.held_out for one in found.experiments] == [True, False, False]
+    assert [one.is_held_out for one in found.experiments] == [True, False, False]
 
 
 @pytest.mark.parametrize(

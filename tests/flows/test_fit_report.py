@@ -193,7 +193,7 @@ def test_errors_are_those_of_the_rows(plain: Sample) -> None:
         for kind, part in (("", used[:, 0]), ("held", np.isfinite(error) & ~used[:, 0])):
             if part.any():
                 expected.append((one.name, kind, float(np.sqrt(np.mean(error[part] ** 2)))))
-    (kept,) = plain.fit.kept
+    (kept,) = plain.fit.held_out_records
     error = (kept.model - kept.experiment.measured)[:, 0]
     expected.append(("kept", "held", float(np.sqrt(np.mean(error**2)))))
     assert len(rows) == len(expected) == 5
@@ -263,17 +263,17 @@ def warned(fit: Fit) -> str:
 
 def test_what_was_not_kept_back_or_is_predicted_badly_is_said(plain: Sample) -> None:
     fit = plain.fit
-    seen = tuple(replace(one, held=()) for one in fit.problem.experiments)
+    seen = tuple(replace(one, held_out_intervals=()) for one in fit.problem.experiments)
     problem = replace(fit.problem, experiments=seen)
     found = problem.evaluate(fit.values, slopes=True)
     assert found is not None
-    nothing = replace(fit, kept=(), problem=problem, evaluation=found)
+    nothing = replace(fit, held_out_records=(), problem=problem, evaluation=found)
     assert "No data were held out" in warned(nothing)
-    (kept,) = fit.kept
-    off = replace(fit, kept=(replace(kept, model=kept.model + 2e-3),))
+    (kept,) = fit.held_out_records
+    off = replace(fit, held_out_records=(replace(kept, model=kept.model + 2e-3),))
     assert "`strain` is predicted worse than it is fitted" in warned(off)
     assert "kept (" not in warned(off)
-    lost = replace(fit, kept=(replace(kept, model=0.0 * kept.model),))
+    lost = replace(fit, held_out_records=(replace(kept, model=0.0 * kept.model),))
     assert "less than half of the variation: `strain` of kept (" in warned(lost)
     assert "did not converge: cap" in warned(replace(fit, reason="cap"))
 
@@ -399,7 +399,7 @@ def test_loops_run_over_the_measured_temperature(plain: Sample) -> None:
     alone = replace(
         plain.fit,
         problem=problem,
-        kept=(),
+        held_out_records=(),
         evaluation=replace(plain.fit.evaluation, fitted=plain.fit.evaluation.fitted[:1]),
     )
     with pytest.raises(InputError, match="no loop to draw"):
@@ -480,16 +480,19 @@ def long_names(fit: Fit) -> Fit:
     """The same fit to records of long names."""
     names = {
         one.name: f"measurement_of_the_wire_{one.name}_on_the_third_of_May"
-        for one in [*fit.problem.experiments, *(kept.experiment for kept in fit.kept)]
+        for one in [*fit.problem.experiments, *(kept.experiment for kept in fit.held_out_records)]
     }
     seen = tuple(replace(one, name=names[one.name]) for one in fit.problem.experiments)
     free = tuple(
         replace(one, record=names[one.record], name=f"{one.path}@{names[one.record]}") if one.record else one
         for one in fit.problem.free
     )
-    kept = tuple(replace(one, experiment=replace(one.experiment, name=names[one.experiment.name])) for one in fit.kept)
+    kept = tuple(
+        replace(one, experiment=replace(one.experiment, name=names[one.experiment.name]))
+        for one in fit.held_out_records
+    )
     problem = replace(fit.problem, experiments=seen, free=free)
-    return replace(fit, problem=problem, kept=kept)
+    return replace(fit, problem=problem, held_out_records=kept)
 
 
 @pytest.mark.parametrize("name", DRAWN)

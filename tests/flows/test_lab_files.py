@@ -191,7 +191,7 @@ def test_what_is_given_goes_over_what_is_guessed(tmp_path: Path) -> None:
     path.write_text("t,Sensor,Bath\n" + "".join(f"{k},{100 + k},{k % 3}\n" for k in range(20)))
     found = read_lab_file(path, {"Sensor": "stress[MPa]", "3": "-", "1": "time[ms]"})
     assert list(found.record.columns) == ["time", "stress"]
-    assert [one.known for one in found.columns[:2]] == ["given", "given"]
+    assert [one.source for one in found.columns[:2]] == ["given", "given"]
     check_columns(found, {"time": (0.0, 0.019), "stress": (1e8, 1.19e8)})
     with pytest.raises(DataError, match=r"has no column `Sens`.*Did you mean `Sensor`"):
         read_lab_file(path, {"Sens": "stress[MPa]"})

@@ -70,7 +70,7 @@ def test_every_block_reads_back_exactly(name, tmp_path):
     block = BLOCKS[name]()
     theta = np.random.default_rng(2).normal(size=len(block.numbers()))
     if block.fixed and not isinstance(block.fixed, property):
-        block = block.with_given([v + 0.1 * (k + 1) / 3 for k, v in enumerate(block.given())])
+        block = block.with_fixed_values([v + 0.1 * (k + 1) / 3 for k, v in enumerate(block.fixed_values())])
     inputs, outputs = (
         tuple(f"{kind}{k}" for k in range(count)) for kind, count in (("u", block.inputs), ("y", block.outputs))
     )

@@ -28,8 +28,8 @@ class TestClimb:
     def test_a_linear_record_ends_at_the_linear_rung(self, climbed):
         assert climbed.chosen.structure == "oe(2,2,1) | poly1"
         assert climbed.predicts
-        assert climbed.held.fit > 98.0
-        assert climbed.held.fit < 99.5  # the noise leaves 99 %
+        assert climbed.held_out.fit > 98.0
+        assert climbed.held_out.fit < 99.5  # the noise leaves 99 %
         assert climbed.doubts == ()
         assert any("nothing to find" in text for text in climbed.tests)
         assert climbed.rungs[0].name == "linear"
@@ -97,7 +97,7 @@ class TestClimb:
 def test_the_structure_is_that_of_the_system(name, inside, least):
     found = climb_ladder(SYSTEMS[name](201))
     assert inside in found.chosen.structure
-    assert found.held.fit > least
+    assert found.held_out.fit > least
     assert found.predicts
 
 
@@ -105,7 +105,7 @@ def test_the_structure_is_that_of_the_system(name, inside, least):
 def test_nothing_predicts_noise():
     found = climb_ladder(noise(201))
     assert not found.predicts
-    assert not any(rung.kept for rung in found.rungs)
+    assert not any(rung.is_accepted for rung in found.rungs)
 
 
 class TestTests:

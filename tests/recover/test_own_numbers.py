@@ -64,7 +64,7 @@ def test_own_numbers_with_a_spread_are_found(fit: Fit):
 
 
 def test_a_specimen_kept_back_has_the_centre(fit: Fit):
-    (kept,) = fit.kept
+    (kept,) = fit.held_out_records
     assert kept.numbers == {}
     assert next(leaf.value for leaf in kept.experiment.system.leaves() if leaf.path.endswith("cooling.h")) == 62.0
     said = " ".join(describe_predictions(fit))
@@ -155,7 +155,7 @@ def test_baselines_of_a_periodic_record_by_hand(wire: Path):
     assert set(scores) == {MEAN, CYCLE}
     (one,) = problem.experiments
     assert refine_period(one) == pytest.approx(100.0, rel=5e-3)
-    held = one.kept_back
+    held = one.held_out_rows
     strain = np.array(record["strain"])
     assert scores[MEAN].rms == pytest.approx(np.sqrt(np.mean((strain[held] - strain[~held].mean()) ** 2)))
     assert scores[CYCLE].rms < 3e-4
@@ -178,7 +178,7 @@ def test_baselines_do_not_see_what_is_kept_back(wire: Path):
 
 
 def _spoil_held(one: Experiment) -> Experiment:
-    strain = np.where(one.kept_back, 0.01, np.array(one.record["strain"]))
+    strain = np.where(one.held_out_rows, 0.01, np.array(one.record["strain"]))
     return replace(one, record=replace(one.record, columns=one.record.columns | {"strain": strain.tolist()}))
 
 

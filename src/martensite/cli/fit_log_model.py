@@ -145,6 +145,6 @@ def write_command(model: LogModel, logs: Sequence[str | Path], scenario: Path, i
     words = ["martensite", "fit", *map(str, logs), "--scenario", str(scenario), "--free", ",".join(proposal.free)]
     words += [word for one in proposal.each for word in ("--each", one)]
     words += [word for one in proposal.columns for word in ("--column", one)]
-    words += [word for one in ((model.named or ()) if model.follows_logs else ()) for word in ("--as", one)]
+    words += [word for one in ((model.heading_options or ()) if model.follows_logs else ()) for word in ("--as", one)]
     words += [] if interval is None else ["--interval", f"{interval:.12g} s"]
     return " ".join(map(quote, words))

@@ -67,7 +67,9 @@ def score_baselines(fit_or_problem: Fit | Problem) -> list[BaselineScore]:
         return list(_score_all(fit_or_problem.experiments, fit_or_problem.experiments))
     fitted = fit_or_problem.problem.experiments
     scores = list(
-        _score_all(fitted, (*fitted, *(held_out_record.experiment for held_out_record in fit_or_problem.kept)))
+        _score_all(
+            fitted, (*fitted, *(held_out_record.experiment for held_out_record in fit_or_problem.held_out_records))
+        )
     )
     for held_out_record in fit_or_problem.transfer:
         mine = held_out_record.experiment.groups or {"": held_out_record.experiment.name}
@@ -92,7 +94,7 @@ def _score_all(fitted: Sequence[Experiment], targets: Sequence[Experiment]) -> I
     for one in targets:
         for k, output in enumerate(one.outputs):
             measured = one.measured[:, k]
-            held_out_rows = np.isfinite(measured) & one.kept_back
+            held_out_rows = np.isfinite(measured) & one.held_out_rows
             if held_out_rows.any():
                 unit, count = one.describe_outputs()[output].unit, int(held_out_rows.sum())
                 for name, guess in predict_naively(fitted, one, output).items():
@@ -185,7 +187,7 @@ def _find_fitted(one: Experiment, output: str) -> Any:
     """Return the measured values of the fitted rows; NaN elsewhere, and for a record without the output."""
     if output not in one.outputs:
         return np.full(len(one.times), np.nan)
-    return np.where(one.kept_back, np.nan, one.measured[:, one.outputs.index(output)])
+    return np.where(one.held_out_rows, np.nan, one.measured[:, one.outputs.index(output)])
 
 
 # ---------------------------------------------------------------- earlier cycle
@@ -205,7 +207,7 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
         after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
         inside = (at >= times[0]) & (at <= times[-1]) & (times[after] - times[after - 1] <= near)
         prediction = np.where(np.isnan(prediction) & inside, np.interp(at, times, values), prediction)
-    return prediction if np.isfinite(prediction[one.kept_back]).mean() > HALF else None
+    return prediction if np.isfinite(prediction[one.held_out_rows]).mean() > HALF else None
 
 
 # ---------------------------------------------------------------- nearest record or condition

@@ -82,7 +82,7 @@ def arrange_conditions(task: FitTask) -> ArrangedConditions:
     for log in task.logs:
         scenario = _load_scenario(log)
         first = first or scenario
-        table = read_condition_table(log.source, scenario, log.named)  # type: ignore[arg-type]
+        table = read_condition_table(log.source, scenario, log.new_headings)  # type: ignore[arg-type]
         experiments, more = _build_experiments(table, log, scenario, task.step, noise)
         all_experiments, notes = all_experiments + experiments, [*notes, *table.notes, *more]
         spreads |= {one.words: _pool_spread(one) for one in table.measures if one.spreads}
@@ -301,13 +301,16 @@ def _choose_held_rows(
         return list(experiments), False
     held_out_stretches = choose_held_out(hold_out, names, [one.record.times.tolist() for one in experiments])
     return [
-        replace(one, held=ALL if rows else ()) for one, rows in zip(experiments, held_out_stretches, strict=True)
+        replace(one, held_out_intervals=ALL if rows else ())
+        for one, rows in zip(experiments, held_out_stretches, strict=True)
     ], False
 
 
 def _hold_share(experiments: Sequence[ConditionExperiment], share: float) -> list[ConditionExperiment]:
     """Return the experiments with a fraction of their conditions held out."""
-    return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in experiments]
+    return [
+        replace(one, held_out_intervals=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in experiments
+    ]
 
 
 def hold_later(experiments: Sequence[object], share: float = LATER) -> list[ConditionExperiment] | None:
@@ -321,7 +324,7 @@ def hold_later(experiments: Sequence[object], share: float = LATER) -> list[Cond
             return None
         first = levels[-min(max(1, round(share * len(levels))), len(levels) - 1)]
         rows = [k + 1.0 for k, cycles in enumerate(one.cycles) if cycles >= first]
-        tables.append(replace(one, held=tuple((k, k) for k in rows)))
+        tables.append(replace(one, held_out_intervals=tuple((k, k) for k in rows)))
     return tables
 
 

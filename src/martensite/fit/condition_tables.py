@@ -117,11 +117,11 @@ class ConditionTable:
     """Row numbers in the file."""
 
 
-def is_condition_table(source: object, named: Mapping[str, str] | None = None) -> bool:
-    """Return whether a file is a table of conditions: no times, and a measure in a heading or in `named`."""
+def is_condition_table(source: object, new_headings: Mapping[str, str] | None = None) -> bool:
+    """Return whether a file is a table of conditions: no times, and a measure in a heading or in `new_headings`."""
     if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
         return False
-    names = [split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
+    names = [split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(new_headings or {}).values())]
     return "time" not in names and any(find_measure_words(one, ()) for one in names)
 
 
@@ -135,14 +135,14 @@ def _read_first_line(path: Path) -> list[str]:
 
 
 def read_condition_table(
-    source: str | Path, scenario: Scenario, named: Mapping[str, str] | None = None
+    source: str | Path, scenario: Scenario, new_headings: Mapping[str, str] | None = None
 ) -> ConditionTable:
     """Read a table of conditions and assign its columns to a scenario.
 
     Args:
         source: text file with one row per condition.
         scenario: scenario whose parameters the columns set.
-        named: replacement headings for unclear columns, by heading or number.
+        new_headings: replacement headings for unclear columns, by heading or number.
 
     Raises:
         InputError: a column is neither input nor measure, a unit is missing or wrong, or a cell is not a number.
@@ -151,7 +151,7 @@ def read_condition_table(
     sheet = read_rows(path, Layout(()))
     own = not any(is_number(cell) for cell in sheet.rows[0])
     headings, rows = list(sheet.rows[0]) if own else [""] * len(sheet.rows[0]), sheet.rows[int(own) :]
-    for place, text in find_places(headings, named or {}, sheet.where).items():
+    for place, text in find_places(headings, new_headings or {}, sheet.where).items():
         headings[place] = text
     if not rows:
         raise DataError(f"{sheet.where} holds headings but no rows.")
@@ -171,7 +171,7 @@ class _Reading:
     def __init__(self, path: Path, scenario: Scenario, rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> None:
         self.path, self.scenario, self.rows, self.numbers = path, scenario, rows, numbers
         self.where, self.outputs = f"`{path.name}`", scenario.system.outputs()
-        self.known = _list_inputs(scenario)
+        self.inputs = _list_inputs(scenario)
         self.roles: dict[int, tuple[str, str, str]] = {}
         """Column -> its role, heading, and path, measure or group."""
         self.units: dict[int, tuple[str, str]] = {}
@@ -202,7 +202,7 @@ class _Reading:
     def _add_numbers(self, place: int, name: str, unit: str) -> None:
         column_role = self._find_role(name)
         if column_role is None:
-            likely = [*INPUTS, *LEVELS, *(n.rpartition(".")[2] for n in self.known)]
+            likely = [*INPUTS, *LEVELS, *(n.rpartition(".")[2] for n in self.inputs)]
             raise DataError(
                 f"{self.where}: column `{name}` is nothing that the scenario is given, and no measure. "
                 f"{suggest_name(name, likely)} A measure is written `peak force`, `force rise` or "
@@ -214,7 +214,7 @@ class _Reading:
             raise DataError(f"{self.where}: columns `{double}` and `{name}` both are `{what}`; leave one out.")
         si, spelling = "1", unit
         if role == "input":
-            si = self.known[what].unit
+            si = self.inputs[what].unit
             si = "N" if si == "kg" and _is_force(unit) else si
         elif role in ("measure", "spread"):
             si = parse_measure(what).unit_in(self.scenario.system)
@@ -265,11 +265,11 @@ class _Reading:
         """Return the path that a heading sets; empty if there is no such path."""
         if name in LEVELS:
             unit = LEVELS[name]
-            return next((p for p, one in self.known.items() if one.level is not None and one.unit == unit), "")
+            return next((p for p, one in self.inputs.items() if one.level is not None and one.unit == unit), "")
         for path in INPUTS.get(name, ()):
-            if path in self.known:
+            if path in self.inputs:
                 return path
-        paths = find_paths(name.replace(" ", "_") if "." not in name else name, self.known)
+        paths = find_paths(name.replace(" ", "_") if "." not in name else name, self.inputs)
         return paths[0] if len(paths) == 1 else ""
 
     def finish(self, headings: Sequence[str]) -> ConditionTable:
@@ -286,7 +286,7 @@ class _Reading:
         columns = {k: self._convert_column(k, record) for k in self.roles}
         spreads = {what: columns[k] for k, (role, _, what) in self.roles.items() if role == "spread"}
         inputs = tuple(
-            InputColumn(name, what, self.known[what].unit, columns[k], self.known[what].level is not None)
+            InputColumn(name, what, self.inputs[what].unit, columns[k], self.inputs[what].level is not None)
             for k, (role, name, what) in self.roles.items()
             if role == "input"
         )
@@ -310,7 +310,7 @@ class _Reading:
         written = [units.from_si(x, spelling, record.units[name]) for x in record[name].tolist()]
         factor, offset = units.find_conversion(spelling, si)
         role, _, what = self.roles[place]
-        if role == "input" and self.known[what].unit != si:
+        if role == "input" and self.inputs[what].unit != si:
             factor /= GRAVITY
         return tuple(x * factor + (0.0 if difference else offset) for x in written)
 

@@ -138,8 +138,10 @@ def _shows_both_ways(one: Experiment) -> bool:
 
 
 def _leave_out(problem: Problem, held_out_stretches: Mapping[str, Any]) -> Problem:
-    experiments = tuple(replace(one, held=held_out_stretches.get(one.name, ())) for one in problem.experiments)
-    held_out_names = {one.name for one in experiments if one.held_out}
+    experiments = tuple(
+        replace(one, held_out_intervals=held_out_stretches.get(one.name, ())) for one in problem.experiments
+    )
+    held_out_names = {one.name for one in experiments if one.is_held_out}
     later = tuple(f for f in problem.free if f.record in held_out_names)
     return replace(
         problem,
@@ -161,9 +163,9 @@ def with_start(problem: Problem, numbers: Mapping[str, float]) -> Problem:
 def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutError]:
     """Yield the errors of a fold; if the start of a record is given, parameters fitted to it are part of the input."""
     rows = list_compared(fit)
-    training = [one for one in fold.experiments if not one.held_out]
+    training = [one for one in fold.experiments if not one.is_held_out]
     for one in rows:
-        held_out_rows = one.held
+        held_out_rows = one.held_out_rows
         if not held_out_rows.any():
             continue
         fitted = [x for x in rows if x.used.any() and x.output == one.output]
@@ -181,7 +183,7 @@ def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutE
             one.description.unit,
             math.nan if one.raw is None or given_start else _compute_rms(one.model[held_out_rows] - measured),
             one.record,
-            one.experiment.held_out,
+            one.experiment.is_held_out,
             int(held_out_rows.sum()),
         )
 

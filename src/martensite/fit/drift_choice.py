@@ -44,7 +44,11 @@ class TriedDrift:
     def error(self) -> float:
         """Return the error in the later cycles, as a fraction of the range of each output."""
         rows, problem = list_compared(self.fit), self.fit.problem
-        squares = [(one.residuals[one.held] / problem.scale(one.output)) ** 2 for one in rows if one.held.any()]
+        squares = [
+            (one.residuals[one.held_out_rows] / problem.scale(one.output)) ** 2
+            for one in rows
+            if one.held_out_rows.any()
+        ]
         return math.sqrt(float(np.mean(np.concatenate(squares))))
 
     def excludes_zero(self, names: Sequence[str]) -> bool:
@@ -98,7 +102,8 @@ def _try_laws(
     for name, dropped in laws.items():
         reduced_problem = _drop_numbers(problem, dropped)
         experiments = tuple(
-            replace(new, held=old.held) for new, old in zip(reduced_problem.experiments, later, strict=True)
+            replace(new, held_out_intervals=old.held_out_intervals)
+            for new, old in zip(reduced_problem.experiments, later, strict=True)
         )
         try:
             fit = solve(replace(reduced_problem, experiments=experiments))
@@ -116,7 +121,7 @@ def _try_laws(
 def _conclude(
     best: TriedDrift, tried: Sequence[TriedDrift], later: Sequence[ConditionExperiment], notes: list[str]
 ) -> tuple[Problem, list[str]]:
-    least = min(one.cycles[round(first) - 1] for one in later for first, _ in one.held)
+    least = min(one.cycles[round(first) - 1] for one in later for first, _ in one.held_out_intervals)
     text = (
         f"Drift law: {best.name}. Errors in the later cycles, from {format_number(least, 6)} on, predicted from the "
         f"earlier ones: {'; '.join(one.describe() for one in tried)}. Both need less than {100.0 * CLEARLY:.0f} % "

@@ -44,7 +44,7 @@ class Experiment:
     """Output of the system -> compared column of the record."""
     step: float = math.inf
     """Longest step [s]; steps also end on samples and on edges of the waveform."""
-    held: tuple[tuple[float, float], ...] = ()
+    held_out_intervals: tuple[tuple[float, float], ...] = ()
     """Held-out time intervals [s]; (-inf, inf) for the whole record."""
     weights: Mapping[str, float] = field(default_factory=dict[str, float])
     """Output -> weight of its squared residuals; 1 by default."""
@@ -77,10 +77,10 @@ class Experiment:
         return np.stack(columns, axis=1)
 
     @cached_property
-    def kept_back(self) -> Any:
+    def held_out_rows(self) -> Any:
         """Return the held-out rows, as True."""
         flags = np.zeros(len(self.times), bool)
-        for first, last in self.held:
+        for first, last in self.held_out_intervals:
             flags |= (self.times >= first) & (self.times <= last)
         return flags
 
@@ -90,9 +90,9 @@ class Experiment:
         return tuple(self.columns)
 
     @property
-    def held_out(self) -> bool:
+    def is_held_out(self) -> bool:
         """Return whether the whole record is held out."""
-        return bool(self.kept_back.all())
+        return bool(self.held_out_rows.all())
 
     @property
     def over_time(self) -> bool:

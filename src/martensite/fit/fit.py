@@ -67,7 +67,7 @@ class ComparedOutput:
         return self.model - self.measured
 
     @property
-    def held(self) -> Any:
+    def held_out_rows(self) -> Any:
         """(rows,): True for held-out samples."""
         return np.isfinite(self.measured) & ~self.used
 
@@ -78,7 +78,7 @@ class ComparedOutput:
 
     def score(self) -> Iterator[Score]:
         """Yield the errors of `training` rows, and of `held-out` rows if there are any."""
-        for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
+        for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held_out_rows)):
             if rows.any():
                 score = score_model(
                     self.times[rows],
@@ -108,7 +108,7 @@ def list_compared(fit: Fit) -> list[ComparedOutput]:
 
 def compute_rms(rows: Iterable[ComparedOutput], part: str) -> float:
     """Return the root-mean-square error of all `training` or `held-out` rows; NaN without rows."""
-    pieces = [one.residuals[one.used if part == TRAINING else one.held] for one in rows]
+    pieces = [one.residuals[one.used if part == TRAINING else one.held_out_rows] for one in rows]
     errors = np.concatenate(pieces) if pieces else np.zeros(0)
     return math.sqrt(float(np.mean(errors**2))) if errors.size else math.nan
 
@@ -118,7 +118,7 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     triples = zip(problem.experiments, fit.evaluation.fitted, problem.used, strict=True)
     for one, fitted, used in triples:
         yield from _split_outputs(one, fitted.model, used)
-    for held_out_record in fit.kept:
+    for held_out_record in fit.held_out_records:
         yield from list_held_out(held_out_record)
 
 
@@ -186,7 +186,7 @@ class Fit:
     seconds: float
     history: tuple[tuple[int, float], ...]
     """(runs, cost) at each improvement."""
-    kept: tuple[HeldOutRecord, ...] = ()
+    held_out_records: tuple[HeldOutRecord, ...] = ()
     """Held-out records."""
     transfer: tuple[HeldOutRecord, ...] = ()
     """Predictions of each record by a fit to all other records."""

@@ -97,9 +97,9 @@ def _read_log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
         interval=_read_seconds(table, "interval", where),
         settings={**_read_settings(document, where), **_read_settings(table, where)},
         weight=float(weight),
-        held=_read_flag(table, "hold_out", where),
+        is_held_out=_read_flag(table, "hold_out", where),
         name=str(table.get("name", "")),
-        named={key: str(value) for key, value in as_table(table.get("as", {}), "as").items()},
+        new_headings={key: str(value) for key, value in as_table(table.get("as", {}), "as").items()},
         groups={key: str(value) for key, value in as_table(table.get("group", {}), "group").items()},
     )
 

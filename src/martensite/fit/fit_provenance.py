@@ -88,7 +88,7 @@ def _describe_free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
 
 def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
     rows = list_compared(fit)
-    own = {held_out_record.experiment.name: held_out_record for held_out_record in fit.kept}
+    own = {held_out_record.experiment.name: held_out_record for held_out_record in fit.held_out_records}
     for name in dict.fromkeys(one.record for one in rows):
         outputs = [one for one in rows if one.record == name]
         record = outputs[0].experiment.record
@@ -103,7 +103,7 @@ def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
 
 def _describe_output(one: ComparedOutput) -> dict[str, Any]:
     entries: dict[str, Any] = {"column": one.column}
-    for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held)):
+    for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held_out_rows)):
         if rows.any():
             key, unit = part.replace("-", "_"), one.description.unit
             entries[f"{key}_rows"] = int(rows.sum())

@@ -88,7 +88,7 @@ class FitTask:
         if not self.logs:
             raise InputError("A fit needs at least one log; none given.")
         logs = [] if self.columns else [one for one in self.logs if one.interval is None]
-        tables = [one for one in logs if is_condition_table(one.source, one.named)]
+        tables = [one for one in logs if is_condition_table(one.source, one.new_headings)]
         if tables:
             return self._arrange_tables(len(tables))
         loaded_logs = read_logs(self.logs)
@@ -253,7 +253,10 @@ def _build_experiments(
             )
         )
     held_out_stretches = _choose_held_out(loaded_logs, experiments, task.hold_out)
-    experiments = [replace(one, held=stretches) for one, stretches in zip(experiments, held_out_stretches, strict=True)]
+    experiments = [
+        replace(one, held_out_intervals=stretches)
+        for one, stretches in zip(experiments, held_out_stretches, strict=True)
+    ]
     return experiments, [*notes, *describe_untimed(loaded_logs)]
 
 
@@ -274,7 +277,7 @@ def _describe_held(
 def _choose_held_out(
     loaded_logs: Sequence[LoadedLog], experiments: Sequence[Experiment], hold_out: str | Sequence[str]
 ) -> list[Any]:
-    names, flags = [one.name for one in loaded_logs], [one.log.held for one in loaded_logs]
+    names, flags = [one.name for one in loaded_logs], [one.log.is_held_out for one in loaded_logs]
     if all(flags):
         raise InputError("All records are held out, and none is left to be fitted.")
     rule = NONE if any(flags) and hold_out == AUTO else hold_out

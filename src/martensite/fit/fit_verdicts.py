@@ -80,7 +80,7 @@ def _describe_prediction(rows: list[ComparedOutput]) -> str:
 def _list_predicted(fit: Fit) -> list[ComparedOutput]:
     """Return all held-out outputs, including records left out in turn."""
     turns = [one for held_out_record in fit.transfer for one in list_held_out(held_out_record)]
-    return [*turns, *(one for one in list_compared(fit) if one.held.any())]
+    return [*turns, *(one for one in list_compared(fit) if one.held_out_rows.any())]
 
 
 def _describe_transfer(fit: Fit) -> Iterator[str]:
@@ -122,7 +122,9 @@ def list_predictions(fit: Fit) -> dict[str, tuple[Prediction, str]]:
     predictions: dict[str, tuple[Prediction, str]] = {}
     for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
         own = [one for one in rows if one.output == name]
-        squares = np.concatenate([(one.measured[one.held] - np.mean(one.measured[one.held])) ** 2 for one in own])
+        squares = np.concatenate(
+            [(one.measured[one.held_out_rows] - np.mean(one.measured[one.held_out_rows])) ** 2 for one in own]
+        )
         spread = math.sqrt(float(np.mean(squares)))
         predictions[name] = Prediction(compute_rms(own, HELD_OUT), spread, pool_baselines(scores, name)), unit
     return predictions
@@ -181,7 +183,9 @@ def _describe_own_numbers(fit: Fit) -> Iterator[str]:
         for one in list_compared(fit)
         if one.raw is not None
     ]
-    own = dict.fromkeys(name.partition("@")[0] for held_out_record in fit.kept for name in held_out_record.numbers)
+    own = dict.fromkeys(
+        name.partition("@")[0] for held_out_record in fit.held_out_records for name in held_out_record.numbers
+    )
     if own:
         yield (
             f"The parameters of each log ({list_names(list(own))}) were also fitted to the held-out logs. All other "
@@ -225,7 +229,7 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
         if one.used.any() or not apart or min(apart) < OTHER_CADENCE:
             continue
         shares = [_compute_share(x, x.used) for x in rows if x.output == one.output and x.used.any()]
-        worse = _compute_share(one, one.held) / max(shares, default=math.nan)
+        worse = _compute_share(one, one.held_out_rows) / max(shares, default=math.nan)
         if worse > WORSE:
             speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "different in speed"
             yield (

@@ -78,11 +78,11 @@ class _FollowedRuns:
         self.step = 1.0
         """Step of the rows, in standard deviations of their noise."""
         used = problem.used[k]
-        self.seen = np.nonzero(used.T)
+        self.used_places = np.nonzero(used.T)
         """Output and row of every used residual."""
-        self.at = self.one.times[self.seen[1]] + self.one.lead
-        self.sizes = problem.residual_sizes(k)[self.seen[0]]
-        self.measured = self.one.measured[self.seen[1], self.seen[0]] * self.sizes
+        self.at = self.one.times[self.used_places[1]] + self.one.lead
+        self.sizes = problem.residual_sizes(k)[self.used_places[0]]
+        self.measured = self.one.measured[self.used_places[1], self.used_places[0]] * self.sizes
 
     def inputs(self, rows: Any) -> dict[str, Any]:
         """Return the rows of all columns by drive."""
@@ -102,7 +102,7 @@ class _FollowedRuns:
             )
         outputs = np.concatenate(answers)
         delayed = [self.problem.shift_model(self.k, one, u, None)[0] for one in outputs]
-        return np.stack(delayed)[:, self.seen[1], self.seen[0]] * self.sizes
+        return np.stack(delayed)[:, self.used_places[1], self.used_places[0]] * self.sizes
 
     def linearise(self, u: Any, seed: int = 0) -> None:
         """Compute C about the estimated rows."""

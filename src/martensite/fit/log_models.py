@@ -71,7 +71,7 @@ class LogModel:
     """Assumptions, changes of the logs, and failures."""
     records: tuple[Record, ...] = ()
     """Records as in the logs."""
-    named: tuple[str, ...] | None = ()
+    heading_options: tuple[str, ...] | None = ()
     """Texts for `--as` that reproduce the column assignment; None if it differs between files."""
     stopped: str = ""
     """Stop reason of an early end: `interruption` or `time box`."""
@@ -105,7 +105,7 @@ class LogModel:
             len(own) == len(one) and (drive not in own.columns or np.array_equal(own[drive], one[drive]))
             for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
         )
-        return whole and same and self.named is not None
+        return whole and same and self.heading_options is not None
 
     @cached_property
     def input_noise(self) -> tuple[list[FollowedNoise], list[str]]:
@@ -179,13 +179,13 @@ class LogModel:
 
 
 def _read_files(
-    logs: Sequence[Source], named: Mapping[str, str], interval: float | None
+    logs: Sequence[Source], new_headings: Mapping[str, str], interval: float | None
 ) -> tuple[list[Record], list[str], list[LabFile]]:
     """Return the records of logs, remarks on reading them, and the files."""
     records: list[Record] = []
     files: list[LabFile] = []
     for log in logs:
-        parts = [] if isinstance(log, Record) else read_parts(log, named, interval, known=True)
+        parts = [] if isinstance(log, Record) else read_parts(log, new_headings, interval, known=True)
         files += parts
         records += [log] if isinstance(log, Record) else [one.record for one in parts]
     if not records:
@@ -210,7 +210,7 @@ def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None
 
 def _describe_file(file: LabFile) -> list[str]:
     """Return the columns identified by their values, and remarks on reading."""
-    guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
+    guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.source == "values"]
     notes = [f"by their values columns are taken, {', '.join(guessed)} (`--as`)."] if guessed else []
     return [*notes, *file.notes]
 
@@ -220,7 +220,7 @@ def model_logs(
     *,
     experiment: str | None = None,
     overrides: Mapping[str, Any] | None = None,
-    named: Mapping[str, str] | None = None,
+    new_headings: Mapping[str, str] | None = None,
     interval: float | None = None,
     free: Sequence[str] = (),
     fixed: Sequence[str] = (),
@@ -236,7 +236,7 @@ def model_logs(
         logs: files, or records in SI.
         experiment: kind of experiment, if known; see `martensite.fit.experiment_kinds`.
         overrides: settings of the experiment, by dotted path, such as `element.diameter`.
-        named: meaning of columns, by heading or number, which replaces a guess (`read_lab_file`).
+        new_headings: meaning of columns, by heading or number, which replaces a guess (`read_lab_file`).
         interval: time between rows [s] of files without times.
         free: texts of free parameters, such as `C_A=5..12 MPa/K`, in place of the proposed parameters.
         fixed: names of fixed parameters, each with `=VALUE` if the value is known.
@@ -252,16 +252,18 @@ def model_logs(
         SolveError: no proposal can be run.
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
-    records, notes, files = _read_files(sources, named or {}, interval)
+    records, notes, files = _read_files(sources, new_headings or {}, interval)
     assignments = (
-        _name_columns(files, len(sources)) if not named else tuple(f"{key}={text}" for key, text in named.items())
+        _name_columns(files, len(sources))
+        if not new_headings
+        else tuple(f"{key}={text}" for key, text in new_headings.items())
     )
     whole, overrides, wound = wind_angles(records, overrides or {})
     notes += wound
     recognised_experiment = recognise_experiment(whole, experiment)
     moving, still = _part_still(whole, recognised_experiment.measured)
     notes += still
-    words = {one.record.name: one.said for one in files}
+    words = {one.record.name: one.header_entries for one in files}
     proposals, assumptions = propose_scenarios(recognised_experiment, moving, overrides, words)
     notes += assumptions.sentences
     offered, proposals = proposals, change_proposals(proposals, free, fixed)

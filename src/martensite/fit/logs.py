@@ -51,11 +51,11 @@ class Log:
     """Changes to the scenario, by dotted path."""
     weight: float = 1.0
     """Weight of the squared residuals of the log."""
-    held: bool = False
+    is_held_out: bool = False
     """True if the log is held out."""
     name: str = ""
     """Name in reports; by default the name of the file."""
-    named: Mapping[str, str] = field(default_factory=dict[str, str])
+    new_headings: Mapping[str, str] = field(default_factory=dict[str, str])
     """Meaning of columns of the file, by heading or number, which replaces a guess (`read_lab_file`)."""
     groups: Mapping[str, str] = field(default_factory=dict[str, str])
     """Groups of the log, by kind: `specimen` -> A."""
@@ -64,7 +64,7 @@ class Log:
         """Return the record, with NaN for missing samples."""
         if isinstance(self.source, Record):
             return self.source
-        return read_log_table(self.source, self.interval, self.named)
+        return read_log_table(self.source, self.interval, self.new_headings)
 
     def model(self, record: Record) -> Scenario:
         """Return the scenario for a record."""

@@ -69,7 +69,7 @@ class Problem:
             double = next((name for name in names if names.count(name) > 1), None)
             if double is not None:
                 raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
-        if all(one.held_out for one in self.experiments):
+        if all(one.is_held_out for one in self.experiments):
             raise ParameterError("All records are held out, so no data are left for the fit.")
         refuse_late_base(self.free)
         for one in self.experiments:
@@ -97,19 +97,19 @@ class Problem:
     @property
     def training(self) -> Problem:
         """Return the problem without the held-out records."""
-        return replace(self, experiments=tuple(one for one in self.experiments if not one.held_out), later=())
+        return replace(self, experiments=tuple(one for one in self.experiments if not one.is_held_out), later=())
 
     def hold_out(self, names: Container[str]) -> Problem:
         """Return the problem with some records held out.
 
         Their separate parameters are fitted afterwards; parameters with a spread stay at their centres.
         """
-        experiments = [replace(one, held=ALL) if one.name in names else one for one in self.experiments]
-        labels = {None, *(label for one in experiments if not one.held_out for label in one.labels)}
+        experiments = [replace(one, held_out_intervals=ALL) if one.name in names else one for one in self.experiments]
+        labels = {None, *(label for one in experiments if not one.is_held_out for label in one.labels)}
         rest = [x for x in self.free if x.record not in labels]
         return replace(
             self,
-            experiments=tuple(_set_centres(one, rest) if one.held_out else one for one in experiments),
+            experiments=tuple(_set_centres(one, rest) if one.is_held_out else one for one in experiments),
             free=tuple(x for x in self.free if x.record in labels),
             later=(*self.later, *(x for x in rest if not x.spread)),
         )
@@ -162,7 +162,7 @@ class Problem:
     @cached_property
     def used(self) -> list[Any]:
         """Return the fitted samples of every experiment, True in arrays (rows, outputs)."""
-        return [np.isfinite(one.measured) & ~one.kept_back[:, None] for one in self.experiments]
+        return [np.isfinite(one.measured) & ~one.held_out_rows[:, None] for one in self.experiments]
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
         """Return the residuals at a point, with their Jacobian on request; None if a run fails."""
@@ -371,7 +371,7 @@ def build_problem(
     ranges = [_read_name(x) for x in each]
     own = [_open_range(x, shared) for x in build_own_parameters(ranges, experiments)]
     whole = Problem(tuple(experiments), (*shared, *own), noise or {}, step, (), input_noise or {})
-    return whole.hold_out([one.name for one in experiments if one.held_out])
+    return whole.hold_out([one.name for one in experiments if one.is_held_out])
 
 
 def _open_range(own: FreeNumber, shared: Sequence[FreeNumber]) -> FreeNumber:

@@ -65,7 +65,7 @@ class SearchMonitor:
     history: list[tuple[int, float]] = field(default_factory=list[tuple[int, float]])
     done: list[str] = field(default_factory=list[str])
     """Stages that are finished, of this search and the one it resumes."""
-    _written: float = 0.0
+    _save_time: float = 0.0
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
         """Evaluate the problem as `Problem.evaluate` does, and record the point."""
@@ -93,7 +93,7 @@ class SearchMonitor:
         if cost < self.cost:
             self.best, self.cost = tuple(map(float, u)), cost
             self.history.append((self.simulations + self.jacobians, cost))
-            if time.monotonic() - self._written > EVERY:
+            if time.monotonic() - self._save_time > EVERY:
                 self.save()
         if self.tell is not None:
             point = self.best or tuple(map(float, u))
@@ -108,7 +108,7 @@ class SearchMonitor:
         """Write the state, if there is a file."""
         if self.path is None or self.best is None:
             return
-        self._written = time.monotonic()
+        self._save_time = time.monotonic()
         document = {"problem": identify_problem(self.problem), "values": self.best, "done": self.done}
         write_file(self.path, json.dumps(document))
 
@@ -139,6 +139,6 @@ def identify_problem(problem: Problem) -> str:
     """Return a short text that differs between problems."""
     parts: list[Any] = [repr(problem.free), sorted(problem.noise.items()), problem.step]
     for one in problem.experiments:
-        parts += [one.name, encode(one.system), sorted(one.columns.items()), one.held, one.step]
+        parts += [one.name, encode(one.system), sorted(one.columns.items()), one.held_out_intervals, one.step]
         parts += [sorted((name, column.tolist()) for name, column in one.record.columns.items())]
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]

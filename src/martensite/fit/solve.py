@@ -135,7 +135,7 @@ def solve_problem(
         watch.jacobians,
         time.monotonic() - start_time,
         tuple(watch.history),
-        tuple(_predict_held_out(problem, one, end.point) for one in problem.experiments if one.held_out),
+        tuple(_predict_held_out(problem, one, end.point) for one in problem.experiments if one.is_held_out),
         input_noise=end.noise,
         notes=end.notes,
     )
@@ -203,7 +203,7 @@ def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = N
         fit = solve_problem(problem.hold_out(names), **how, tell=tell, inputs=False)
         if fit.reason in (INTERRUPTED, OUT_OF_TIME):
             break
-        held_out_records += fit.kept
+        held_out_records += fit.held_out_records
     return tuple(held_out_records)
 
 
@@ -225,7 +225,7 @@ def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
 def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRecord:
     labels = (None, *one.groups.values())  # a group may have other records, that were fitted
     free = tuple(f for f in problem.free if f.record in labels)
-    whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
+    whole = replace(problem, experiments=(replace(one, held_out_intervals=()),), free=free, later=())
     at = [u for f, u in zip(problem.free, end, strict=True) if f.record in labels]
     own = tuple(f for f in problem.later if f.record in one.labels)
     evaluation = whole.evaluate(at)
@@ -233,7 +233,7 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
         raise SolveError(f"The run of record `{one.name}`, which was held out, fails.")
     raw = evaluation.fitted[0].model
     if own:  # fitted to it, everything else as found
-        alone = replace(one, held=(), system=whole.system(0, at))
+        alone = replace(one, held_out_intervals=(), system=whole.system(0, at))
         fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()), inputs=False)
         return HeldOutRecord(one, fit.evaluation.fitted[0].model, fit.numbers, raw)
     return HeldOutRecord(one, raw, {}, raw)

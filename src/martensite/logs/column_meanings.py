@@ -43,7 +43,7 @@ class Meaning:
 
     name: str
     unit: str
-    known: str
+    source: str
     """Source of the meaning: `given` by the user, `heading`, `unit` alone, `values`, or `ambiguous`."""
     sure: bool = True
     factor: float = 1.0
@@ -54,18 +54,18 @@ class Meaning:
     @property
     def certainty(self) -> str:
         """Return `given` by the file or the user, `inferred` with evidence, or `ambiguous`."""
-        if not self.sure or self.known == AMBIGUOUS:
+        if not self.sure or self.source == AMBIGUOUS:
             return AMBIGUOUS
-        return GIVEN if self.known in ("given", "heading") else INFERRED
+        return GIVEN if self.source in ("given", "heading") else INFERRED
 
 
-def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
+def guess_meanings(raw: RawTable, new_headings: Mapping[str, str]) -> list[Meaning]:
     """Return the meanings of the columns of a table; the second of two equal columns keeps its heading as a name.
 
     Raises:
-        DataError: `named` refers to an unknown column, or assigns an unknown meaning.
+        DataError: `new_headings` refers to an unknown column, or assigns an unknown meaning.
     """
-    given = _read_named(raw, named)
+    given = _read_new_headings(raw, new_headings)
     meanings = [given.get(place) or _guess_column(raw, place) for place in range(len(raw.columns))]
     unknown = {
         place: raw.columns[place].numbers
@@ -116,7 +116,7 @@ def _guess_quantity(raw: RawTable, column: RawColumn, listed: str) -> Meaning:
     if listed and plain.worded and plain.unit not in ("", listed):
         return Meaning(plain.name, plain.unit, "heading", False)
     guess = _add_unit(column, plain, listed or _find_scope_unit(raw, column, plain))
-    if not guess.name and not guess.unit and column.heading and "emissivity" in raw.said:
+    if not guess.name and not guess.unit and column.heading and "emissivity" in raw.header_entries:
         return Meaning("temperature", "degC", "values")  # an infrared camera writes nothing else
     if not guess.name or (guess.name == "time" and not guess.worded and not is_rising(column.numbers)):
         return Meaning("", guess.unit, "")
@@ -137,10 +137,10 @@ def _add_unit(column: RawColumn, plain: Guess, listed: str) -> Guess:
 
 def _find_scope_unit(raw: RawTable, column: RawColumn, plain: Guess) -> str:
     """Return the unit that the head of a file of an oscilloscope gives to a column without a unit; otherwise empty."""
-    if plain.unit or "vertical units" not in raw.said:
+    if plain.unit or "vertical units" not in raw.header_entries:
         return ""
     timed = plain.name == "time" or (not column.heading and is_even_time(column.numbers))
-    return find_listed(raw.said.get("horizontal units" if timed else "vertical units", ""))
+    return find_listed(raw.header_entries.get("horizontal units" if timed else "vertical units", ""))
 
 
 def _guess_unit(column: RawColumn, name: str) -> Meaning:
@@ -163,7 +163,7 @@ def _is_row_count(numbers: Numbers) -> bool:
 def _judge_ramp(raw: RawTable, meanings: list[Meaning]) -> list[Meaning]:
     """Return a calorimeter's time without unit in minutes, if its ramp would be impossibly fast in seconds."""
     at = {one.name: k for k, one in enumerate(meanings) if one.name in ("time", "temperature")}
-    if len(at) < 2 or meanings[at["time"]].known != "values" or not any(HEAT.search(c.heading) for c in raw.columns):
+    if len(at) < 2 or meanings[at["time"]].source != "values" or not any(HEAT.search(c.heading) for c in raw.columns):
         return meanings
     times, heat = (raw.columns[at[name]].numbers for name in ("time", "temperature"))
     steps = np.abs(np.diff(heat)) / np.maximum(np.diff(times), 1e-12)
@@ -219,17 +219,17 @@ def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) 
         read_headings([f"{slug} [{unit}]"], "")
     except (DataError, UnitError):
         unit = "1"
-    return Meaning(slug, unit, "values" if one.known == "values" else "heading", one.sure)
+    return Meaning(slug, unit, "values" if one.source == "values" else "heading", one.sure)
 
 
-def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -> dict[int, str]:
+def find_places(headings: Sequence[str], new_headings: Mapping[str, str], where: str) -> dict[int, str]:
     """Return column index -> assigned meaning; columns are given by heading or number.
 
     Raises:
         DataError: the column does not exist, or is ambiguous.
     """
     places: dict[int, str] = {}
-    for key, text in named.items():
+    for key, text in new_headings.items():
         same = [k for k, heading in enumerate(headings) if heading and heading.lower() == key.strip().lower()]
         if not same and key.strip().isdigit() and 0 < int(key) <= len(headings):
             same = [int(key) - 1]
@@ -243,9 +243,9 @@ def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -
     return places
 
 
-def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
+def _read_new_headings(raw: RawTable, new_headings: Mapping[str, str]) -> dict[int, Meaning]:
     meanings: dict[int, Meaning] = {}
-    for place, text in find_places([one.heading for one in raw.columns], named, f"`{raw.name}`").items():
+    for place, text in find_places([one.heading for one in raw.columns], new_headings, f"`{raw.name}`").items():
         column = raw.columns[place]
         if text.strip() == IGNORED:
             meanings[place] = Meaning(IGNORED, "", "given")

@@ -2,8 +2,8 @@
 
 `read_lab_file` finds the table (`logs.raw_table`), the columns by heading, unit and values (`logs.heading_guess`,
 `logs.value_guess`), and the times (`logs.table_times`). It reports format, columns with ranges, and omitted rows with
-the reason. Notes mark uncertain assignments; an undecidable meaning is an error with the option to set it. `named`
-corrects: a heading or the number of a column -> `stress[MPa]`, or `-` to skip it.
+the reason. Notes mark uncertain assignments; an undecidable meaning is an error with the option to set it.
+`new_headings` corrects: a heading or the number of a column -> `stress[MPa]`, or `-` to skip it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class ReadColumn:
     """Heading in the file."""
     name: str
     """Column of the record; `-` if skipped."""
-    written: str
+    file_unit: str
     """Unit in the file; may be empty."""
     unit: str
     """Assigned unit."""
@@ -52,7 +52,7 @@ class ReadColumn:
     """Minimum in SI."""
     high: float
     """Maximum in SI."""
-    known: str
+    source: str
     """Source: `heading`, `unit`, `values`, or `given`."""
     certainty: str = ""
     """`given` by the file or the user, `inferred` with evidence, or `ambiguous`."""
@@ -81,7 +81,7 @@ class LabFile:
     """True if complete headings were read by their meaning, such as `Load [N]` as `force`."""
     labels: tuple[str, ...] = ()
     """Cells above the headings, one per column."""
-    said: Mapping[str, str] = field(default_factory=dict[str, str])
+    header_entries: Mapping[str, str] = field(default_factory=dict[str, str])
     """Entries in the lines above the table: lower-case word -> text next to it."""
     exact: bool = False
     """True if all headings are complete and the file was read exactly."""
@@ -89,7 +89,7 @@ class LabFile:
     @property
     def is_given(self) -> bool:
         """Return whether nothing was guessed, omitted or corrected."""
-        guessed = any(one.si and one.known != "given" for one in self.columns)
+        guessed = any(one.si and one.source != "given" for one in self.columns)
         return not (self.notes or self.dropped or self.titled or guessed)
 
     def with_interval(self, interval: float) -> LabFile:
@@ -115,19 +115,19 @@ class UntoldError(DataError):
     """Error for columns of unknown meaning; the sentence names the option to give."""
 
 
-def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> LabFile:
+def read_lab_file(path: str | Path, new_headings: Mapping[str, str] | None = None) -> LabFile:
     """Return a file of a laboratory instrument: text of any layout, .xlsx, .mat, .parquet, .nc, .tdms or .mcap.
 
     Args:
         path: file to read.
-        named: meanings of columns, by heading or number: `{"2": "stress[MPa]", "Comment": "-"}`.
+        new_headings: meanings of columns, by heading or number: `{"2": "stress[MPa]", "Comment": "-"}`.
 
     Raises:
         DataError: there is no table of numbers, time runs back, or the meaning of columns is undecidable.
         InputError: a required extra is not installed.
     """
     raw = read_raw(Path(path))
-    return interpret_table(raw, Path(path), named or {})
+    return interpret_table(raw, Path(path), new_headings or {})
 
 
 def split_side_by_side(file: LabFile) -> list[LabFile]:
@@ -160,9 +160,9 @@ def read_raw(path: Path, separator: str = "auto") -> RawTable:
     return read_container(path) if find_ending(path) in KINDS else read_text_table(path, separator)
 
 
-def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabFile:
+def interpret_table(raw: RawTable, path: Path, new_headings: Mapping[str, str]) -> LabFile:
     """Return a table with the meaning of its columns; arguments and errors as `read_lab_file`."""
-    meant = guess_meanings(raw, named)
+    meant = guess_meanings(raw, new_headings)
     blocks = leave_blocks(raw, meant)
     file_times, clock = _find_times(raw, meant)
     times, timed = (file_times, True) if file_times else _assume_times(raw, bool(blocks))
@@ -172,14 +172,16 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
         raise UntoldError(_explain_unknown(raw, meant))
     left, kept_rows = raw.left_out + times.left_out, _drop_empty(columns)
     if len(kept_rows) < len(times.times):
-        left += count_rows("no number but the time", raw.numbers[np.delete(times.kept, kept_rows)])
+        left += count_rows("no number but the time", raw.numbers[np.delete(times.rows, kept_rows)])
         columns = {name: column[kept_rows] for name, column in columns.items()}
     count = sum(one.count for one in left if one.reason != "below the table")
     file, sheet = part_sheet(path)
     record = Record(f"{file.stem} {sheet}".strip(), columns, si_units, file, count, None if timed else 1.0)
     titled = len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
     parts = tuple(listed), left, tuple(notes)
-    return LabFile(path, raw.form, record, *parts, timed, times.start, titled, labels=raw.labels, said=raw.said)
+    return LabFile(
+        path, raw.form, record, *parts, timed, times.start, titled, labels=raw.labels, header_entries=raw.header_entries
+    )
 
 
 def _convert_columns(
@@ -197,7 +199,7 @@ def _convert_columns(
         else:
             (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
             factor, offset = units.find_conversion(head.spelling, head.unit)
-            numbers = (column.numbers[times.kept] * one.factor + one.offset) * factor + offset
+            numbers = (column.numbers[times.rows] * one.factor + one.offset) * factor + offset
             columns[head.name], si_units[head.name] = numbers, head.unit
             listed.append(describe_column(place, column, replace(one, name=head.name), head.unit, numbers))
     return columns, si_units, listed
@@ -206,7 +208,7 @@ def _convert_columns(
 def _assume_times(raw: RawTable, separate: bool) -> tuple[TableTimes, bool]:
     """Return times of a table without a time column, and whether the file gives their interval; else it is 1 s."""
     given = [(column.heading, column.unit, column.numbers) for column in raw.columns]
-    interval = None if separate else find_interval(raw.said) or find_step(given)
+    interval = None if separate else find_interval(raw.header_entries) or find_step(given)
     notes = (f"The file has no times: it says that its samples are {interval:g} s apart.",) if interval else ()
     rows = np.arange(raw.rows)
     return TableTimes((interval or 1.0) * rows.astype(float), rows, None, (), notes), interval is not None
@@ -224,7 +226,7 @@ def describe_column(place: int, column: RawColumn, meaning: Meaning, si: str, nu
     """Return the meaning of a column with its range in SI; `si` is empty for an unused column."""
     finite = numbers[np.isfinite(numbers)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (math.nan, math.nan)
-    name, written, by = meaning.name if si else IGNORED, write_unit(column), meaning.known if si else ""
+    name, written, by = meaning.name if si else IGNORED, write_unit(column), meaning.source if si else ""
     certainty = meaning.certainty if si else ""
     return ReadColumn(place + 1, column.heading, name, written, meaning.unit, si, low, high, by, certainty)
 
@@ -234,8 +236,8 @@ def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
     places = [k for k, one in enumerate(meant) if one.name == "time"]
     numeric = [k for k in places if raw.columns[k].kind == "number"]
     clocks = [k for k in places if raw.columns[k].kind in ("stamp", "clock")]
-    numeric.sort(key=lambda k: (meant[k].known != "given", not is_rising(raw.columns[k].numbers)))
-    if numeric and (not clocks or meant[numeric[0]].known == "given" or is_rising(raw.columns[numeric[0]].numbers)):
+    numeric.sort(key=lambda k: (meant[k].source != "given", not is_rising(raw.columns[k].numbers)))
+    if numeric and (not clocks or meant[numeric[0]].source == "given" or is_rising(raw.columns[numeric[0]].numbers)):
         return numeric[0]
     return clocks[0] if clocks else -1
 
@@ -262,7 +264,7 @@ def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None,
     times = raw.columns[place].numbers
     if raw.columns[place].kind != "number" and seconds is not None and start is not None:
         return build_times(raw, seconds - start, start, False), place
-    if seconds is not None and meant[place].known == "values":
+    if seconds is not None and meant[place].source == "values":
         meant[place] = _judge_by_clock(meant[place], times, seconds)
     factor, _ = units.find_conversion(meant[place].unit or "s", "s")
     finite = times[np.isfinite(times)]
@@ -301,7 +303,7 @@ def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
 
 def _describe_doubt(title: str, option: str, column: RawColumn, meaning: Meaning, clock: bool) -> str:
     """Return a sentence about an uncertain meaning of a column; empty if it is certain."""
-    name, by = meaning.name, meaning.known
+    name, by = meaning.name, meaning.source
     if by == AMBIGUOUS:
         return (
             f"{title} is left out: its values fit degrees and radians; write `{option}=angle[deg]` or "
@@ -328,7 +330,7 @@ def _describe_doubt(title: str, option: str, column: RawColumn, meaning: Meaning
 
 def _mend_columns(columns: dict[str, Numbers], meant: list[Meaning]) -> list[str]:
     """Correct a stepped supply whose counter fell back, if its values show it; return the note."""
-    by_values = {one.name for one in meant if one.known == "values"}
+    by_values = {one.name for one in meant if one.source == "values"}
     if not {"voltage", "current"} <= by_values:
         return []
     columns["voltage"], rows, height = mend_fall(columns["voltage"], columns["current"])
@@ -359,5 +361,5 @@ def _explain_unknown(raw: RawTable, meant: list[Meaning]) -> str:
     return (
         f"`{raw.name}`: neither headings nor values tell what the columns are: column {', '.join(ranges)}. "
         f"Name one, for example `stress[MPa]` (`--as {free + 1}=stress[MPa]`; in Python "
-        f'`named={{"{free + 1}": "stress[MPa]"}}`).'
+        f'`new_headings={{"{free + 1}": "stress[MPa]"}}`).'
     )

@@ -84,7 +84,7 @@ class RawTable:
     """Row numbers in the file."""
     preview: list[list[str]]
     left_out: tuple[LeftOut, ...] = ()
-    said: Mapping[str, str] = field(default_factory=dict[str, str])
+    header_entries: Mapping[str, str] = field(default_factory=dict[str, str])
     """Entries above the table: lower-case label -> text."""
     notes: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()

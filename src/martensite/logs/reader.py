@@ -34,7 +34,7 @@ from martensite.signals.records import Record, not_finite
 PREFIX = "data:"
 
 
-def parse_named(texts: Iterable[str]) -> dict[str, str]:
+def parse_new_headings(texts: Iterable[str]) -> dict[str, str]:
     """Return column -> meaning from texts such as `2=stress[MPa]`.
 
     Raises:
@@ -58,13 +58,17 @@ def is_columnar(source: str | Path) -> bool:
 
 
 def read_log(
-    source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None, *, known: bool = False
+    source: str | Path,
+    new_headings: Mapping[str, str] | None = None,
+    interval: float | None = None,
+    *,
+    known: bool = False,
 ) -> LabFile:
     """Return a log of any kind; a fault below complete headings is an error.
 
     Args:
         source: file, or `data:<data set>/<file>`.
-        named: meaning of columns, by heading or number, as for `read_lab_file`.
+        new_headings: meaning of columns, by heading or number, as for `read_lab_file`.
         interval: time between rows [s] of a file without times.
         known: find the meaning of complete headings with unknown names, such as `Load [N]`.
 
@@ -72,28 +76,32 @@ def read_log(
         The record in SI, with NaN for missing samples, and the certainty of each column.
 
     Raises:
-        DataError: the log cannot be read, or `named` corrects a published data set.
+        DataError: the log cannot be read, or `new_headings` corrects a published data set.
     """
-    if named and is_published(source):
+    if new_headings and is_published(source):
         raise DataError(f"The columns of `{source}` are known; `--as` has no effect on it.")
-    file = None if named else _try_exact(source, interval)
+    file = None if new_headings else _try_exact(source, interval)
     exact = file is not None and file.exact
     if file is not None and exact and (is_published(source) or not known or is_all_known(file.record)):
         return file
     if file is None or exact:
-        file = replace(read_lab_file(source, named), renamed=exact)
+        file = replace(read_lab_file(source, new_headings), renamed=exact)
     return file.with_interval(interval) if interval is not None and not file.has_time else file
 
 
 def read_parts(
-    source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None, *, known: bool = False
+    source: str | Path,
+    new_headings: Mapping[str, str] | None = None,
+    interval: float | None = None,
+    *,
+    known: bool = False,
 ) -> list[LabFile]:
     """Return all tables of a file: each sheet, and equal tables side by side; arguments and errors as `read_log`.
 
     `FILE:LABEL` is the table with this label above its headings.
     """
     whole, label = part_label(source)
-    files = [read_log(part, named, interval, known=known) for part in list_sheets(whole)]
+    files = [read_log(part, new_headings, interval, known=known) for part in list_sheets(whole)]
     return choose_tables(files, whole, label)
 
 
@@ -113,15 +121,17 @@ def choose_tables(files: Sequence[LabFile], whole: str | Path, label: str) -> li
     return chosen
 
 
-def read_one(source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None) -> LabFile:
+def read_one(
+    source: str | Path, new_headings: Mapping[str, str] | None = None, interval: float | None = None
+) -> LabFile:
     """Return the only table of a file, or the table named after it (`FILE:LABEL`); arguments as `read_log`.
 
     Raises:
         DataError: the file cannot be read, or it has several labelled tables side by side.
     """
     if part_label(source)[1]:
-        return read_parts(source, named, interval)[0]
-    file = read_log(source, named, interval)
+        return read_parts(source, new_headings, interval)[0]
+    file = read_log(source, new_headings, interval)
     parts = split_side_by_side(file) if file.labels else [file]
     if len(parts) > 1:
         labels = [part.labels[0] for part in parts]
@@ -168,13 +178,15 @@ def _read_whole(source: str | Path) -> LabFile | None:
     return None if lost else file
 
 
-def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:
+def read_log_table(
+    source: str | Path, interval: float | None = None, new_headings: Mapping[str, str] | None = None
+) -> Record:
     """Return the record of `read_one`; guesses and omissions are printed once on standard error.
 
     Raises:
         DataError: the log cannot be read.
     """
-    return tell_guesses(read_one(source, named, interval)).record
+    return tell_guesses(read_one(source, new_headings, interval)).record
 
 
 def read_complete(source: str | Path, interval: float | None = None) -> Record:

@@ -50,10 +50,10 @@ def read_pieces(
     outputs: Sequence[str],
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
-    named: Mapping[str, str] | None = None,
+    new_headings: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
     """Return a log as `read_sampled` does, split at gaps of its inputs (`regular_grid.split_at_gaps`)."""
-    record = read_columns(path, (*inputs, *outputs), interval, units or {}, named)
+    record = read_columns(path, (*inputs, *outputs), interval, units or {}, new_headings)
     return split_at_gaps(record, inputs, outputs, interval, units)
 
 
@@ -62,7 +62,7 @@ def read_columns(
     names: Sequence[str],
     interval: float | None,
     units: Mapping[str, str],
-    named: Mapping[str, str] | None = None,
+    new_headings: Mapping[str, str] | None = None,
 ) -> Record:
     """Return a log as a table in SI; of files of arrays only the chosen columns, in `units` by default.
 
@@ -70,10 +70,10 @@ def read_columns(
         DataError: the file is missing, of unknown kind, malformed, or lacks a column.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
-    if is_columnar(path) and not named:
+    if is_columnar(path) and not new_headings:
         file = read_exact(path, gaps=True, names=names, units=units, interval=interval)
     else:
-        file = tell_guesses(read_one(path, named))
+        file = tell_guesses(read_one(path, new_headings))
     if file.record.interval is None or file.has_time:
         return file.record
     if interval is None:

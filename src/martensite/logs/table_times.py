@@ -33,7 +33,7 @@ class TableTimes:
 
     times: Numbers
     """[s]"""
-    kept: NDArray[Any]
+    rows: NDArray[Any]
     """Indices of the rows."""
     start: float | None
     """Absolute time of zero [s] since the first day of the calendar; below 86 400 the time of day."""

@@ -31,7 +31,7 @@ ANSWERING += ("resistance", "rotor_speed", "y", "output")
 def list_columns(log: str, given: Mapping[str, str] | None = None) -> list[str]:
     """Return the names of the columns of a log, without its time."""
     if given or not is_columnar(log):
-        names = list(read_log_table(log, named=given).columns)
+        names = list(read_log_table(log, new_headings=given).columns)
     else:
         names = [name_column(column.heading) for column in read_container(Path(log)).columns]
     return [name for name in names if name != "time"]
@@ -104,7 +104,7 @@ def read_logs(
     outputs: Sequence[str],
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
-    named: Mapping[str, str] | None = None,
+    new_headings: Mapping[str, str] | None = None,
 ) -> list[Sampled]:
     """Return the records of logs, at their own sample time by default; a log with gaps gives several."""
     both = set(inputs) & set(outputs)
@@ -113,7 +113,7 @@ def read_logs(
             f"Column `{min(both)}` is given as input and as output; a column says nothing about itself, so name "
             "another one."
         )
-    return [record for log in logs for record in read_pieces(log, inputs, outputs, interval, units, named)]
+    return [record for log in logs for record in read_pieces(log, inputs, outputs, interval, units, new_headings)]
 
 
 def identify_log(
@@ -125,7 +125,7 @@ def identify_log(
     other: Sequence[str | Path] = (),
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
-    named: Mapping[str, str] | None = None,
+    new_headings: Mapping[str, str] | None = None,
     options: Options | None = None,
     time_box: float = TIME_BOX,
     watch: Watch | None = None,
@@ -141,7 +141,7 @@ def identify_log(
         other: held-out logs, instead of the last block.
         interval: sample time [s], by default as in the log.
         units: units of columns, such as `{"duty": "%"}`.
-        named: meaning of columns without a telling heading (`read_lab_file`).
+        new_headings: meaning of columns without a telling heading (`read_lab_file`).
         options: estimation of the best structure of each rung.
         time_box: processor time [s].
         watch: called with a sentence and the used fraction of the time.
@@ -153,11 +153,11 @@ def identify_log(
         SolveError: no model was found.
     """
     logs = [str(path)] if isinstance(path, str | Path) else [str(one) for one in path]
-    names, last, why = guess_columns(logs[0], inputs, output, named)
+    names, last, why = guess_columns(logs[0], inputs, output, new_headings)
     ends = [name.strip() for name in last.split(",") if name.strip()]
-    fitted = read_logs(logs, names, ends, interval, units, named)
+    fitted = read_logs(logs, names, ends, interval, units, new_headings)
     chosen_by, held_out = (
-        read_logs([str(one) for one in group], names, ends, fitted[0].interval, units, named)
+        read_logs([str(one) for one in group], names, ends, fitted[0].interval, units, new_headings)
         for group in (validation, other)
     )
     ladder = climb_ladder(fitted, chosen_by, held_out, options, time_box, watch, keep)

@@ -72,7 +72,7 @@ def compare_laws_with_log(
     *,
     material: str | None = None,
     settings: Mapping[str, Any] | None = None,
-    named: Mapping[str, str] | None = None,
+    new_headings: Mapping[str, str] | None = None,
     stress: float | None = None,
     temperature: float | None = None,
     fractions: Fractions | None = None,
@@ -86,7 +86,7 @@ def compare_laws_with_log(
         log: a file, `data:SET/FILE`, or a record with `strain` [-], `temperature` [K] and `stress` [Pa].
         material: source of the numbers, by default the first material that has all of them.
         settings: values by parameter, or by law and parameter.
-        named: meaning of the columns, as in `read_lab_file`.
+        new_headings: meaning of the columns, as in `read_lab_file`.
         stress: constant stress [Pa] of a log without one.
         temperature: constant temperature [K] of a log without one.
         fractions: phase state at the first row, by default after cooling under the first stress.
@@ -98,7 +98,7 @@ def compare_laws_with_log(
         InputError: a law, a material or a number is unknown.
         SolveError: a law cannot follow the path.
     """
-    record = log if isinstance(log, Record) else read_log_table(log, 1.0, named)
+    record = log if isinstance(log, Record) else read_log_table(log, 1.0, new_headings)
     rows = _pick_rows(record, {"stress": stress, "temperature": temperature})
     pull = np.abs(rows["stress"])
     compared = "strain" if np.ptp(rows["stress"]) <= RESTS * pull.max() else "stress"

@@ -104,8 +104,8 @@ def model_provenance(estimate: ChainEstimate) -> dict[str, Any]:
         "options": vars(estimate.options) | {"begin": [c.text() for c in estimate.options.begin]},
         "refined_fits": [float(fit) for fit in estimate.fits],
         "agreeing": int(estimate.agreeing),
-        "iterations": int(estimate.found.iterations),
-        "converged": bool(estimate.found.converged),
+        "iterations": int(estimate.solution.iterations),
+        "converged": bool(estimate.solution.converged),
         "records": [_describe_record(estimate, record) for record in estimate.records],
     }
 

@@ -79,7 +79,7 @@ def check_sizes(block: AbstractBlock) -> None:
         "states after a sample": (len(after), block.states()),
         "names of numbers": (len(set(block.numbers())), len(theta)),
         "numbers to start with": (len(block.start()), len(theta)),
-        "fixed numbers": (len(block.given()), len(block.fixed)),
+        "fixed numbers": (len(block.fixed_values()), len(block.fixed)),
         "priors": (len(block.priors()[0]), len(theta)),
         "weights of priors": (len(block.priors()[1]), len(theta)),
         "gains": (len(block.gains()), block.outputs),
@@ -109,7 +109,7 @@ def check_words(block: AbstractBlock) -> None:
 def check_fixed(block: AbstractBlock) -> None:
     """Values taken from a record do not change its structure."""
     moved = block.adapt_to(3.0 + 2.0 * make_record(block.inputs), DT)
-    same = moved.structure() == block.structure() and moved.with_given(block.given()) == block
+    same = moved.structure() == block.structure() and moved.with_fixed_values(block.fixed_values()) == block
     require_condition(same, "Adapted to a record it has another structure.")
 
 

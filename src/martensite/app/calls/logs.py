@@ -124,10 +124,10 @@ def _read_untold(raw: RawTable, path: Path) -> LabFile | None:
 
 def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str]:
     yield from raw.notes
-    unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "values" and not one.sure]
+    unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.source == "values" and not one.sure]
     if unsure:
         yield f"Column {', '.join(unsure)}: guessed from the values; check the meaning."
-    torn = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "heading" and not one.sure]
+    torn = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.source == "heading" and not one.sure]
     if torn:
         yield f"Column {', '.join(torn)}: heading and row of units disagree; check the unit."
     if len(raw.columns) == 1:

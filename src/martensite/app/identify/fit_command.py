@@ -20,7 +20,7 @@ SCENARIO = "scenario.toml"
 
 def list_experiments(fit: Fit) -> list[Experiment]:
     """Return the fitted experiments, and the experiments held out as a whole."""
-    return [*fit.problem.experiments, *(one.experiment for one in fit.kept)]
+    return [*fit.problem.experiments, *(one.experiment for one in fit.held_out_records)]
 
 
 def _name_files(fit: Fit) -> list[str]:
@@ -38,7 +38,7 @@ def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
     compared = request.get("compare") or (list(proposal.columns) if proposal else [])
     words += [word for one in compared for word in ("--column", str(one))]
     hold_out = request.get("hold_out", "auto")
-    names = [one.experiment.name for one in fit.kept]
+    names = [one.experiment.name for one in fit.held_out_records]
     words += ["--hold-out", ",".join(names)] if names else [] if hold_out == "auto" else ["--hold-out", str(hold_out)]
     for name, usual in (("method", "trf"), ("loss", "linear"), ("starts", 0)):
         words += [] if request.get(name, usual) == usual else [f"--{name}", str(request[name])]

@@ -113,7 +113,7 @@ def describe_measured(one: Experiment) -> JsonTable:
     return {
         "name": one.name,
         "times": [float(one.times[row]) for row in rows],
-        "held": [bool(one.kept_back[row]) for row in rows],
+        "held": [bool(one.held_out_rows[row]) for row in rows],
         "outputs": [
             {
                 "name": name,
@@ -155,7 +155,7 @@ def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
         "jacobians": fit.jacobians,
         "seconds": fit.seconds,
         "parameters": [_describe_found(fit, free) for free in fit.problem.free],
-        "own": {name: value for one in fit.kept for name, value in one.numbers.items()},
+        "own": {name: value for one in fit.held_out_records for name, value in one.numbers.items()},
         "scores": [{**score.to_dict(), **describe_difference(score.output, score.unit)} for score in fit.scores],
         "determined": fit.identifiability.determined,
         "open": list(fit.identifiability.sentences),
@@ -199,7 +199,7 @@ def _list_curves(one: ComparedOutput) -> JsonTable:
         "times": [float(one.times[row]) for row in rows],
         "measured": [round_digits(one.measured[row]) for row in rows],
         "model": [round_digits(one.model[row]) for row in rows],
-        "held": [bool(one.held[row]) for row in rows],
+        "held": [bool(one.held_out_rows[row]) for row in rows],
         "axis": _find_axis(one, rows),
         **describe_display(one.output, one.description.unit),
     }

@@ -43,7 +43,7 @@ def _describe_columns(file: LabFile) -> str:
     units = {one.name: typeset_unit(one.unit, "plain numbers") for one in used}
     entries = [f"`{name}` {'by the' if unit == 'clock' else 'in'} {unit}" for name, unit in units.items()]
     sentence = f"{file.format[:1].upper()}{file.format[1:]}: {join_phrases(entries)}"
-    sentence += ", recognised by their values" if any(one.known == "values" for one in used) else ""
+    sentence += ", recognised by their values" if any(one.source == "values" for one in used) else ""
     unused = len(file.columns) - len(used)
     sentence += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
     lost = [_describe_lost(one) for one in file.dropped]

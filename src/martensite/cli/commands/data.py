@@ -69,7 +69,7 @@ def show_data(
         list[str],
         Argument(metavar="FILE...", help="Files of instruments in any layout, or the name of one published data set."),
     ],
-    named: NamedColumns = None,
+    new_headings: NamedColumns = None,
     merge: Annotated[bool, Option("--merge", help="Join the files on the clock of the first file.")] = False,
     offset: Annotated[
         Texts,
@@ -103,7 +103,7 @@ def show_data(
     if out is not None:
         check_folder(out)
         check_absent(out, force)
-    tables = _read_files(names, named or ())
+    tables = _read_files(names, new_headings or ())
     if merge:
         offsets = [read_quantity("offset", text, "s") or 0.0 for text in offset or ()]
         tables = [merge_by_clock(tables, offsets or None)]
@@ -126,15 +126,15 @@ def _name_experiment(summary: Summary, tables: Sequence[LabFile]) -> Summary:
     return replace(summary, blocks=[*summary.blocks, Sentence(text)])
 
 
-def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:
+def _read_files(names: list[str], new_headings: Iterable[str]) -> list[LabFile]:
     """Return all tables of files, without unreadable rows."""
     from martensite.logs.container_files import list_sheets
     from martensite.logs.lab_files import read_lab_file
-    from martensite.logs.reader import choose_tables, parse_named, part_label
+    from martensite.logs.reader import choose_tables, parse_new_headings, part_label
 
     tables: list[LabFile] = []
     for whole, label in map(part_label, names):
-        sheets = [read_lab_file(sheet, parse_named(named)) for sheet in list_sheets(whole)]
+        sheets = [read_lab_file(sheet, parse_new_headings(new_headings)) for sheet in list_sheets(whole)]
         tables += choose_tables(sheets, whole, label)
     return tables
 

@@ -98,7 +98,7 @@ class IdentifyOptions:
             min=0.0, help=("Ridge penalty of free parameters, e.g. 1e-6 [default: chosen for short logs, otherwise 0].")
         ),
     ] = None
-    named: NamedColumns = None
+    new_headings: NamedColumns = None
 
     def plan_stages(self) -> list[ModelStage]:
         """Return the stages."""
@@ -124,7 +124,7 @@ class IdentifyOptions:
         arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
         named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
         last = arrows[-1] if arrows else ""
-        inputs, output = choose_columns(log, given, self.output or last or None, named, self.read_named())
+        inputs, output = choose_columns(log, given, self.output or last or None, named, self.read_new_headings())
         return replace(self, inputs=inputs, output=output)
 
     def list_inputs(self) -> list[str]:
@@ -140,16 +140,18 @@ class IdentifyOptions:
         for logs in (fitted, self.validate or (), self.other or ()):
             group: list[Sampled] = []
             for log in logs:
-                group += read_logs([log], self.inputs or [], outputs, interval, self.read_units(), self.read_named())
+                group += read_logs(
+                    [log], self.inputs or [], outputs, interval, self.read_units(), self.read_new_headings()
+                )
                 interval = group[-1].interval
             groups.append(group)
         return tuple(groups)
 
-    def read_named(self) -> dict[str, str]:
+    def read_new_headings(self) -> dict[str, str]:
         """Return the meanings of columns without headings."""
-        from martensite.logs.reader import parse_named
+        from martensite.logs.reader import parse_new_headings
 
-        return dict(parse_named(self.named or ()))
+        return dict(parse_new_headings(self.new_headings or ()))
 
     def read_units(self) -> dict[str, str]:
         """Return units by column."""
@@ -272,7 +274,7 @@ def _climb(
             other=options.other or (),
             interval=interval,
             units=options.read_units(),
-            named=options.read_named(),
+            new_headings=options.read_new_headings(),
             options=replace(options.choose_search(interval or 1.0), ridge=options.ridge or 0.0),
             time_box=read_positive("time-box", options.time_box, "s") or TIME_BOX,
             watch=bar,
@@ -302,7 +304,7 @@ def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
     one = best[-1] if best else None
     if one is None or one.chain is None:
         return ""
-    sentence = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on held-out data"
+    sentence = f"Interrupted; the best so far is `{one.structure}`, fit {one.held_out.fit:.1f} % on held-out data"
     if path is None:
         return f"{sentence}; use --out to keep it."
     write_model(one.chain, path)

@@ -46,7 +46,7 @@ def law(
             ),
         ),
     ] = None,
-    named: NamedColumns = None,
+    new_headings: NamedColumns = None,
     material: Annotated[
         Text,
         Option(
@@ -80,7 +80,7 @@ def law(
 ) -> None:
     """Simulate constitutive laws along a path or a log."""
     import_modules(modules)
-    from martensite.logs.reader import parse_named
+    from martensite.logs.reader import parse_new_headings
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws
     from martensite.scenario.overrides import read_settings
@@ -95,10 +95,14 @@ def law(
     if log:
         for option, given in {"--path": path, "--strain": strain, "--rate": rate}.items():
             refuse_idle(option, given is not None, "laws follow the log")
-        how = {"material": material, "settings": read_settings(settings or []), "named": parse_named(named or [])}
+        how = {
+            "material": material,
+            "settings": read_settings(settings or []),
+            "new_headings": parse_new_headings(new_headings or []),
+        }
         _follow_logs(names, log, chosen, outputs, answer.json, **how, tolerance=tolerance, runtime=runtime)
         return
-    refuse_idle("--as", named is not None, "there is no --log")
+    refuse_idle("--as", new_headings is not None, "there is no --log")
     path = path or "superelastic"
     plane = find_path(path).plane
     dressed = configure_laws(list(dict.fromkeys(names)), material, read_settings(settings or []))

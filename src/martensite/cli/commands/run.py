@@ -51,7 +51,7 @@ class RunOptions:
     log: Annotated[
         Text, Option(metavar="FILE", help="Log that drives the scenario, and that the run is compared with.")
     ] = None
-    named: NamedColumns = None
+    new_headings: NamedColumns = None
     no_compare: Annotated[bool, Option("--no-compare", help="Skip the comparison.")] = False
     tolerance: Annotated[
         float | None,
@@ -100,7 +100,7 @@ class RunOptions:
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
 
-        log = None if self.log is None else _read_log(self.log, None if self.compare else self.named)
+        log = None if self.log is None else _read_log(self.log, None if self.compare else self.new_headings)
         seeds = {} if self.seed is None else {"run.seed": self.seed}
         loaded = load(path, read_settings(settings or []) | seeds, log=log)
         refuse_idle("--seed", self.seed is not None and not _has_noise(loaded), "the scenario has no noise")
@@ -120,7 +120,7 @@ class RunOptions:
         if self.no_compare:
             return None
         if self.compare is not None:
-            return _read_log(self.compare, self.named)
+            return _read_log(self.compare, self.new_headings)
         if log is not None:
             return _cut_log(log, scenario)
         return scenario.measured.read() if scenario.measured else None
@@ -159,7 +159,7 @@ def run(
     A run that leaves the physical range (melting, 3 GPa, 20 % strain, or your own bound) stops there, keeps the
     results up to that time, and gives exit code 1.
     """
-    lone = options.named is not None and options.compare is None and options.log is None
+    lone = options.new_headings is not None and options.compare is None and options.log is None
     refuse_idle("--as", lone, "there is neither --compare nor --log")
     refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
     idle = options.compare is not None and options.no_compare
@@ -196,10 +196,10 @@ def run_scenario(
     return result, summarise_run(scenario, result, agreements, averaging, options.measure or ())
 
 
-def _read_log(path: str, named: list[str] | None) -> Record:
-    from martensite.logs.reader import parse_named, read_log_table
+def _read_log(path: str, new_headings: list[str] | None) -> Record:
+    from martensite.logs.reader import parse_new_headings, read_log_table
 
-    return read_log_table(path, named=parse_named(named or ()))
+    return read_log_table(path, new_headings=parse_new_headings(new_headings or ()))
 
 
 def _has_noise(scenario: Scenario) -> bool:

@@ -59,10 +59,10 @@ class ClosedLoop(AbstractBlock):
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
         return (*(f"m{k}" for k in range(len(self.values))), "offset")
 
-    def given(self) -> tuple[float, ...]:
+    def fixed_values(self) -> tuple[float, ...]:
         return (*self.values, self.offset)
 
-    def with_given(self, values: Sequence[Any]) -> Self:
+    def with_fixed_values(self, values: Sequence[Any]) -> Self:
         return self.rebuilt({"values": tuple(values[:-1]), "offset": values[-1]})
 
     def structure(self) -> tuple[Any, ...]:
@@ -107,7 +107,7 @@ class ClosedLoop(AbstractBlock):
         rows = [
             (one, *(tuple(islice(rest, len(names))) for names in (one.numbers(), one.fixed))) for one in self.blocks
         ]
-        return [(block.with_given(fixed), free) for block, free, fixed in rows]
+        return [(block.with_fixed_values(fixed), free) for block, free, fixed in rows]
 
 
 class Trajectory(NamedTuple):
@@ -153,13 +153,13 @@ class ControlledModel:
         self.chain, law = chain, law or PidLaw()
         self._measured, self._zeroed = measured, zeroed
         parts = zip(chain.blocks, chain.split(), strict=True)
-        values = [float(v) for block, values_of_block in parts for v in (*values_of_block, *block.given())]
+        values = [float(v) for block, values_of_block in parts for v in (*values_of_block, *block.fixed_values())]
         block = ClosedLoop(
             blocks=chain.blocks, values=tuple(values), tap=taps[measured], law=law, sign=-1.0 if reverse else 1.0
         )
         if zeroed:
             idle = np.full((1, 1), law.idle)
-            block = block.with_given([*values, float(chain.simulate(idle)[0, measured])])
+            block = block.with_fixed_values([*values, float(chain.simulate(idle)[0, measured])])
         self.block, self.engine = block, ChainEngine([block], chain.interval, compiled=compiled)
 
     def check_static_curve(self, targets: Sequence[float]) -> None:

@@ -72,7 +72,7 @@ class Assumptions:
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """User values by dotted path, which replace assumptions."""
     sentences: list[str] = field(default_factory=list[str])
-    said: Mapping[str, Mapping[str, str]] = field(default_factory=dict[str, Mapping[str, str]])
+    header_entries: Mapping[str, Mapping[str, str]] = field(default_factory=dict[str, Mapping[str, str]])
     """Record -> entries in the lines above its table: lower-case word -> text next to it."""
     jitter: dict[str, float] = field(default_factory=dict[str, float])
     """Record -> standard error of its drive after smoothing [SI]."""
@@ -101,7 +101,7 @@ class Assumptions:
 
     def find_said(self, record: Record, words: Sequence[str], pattern: re.Pattern[str]) -> float | None:
         """Return the value of a quantity in the header lines of a record, and note it."""
-        for key, text in self.said.get(record.name, {}).items():
+        for key, text in self.header_entries.get(record.name, {}).items():
             match = pattern.search(text)
             if match is not None and any(word in key for word in words):
                 self.sentences.append(f"`{record.name}`: `{text}` in the entry `{key}` of the file.")
@@ -118,7 +118,7 @@ class Assumptions:
             return units.parse_quantity(str(self.settings[path]), "m")
         pattern, keys = SIZES[path]
         sizes: dict[float, str] = {}
-        for name, entries in self.said.items():
+        for name, entries in self.header_entries.items():
             for key, text in entries.items():
                 match = pattern.search(f"{key}={text}" if key.strip() in keys else text)
                 if match is not None:
@@ -256,7 +256,7 @@ def propose_scenarios(
     Raises:
         DataError: required data are missing; the message asks for them.
     """
-    assumptions = Assumptions(settings, said=header_entries or {})
+    assumptions = Assumptions(settings, header_entries=header_entries or {})
     proposals = [
         replace(one, jitter=assumptions.jitter) for one in experiment.kind.propose(experiment, records, assumptions)
     ]

@@ -144,11 +144,11 @@ class AbstractBlock(Parametrised):
         inner = ",".join(v if isinstance(v, str) else f"{v:g}" for v in values)
         return f"{self.short}({inner})" if inner else self.short
 
-    def given(self) -> tuple[float, ...]:
+    def fixed_values(self) -> tuple[float, ...]:
         """Return the fixed numbers, in the order of `fixed`."""
         return tuple(getattr(self, name) for name in self.fixed)
 
-    def with_given(self, values: Sequence[Any]) -> Self:
+    def with_fixed_values(self, values: Sequence[Any]) -> Self:
         """Return the block with other fixed numbers, unchecked, for tracing."""
         return self.rebuilt(dict(zip(self.fixed, values, strict=True)))
 

@@ -135,11 +135,11 @@ class FeedbackLoop(AbstractComposite):
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
         return (*super().fixed, "fence_low", "fence_high")
 
-    def given(self) -> tuple[float, ...]:
-        return (*super().given(), self.fence_low, self.fence_high)
+    def fixed_values(self) -> tuple[float, ...]:
+        return (*super().fixed_values(), self.fence_low, self.fence_high)
 
-    def with_given(self, values: Any) -> Self:
-        return super().with_given(values).rebuilt({"fence_low": values[-2], "fence_high": values[-1]})
+    def with_fixed_values(self, values: Any) -> Self:
+        return super().with_fixed_values(values).rebuilt({"fence_low": values[-2], "fence_high": values[-1]})
 
     @property
     def fenced(self) -> bool:  # type: ignore[override]

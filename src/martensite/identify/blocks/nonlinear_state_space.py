@@ -112,7 +112,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
 
     def _products(self, xp: Namespace, poles: Column, cascade_state: Column, u: Scalar, dt: Scalar) -> list[Scalar]:
         """Return h φ."""
-        states = zip(self._scale_states(xp, poles, cascade_state, dt), self.given()[3:], strict=False)
+        states = zip(self._scale_states(xp, poles, cascade_state, dt), self.fixed_values()[3:], strict=False)
         limited = [xp.clip(r, -fence, fence) for r, fence in states]
         limited.append(xp.clip((u - self.middle) / self.half, -FARTHEST, FARTHEST))
         return [self.half * _multiply_values(limited, monomial) for monomial in self.monomials()]

@@ -97,12 +97,12 @@ class AbstractComposite(AbstractBlock):
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
         return tuple(f"{place}.{name}" for place, b in self._place_blocks for name in b.fixed)
 
-    def given(self) -> tuple[float, ...]:
-        return tuple(value for block in self.blocks for value in block.given())
+    def fixed_values(self) -> tuple[float, ...]:
+        return tuple(value for block in self.blocks for value in block.fixed_values())
 
-    def with_given(self, values: Sequence[Any]) -> Self:
+    def with_fixed_values(self, values: Sequence[Any]) -> Self:
         shares = self.split(values, lambda block: len(block.fixed))
-        return self.rebuilt({"blocks": tuple(block.with_given(own) for block, own in shares)})
+        return self.rebuilt({"blocks": tuple(block.with_fixed_values(own) for block, own in shares)})
 
     def structure(self) -> tuple[Any, ...]:
         return type(self), tuple(block.structure() for block in self.blocks)

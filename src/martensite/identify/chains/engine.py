@@ -207,7 +207,7 @@ class ChainEngine:
         return plan_blocks(self.blocks)
 
     def _numbers(self, theta: Numbers) -> Numbers:
-        given = [value for block in self.blocks for value in block.given()]
+        given = [value for block in self.blocks for value in block.fixed_values()]
         return np.array([*theta, *given, self.interval], dtype=float)
 
     def rest(self, theta: Numbers, x: Numbers, deviation: Numbers | None = None) -> ChainStart:

@@ -71,7 +71,7 @@ class ChainEstimate:
     chain: Chain
     records: tuple[Sampled, ...]
     aims: tuple[RecordResidual, ...]
-    found: Found
+    solution: Found
     """End of the last search, at the full sample rate."""
     fits: tuple[float, ...]
     """Fit [%] at the ends of all refined searches, best first; for long records on decimated records."""
@@ -95,7 +95,7 @@ class ChainEstimate:
         """Return the uncertainty of the free numbers; None for an interrupted search, which ends at no minimum."""
         if not self.complete:
             return None
-        states = self.found.theta[len(self.chain.theta) :]
+        states = self.solution.theta[len(self.chain.theta) :]
         return estimate_chain_uncertainty(self.chain, self.squares(), states=states)
 
 
@@ -219,7 +219,7 @@ class _Estimation:
         return min(STRENGTHS, key=lambda strength: errors[strength])
 
     def _describe(self, last: SearchEnd, fits: Sequence[float]) -> ChainEstimate:
-        found_end, chain, goal = last.found, last.chain, self.goal
+        found_end, chain, goal = last.solution, last.chain, self.goal
         wanted = tuple(build_aims(self.records, self.options, goal.starts))
         complete = not goal.halt.is_set()
         self.remarks += describe_copies(self.records)
@@ -258,11 +258,11 @@ class _Estimation:
             return ends
         self.goal = free
         squares = self._goal_for(self.thin, free).bare_squares(ends_free[0].chain, self.thin)
-        self.goal = replace(free, starts=find_rested(squares, ends_free[0].found.theta))
+        self.goal = replace(free, starts=find_rested(squares, ends_free[0].solution.theta))
         return ends_free
 
     def _bare_cost(self, end: SearchEnd, goal: Goal) -> float:
-        return self._goal_for(self.thin, goal).bare_squares(end.chain, self.thin).value(end.found.theta)
+        return self._goal_for(self.thin, goal).bare_squares(end.chain, self.thin).value(end.solution.theta)
 
     def _goal_for(self, level: Sequence[Sampled], goal: Goal | None = None, shorter: int = 1) -> Goal:
         """Return the goal on decimated records, with fewer steps if `shorter` is above 1."""

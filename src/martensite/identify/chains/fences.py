@@ -37,11 +37,11 @@ class StateWatch(AbstractBlock):
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
         return self.watched.fixed
 
-    def given(self) -> tuple[float, ...]:
-        return self.watched.given()
+    def fixed_values(self) -> tuple[float, ...]:
+        return self.watched.fixed_values()
 
-    def with_given(self, values: Sequence[Any]) -> Self:
-        return self.rebuilt({"watched": self.watched.with_given(values)})
+    def with_fixed_values(self, values: Sequence[Any]) -> Self:
+        return self.rebuilt({"watched": self.watched.with_fixed_values(values)})
 
     def structure(self) -> tuple[Any, ...]:
         return type(self), self.watched.structure()

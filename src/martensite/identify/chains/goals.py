@@ -137,7 +137,7 @@ class Goal:
 
 
 def _has_same_blocks(one: Chain, other: Chain) -> bool:
-    return [b.given() for b in one.blocks] == [b.given() for b in other.blocks]
+    return [b.fixed_values() for b in one.blocks] == [b.fixed_values() for b in other.blocks]
 
 
 def _find_floor(moved: Numbers) -> float:

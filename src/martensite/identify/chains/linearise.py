@@ -130,7 +130,7 @@ def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[N
 
 
 def _bind_blocks(chain: Chain) -> Any:
-    given = [float(value) for block in chain.blocks for value in block.given()]
+    given = [float(value) for block in chain.blocks for value in block.fixed_values()]
     program = chain.engine.plan.program
     return program.bind_floats(*map(float, chain.theta), *given, float(chain.interval))
 

@@ -110,7 +110,7 @@ def _plan_keyed(shaped: tuple[_Shaped, ...]) -> ChainPlan:
     pieces: list[ChainPiece] = []
     first = 0
     for k, block in enumerate(blocks):
-        twin = block.with_given(given[k])
+        twin = block.with_fixed_values(given[k])
         pieces.append(_build_piece(program, twin, k, first, theta[k], dt))
         first += len(theta[k])
     return ChainPlan(program, tuple(pieces))

@@ -94,7 +94,7 @@ class ModelMechanism(AbstractMechanism):
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
         all_values = {**{name: self.__dict__[name] for name in _list_paths(self.model)}, **values}
         blocks = tuple(
-            block.with_given([float(all_values[f"b{k}_{name}"]) for name in block.fixed])
+            block.with_fixed_values([float(all_values[f"b{k}_{name}"]) for name in block.fixed])
             for k, block in enumerate(self.model.blocks, start=1)
         )
         theta = [
@@ -167,7 +167,7 @@ class ModelMechanism(AbstractMechanism):
         for k, block in enumerate(self.model.blocks, start=1):
             given = [self.__dict__[f"b{k}_{name}"] for name in block.fixed]
             theta = [self.__dict__[f"b{k}_{name}"] for name in block.numbers()]
-            blocks.append((block.with_given(given), theta))
+            blocks.append((block.with_fixed_values(given), theta))
         return blocks
 
     def convert_inputs(self, signals: Column) -> list[Scalar]:
@@ -191,7 +191,7 @@ def _list_values(chain: Chain) -> list[float]:
     return [
         float(value)
         for block, theta in zip(chain.blocks, chain.split(), strict=True)
-        for value in (*block.given(), *theta)
+        for value in (*block.fixed_values(), *theta)
     ]
 
 

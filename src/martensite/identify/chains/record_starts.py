@@ -42,7 +42,7 @@ class RunStart(NamedTuple):
 
     state: Numbers | None
     """State; None for a steady start."""
-    said: str
+    description: str
 
 
 REST = RunStart(None, "at rest")

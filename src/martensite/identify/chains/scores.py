@@ -34,7 +34,7 @@ class OutputScore:
     """NRMSE fit [%]."""
     rms: float
     worst: float
-    begins: str = REST.said
+    begins: str = REST.description
 
 
 def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
@@ -91,7 +91,7 @@ def score_chain(
                 float(fits[k]),
                 float(errors[k]),
                 float(worst[k]),
-                begin.said,
+                begin.description,
             )
             for k, name in enumerate(record.output_names)
         ]

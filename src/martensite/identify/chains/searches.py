@@ -28,7 +28,7 @@ class SearchEnd(NamedTuple):
 
     cost: float
     """Sum of squares per known output, each over its scale."""
-    found: Found
+    solution: Found
     chain: Chain
 
 
@@ -49,7 +49,7 @@ def measure_left_out(
     end: SearchEnd, records: Sequence[Sampled], training_records: Sequence[Sampled], goal: Goal
 ) -> float:
     """Return the squared error on held-out outputs, over their variances."""
-    states = goal.bare_squares(end.chain, training_records).initial(end.found.theta)
+    states = goal.bare_squares(end.chain, training_records).initial(end.solution.theta)
     total = 0.0
     for record, part, state in zip(records, training_records, states, strict=True):
         away = (record.outputs - end.chain.simulate(record.inputs, state)) / np.nanstd(record.outputs, axis=0)
@@ -145,8 +145,8 @@ def compute_cost(chain: Chain, records: Sequence[Sampled], goal: Goal) -> float:
 def compute_fit(end: SearchEnd, records: Sequence[Sampled], goal: Goal) -> float:
     """Return the mean fit over records and outputs [%]."""
     squares = ResidualSquares(end.chain.engine, build_aims(records, goal.options, goal.starts))
-    same = len(end.found.theta) == squares.size
-    states = squares.initial(end.found.theta if same else squares.extend_parameters(end.chain.theta))
+    same = len(end.solution.theta) == squares.size
+    states = squares.initial(end.solution.theta if same else squares.extend_parameters(end.chain.theta))
     runs = [end.chain.simulate(r.inputs, state) for r, state in zip(records, states, strict=False)]
     fits = [fit_percent(r.outputs, run, goal.options.skip) for r, run in zip(records, runs, strict=True)]
     return float(np.mean(fits))

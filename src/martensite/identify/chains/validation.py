@@ -217,7 +217,7 @@ def validate_chain(
         ),
         tuple(_test_whiteness(record, residuals)),
         tuple(_test_correlation(record, residuals, level)),
-        begin.said,
+        begin.description,
         begin.state,
     )
 

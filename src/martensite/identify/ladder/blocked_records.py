@@ -47,18 +47,18 @@ class BlockedRecord:
 
     record: Sampled
     chosen_by: tuple[slice, ...]
-    held: tuple[slice, ...]
+    held_out: tuple[slice, ...]
     fitted: bool = True
     """False if it is scored only."""
 
     def blocks(self, is_held_out: bool) -> tuple[slice, ...]:
         """Return the held-out blocks, or the blocks to choose by."""
-        return self.held if is_held_out else self.chosen_by
+        return self.held_out if is_held_out else self.chosen_by
 
     def hide(self, whole: bool) -> Sampled:
         """Return the record without held-out outputs, and without outputs to choose by unless `whole`."""
         outputs = self.record.outputs.copy()
-        for block in (*self.held, *(() if whole else self.chosen_by)):
+        for block in (*self.held_out, *(() if whole else self.chosen_by)):
             outputs[block] = np.nan
         return self.record.with_outputs(outputs)
 

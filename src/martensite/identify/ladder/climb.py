@@ -287,7 +287,7 @@ def _climb_nonlinear(climb: _Climb, order: int, delay: int, tests: list[str]) ->
 
 
 def _cut_held(one: BlockedRecord) -> Sampled:
-    return one.record.rows(0, one.held[0].start if one.held else None)
+    return one.record.rows(0, one.held_out[0].start if one.held_out else None)
 
 
 def _describe_order(climb: _Climb, delay: DelayTest, order: int) -> Iterator[str]:
@@ -366,9 +366,9 @@ def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> 
     """Yield the tests of the chain on held-out data, in runs from the first sample of each record."""
     runs = run_blocks(chain, blocked, whole)
     for one, run in zip(blocked, runs, strict=True):
-        if not one.held or not np.all(np.isfinite(run)):
+        if not one.held_out or not np.all(np.isfinite(run)):
             continue
-        first = one.held[0].start
+        first = one.held_out[0].start
         part = one.record.rows(first, None, f"{one.record.name}, held out")
         if np.isfinite(part.outputs).sum(axis=0).min() >= 10:
             yield validate_chain(chain, part, state=_run_until(chain, one, whole, first))

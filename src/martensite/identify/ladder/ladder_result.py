@@ -30,7 +30,7 @@ class LadderTrial:
     """Model; None if no search succeeded, and for the mean."""
     chosen_by: BlockErrors
     """Errors on the blocks to choose by."""
-    held: BlockErrors
+    held_out: BlockErrors
     seconds: float
     """Processor time [s]."""
     fault: str = ""
@@ -44,7 +44,7 @@ class LadderRung:
     trials: tuple[LadderTrial, ...]
     gain: ErrorFall
     """Improvement of the best trial over the model before."""
-    kept: bool
+    is_accepted: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Ladder:
     """Highest accepted rung, or the best linear model if none is better than the mean."""
     model: Chain
     """Chosen structure, fitted to all data that are not held out."""
-    held: BlockErrors
+    held_out: BlockErrors
     checks: tuple[Validation, ...]
     tests: tuple[str, ...]
     apart: tuple[str, ...]
@@ -76,14 +76,14 @@ class Ladder:
     @property
     def gain(self) -> ErrorFall:
         """Return the improvement over the mean on held-out data."""
-        return compare_errors(self.baseline.held, self.held, JUDGED)
+        return compare_errors(self.baseline.held_out, self.held_out, JUDGED)
 
     @property
     def prediction(self) -> Prediction:
         """Return the held-out errors of the model and of all rivals, over the spread of the output."""
-        fits = {MEAN: self.baseline.held.fit, **self.rivals}
+        fits = {MEAN: self.baseline.held_out.fit, **self.rivals}
         errors = {name: 1.0 - 0.01 * fit for name, fit in fits.items()}
-        return Prediction(1.0 - 0.01 * self.held.fit, 1.0, errors)
+        return Prediction(1.0 - 0.01 * self.held_out.fit, 1.0, errors)
 
     @property
     def predicts(self) -> bool:
@@ -94,9 +94,9 @@ class Ladder:
     def verdict(self) -> str:
         """Describe the predictive value of the model in a sentence."""
         text = f"`{self.model.text()}`"
-        fits = {MEAN: self.baseline.held.fit, **self.rivals}
+        fits = {MEAN: self.baseline.held_out.fit, **self.rivals}
         listed = ", ".join(f"{name}: {fit:.1f} %" for name, fit in fits.items())
-        scores = f"fit {self.held.fit:.1f} % on held-out data ({listed})"
+        scores = f"fit {self.held_out.fit:.1f} % on held-out data ({listed})"
         sizes = [f"{format_number(s.rms, 2)} {s.unit}" for one in self.checks for s in one.scores if s.part == WHOLE]
         scores += f", rms error {', '.join(sizes)}" if sizes else ""
         if self.predicts:

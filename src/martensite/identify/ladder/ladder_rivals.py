@@ -55,7 +55,7 @@ def repeat_cycles(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers
         run = np.full_like(fitted_outputs, np.nan)
         for back in range(period, len(fitted_outputs), period) if period else ():
             run[back:] = np.where(np.isnan(run[back:]), fitted_outputs[:-back], run[back:])
-        if any(np.isnan(run[block]).any() for block in one.held):
+        if any(np.isnan(run[block]).any() for block in one.held_out):
             return None
         runs.append(run)
     return runs

@@ -49,16 +49,16 @@ class DelayTest:
     high: int
     interval: float
     """Sample time [s]."""
-    left: float
+    unexplained_variance: float
     """Fraction of the variance of the outputs that a linear model of this delay leaves."""
 
     @property
     def sentence(self) -> str:
         """Return the delay and its interval."""
-        if self.left > UNKNOWN:
+        if self.unexplained_variance > UNKNOWN:
             return (
-                f"Delay: cannot be told, as linear models leave {100.0 * self.left:.0f} % of the variance of the "
-                "output; one sample is taken."
+                "Delay: cannot be told, as linear models leave "
+                f"{100.0 * self.unexplained_variance:.0f} % of the variance of the output; one sample is taken."
             )
         ends = f"{self.low} to {self.high}" if self.low < self.high else "no other"
         return (

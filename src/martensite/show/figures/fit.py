@@ -128,7 +128,7 @@ def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
     line = {"linewidth": 2.6, "alpha": 0.75}
     axes.plot(across, measured, color=SEEN, zorder=1.8, **(dots if len(x) <= DOTS else line))
-    held_out_rows = one.experiment.kept_back
+    held_out_rows = one.experiment.held_out_rows
     model = vertical.values(one.model)
     for part, colour, above in ((~held_out_rows, SIMULATED, 2.2), (_widen_rows(held_out_rows), HELD, 2.1)):
         if part.any():
@@ -137,7 +137,7 @@ def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any
         axes.set_facecolor(TINT)
     elif horizontal in (TIME, CONDITION):
         wide = 0.0 if horizontal is TIME else 0.5
-        for first, last in one.experiment.held:
+        for first, last in one.experiment.held_out_intervals:
             low, high = max(first, float(one.times[0])) - wide, min(last, float(one.times[-1])) + wide
             if low < high:
                 axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
@@ -162,10 +162,10 @@ def _write_name(axes: Any, one: ComparedOutput) -> None:
     errors = [
         f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
-        if (one.used if part == TRAINING else one.held).any()
+        if (one.used if part == TRAINING else one.held_out_rows).any()
     ]
     words = f"rms {', '.join(errors)}".replace("ohm", "Ω")
-    tint = HELD if one.held.any() and not one.used.any() else QUIET
+    tint = HELD if one.held_out_rows.any() and not one.used.any() else QUIET
     place = {"xycoords": "axes fraction", "textcoords": "offset points"}
     axes.annotate(words, (0.0, 1.0), (0.0, 3.5), fontsize=8.0, color=tint, **place)
 
@@ -184,7 +184,7 @@ def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
     colours = {"measured": SEEN}
     if any(one.used.any() for one in rows):
         colours["model, fitted to it"] = SIMULATED
-    if any(one.held.any() for one in rows):
+    if any(one.held_out_rows.any() for one in rows):
         colours["model, not fitted to it: held out"] = HELD
     add_colour_key(figure, colours)
 
@@ -218,15 +218,15 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
     axis = make_output_axis(one.output, one.description)
     factor = 0.01 if axis.shown == "%" else choose_difference_unit(axis.unit)[1]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
-    for part, colour in ((one.used, SIMULATED), (one.held, HELD)):
+    for part, colour in ((one.used, SIMULATED), (one.held_out_rows, HELD)):
         if part.any():
             values = np.where(part, one.residuals, np.nan) / factor
             axes.plot(one.times, values, color=colour, linewidth=0.9, zorder=2.0)
-    if one.held.any() and not one.used.any():
+    if one.held_out_rows.any() and not one.used.any():
         axes.set_facecolor(TINT)
     axes.set(ylim=(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0))
     axes.set(ylabel=f"{one.output} [{axis.difference_unit or '–'}]", xlabel=_choose_axis(one).label if last else "")
-    suffix = " (held out)" if one.held.any() and not one.used.any() else ""
+    suffix = " (held out)" if one.held_out_rows.any() and not one.used.any() else ""
     write_title(axes, shorten_name(one.record) + suffix, fontweight="bold", color=HELD if suffix else INK)
 
 

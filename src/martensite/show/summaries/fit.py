@@ -67,7 +67,7 @@ def _make_title(fit: Fit) -> str:
 def _make_lead(fit: Fit) -> str:
     rows = list_compared(fit)
     fitted = sum(int(row.used.sum()) for row in rows)
-    held_out_count = sum(int(row.held.sum()) for row in rows)
+    held_out_count = sum(int(row.held_out_rows.sum()) for row in rows)
     count = len(collect_warnings(fit))
     warned = f" {count} {'warning' if count == 1 else 'warnings'} below." if count else " No warnings."
     ended = fit.reason[:1].upper() + fit.reason[1:]
@@ -238,7 +238,7 @@ def _find_law(fit: Fit) -> dict[str, Any]:
 
 
 def _collect_numbers(fit: Fit) -> dict[str, Any]:
-    held_out = [one.experiment for one in fit.kept]
+    held_out = [one.experiment for one in fit.held_out_records]
     return {
         "parameters": {free.name: _collect_parameter(fit, free) for free in fit.problem.free},
         "cost": fit.cost,
@@ -254,9 +254,9 @@ def _collect_numbers(fit: Fit) -> dict[str, Any]:
             score.to_dict() for held_out in fit.transfer for one in list_held_out(held_out) for score in one.score()
         ],
         "held_out": {
-            one.name: [[_write_end(end) for end in pair] for pair in one.held]
+            one.name: [[_write_end(end) for end in pair] for pair in one.held_out_intervals]
             for one in (*fit.problem.experiments, *held_out)
-            if one.held
+            if one.held_out_intervals
         },
         "uncertainty": fit.uncertainty.to_dict(),
         "identifiability": fit.identifiability.to_dict(),

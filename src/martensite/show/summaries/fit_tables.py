@@ -30,7 +30,7 @@ def tabulate_records(fit: Fit) -> DataTable:
         right=(3, 4, 5, 6),
         note="The hash is the SHA-256 of the file, or of the columns where there is no file. Rows "
         "are those that were compared: long records are thinned evenly.",
-        tags={k: TAG for k, one in enumerate(rows) if one.held.any() and not one.used.any()},
+        tags={k: TAG for k, one in enumerate(rows) if one.held_out_rows.any() and not one.used.any()},
     )
 
 
@@ -42,7 +42,7 @@ def _write_record(one: ComparedOutput) -> tuple[str, ...]:
     if record.dropped:
         data += f" ({record.dropped} rows dropped on reading)"
     what = f"`{one.output}`" + (f" with `{one.column}`" if one.column != one.output else "")
-    counts = (len(one.times), int(one.used.sum()), int(one.held.sum()), one.missing)
+    counts = (len(one.times), int(one.used.sum()), int(one.held_out_rows.sum()), one.missing)
     return one.record, data, what, *map(str, counts)
 
 
@@ -130,7 +130,7 @@ def tabulate_own_numbers(fit: Fit) -> DataTable | None:
     """Return a table of the parameters fitted to held-out records alone; None without such parameters."""
     table = {free.path: free for free in fit.problem.free}
     rows = list[tuple[str, ...]]()
-    for held_out_record in fit.kept:
+    for held_out_record in fit.held_out_records:
         for name, value in held_out_record.numbers.items():
             free = table.get(name.rpartition("@")[0])
             text = f"{value:.6g}" if free is None else format_quantity(value, free.unit)

@@ -54,7 +54,7 @@ def _describe_column(column: ReadColumn) -> tuple[str, ...]:
     unit = units.of_column(column.name, column.si)
     low, high = (f"{units.from_si(x, unit, column.si):.5g}" for x in (column.low, column.high))
     read = typeset_unit(column.unit, "1")
-    return str(column.number), heading, read, column.name, low, high, typeset_unit(unit, "1"), column.known
+    return str(column.number), heading, read, column.name, low, high, typeset_unit(unit, "1"), column.source
 
 
 def _list_rows(rows: Sequence[int], count: int) -> str:

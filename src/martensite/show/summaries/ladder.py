@@ -49,7 +49,7 @@ def _describe_records(ladder: Ladder) -> Iterator[Block]:
             f"{len(one.record)}",
             f"{one.record.interval:.4g}",
             f"{one.record.duration:.4g}",
-            _tell_use(one.fitted, bool(one.chosen_by), bool(one.held)),
+            _tell_use(one.fitted, bool(one.chosen_by), bool(one.held_out)),
         )
         for one in ladder.blocked
     ]
@@ -68,7 +68,9 @@ def _tell_use(fitted: bool, chosen: bool, is_held_out: bool) -> str:
 def _describe_climb(ladder: Ladder) -> Iterator[Block]:
     yield Heading("Structures")
     mean = ladder.baseline
-    rows = [("–", "mean of the output", "1", f"{mean.chosen_by.fit:.1f}", f"{mean.held.fit:.1f}", "–", "–", "baseline")]
+    rows = [
+        ("–", "mean of the output", "1", f"{mean.chosen_by.fit:.1f}", f"{mean.held_out.fit:.1f}", "–", "–", "baseline")
+    ]
     rows += [("–", name, "–", "–", f"{fit:.1f}", "–", "–", "rival") for name, fit in ladder.rivals.items()]
     rows += [_write_trial(rung, rung.trials[0], ladder) for rung in ladder.rungs]
     note = (
@@ -84,11 +86,11 @@ def _describe_climb(ladder: Ladder) -> Iterator[Block]:
 
 def _write_trial(rung: LadderRung, trial: LadderTrial, ladder: Ladder) -> tuple[str, ...]:
     first = trial is rung.trials[0]
-    verdict = ("chosen" if trial is ladder.chosen else "kept" if rung.kept else "not better") if first else "–"
+    verdict = ("chosen" if trial is ladder.chosen else "kept" if rung.is_accepted else "not better") if first else "–"
     seconds = f"{trial.seconds:.1f}"
     if trial.chain is None:
         return rung.name, trial.structure, f"{trial.numbers}", "–", "–", "–", seconds, trial.fault
-    scores = (f"{trial.chosen_by.fit:.1f}", f"{trial.held.fit:.1f}")
+    scores = (f"{trial.chosen_by.fit:.1f}", f"{trial.held_out.fit:.1f}")
     return rung.name, trial.structure, f"{trial.numbers}", *scores, rung.gain.text if first else "–", seconds, verdict
 
 
@@ -128,8 +130,8 @@ def _collect_numbers(ladder: Ladder) -> dict[str, Any]:
         "numbers": dict(zip(ladder.model.names(), map(float, ladder.model.theta), strict=True)),
         "predicts": ladder.predicts,
         "verdict": ladder.verdict,
-        "fit_held_out": ladder.held.fit,
-        "fit_held_out_of_mean": ladder.baseline.held.fit,
+        "fit_held_out": ladder.held_out.fit,
+        "fit_held_out_of_mean": ladder.baseline.held_out.fit,
         "fit_held_out_of_rivals": dict(ladder.rivals),
         "free_run": True,
         "stopped": ladder.stopped,
@@ -140,14 +142,14 @@ def _collect_numbers(ladder: Ladder) -> dict[str, Any]:
         "rungs": [
             {
                 "rung": rung.name,
-                "kept": rung.kept,
+                "kept": rung.is_accepted,
                 "gain": rung.gain.text,
                 "trials": [
                     {
                         "structure": trial.structure,
                         "free_numbers": trial.numbers,
                         "fit_chosen_by": trial.chosen_by.fit,
-                        "fit_held_out": trial.held.fit,
+                        "fit_held_out": trial.held_out.fit,
                         "fault": trial.fault,
                     }
                     for trial in rung.trials

@@ -29,7 +29,7 @@ from martensite.studies.electrothermal.resistance_fit import (
     compared_column,
     compared_places,
     fit_shape,
-    kept_back,
+    list_held_out,
     load_staircase,
     offset_profile,
 )
@@ -59,7 +59,7 @@ def build_experiment(offset: float) -> Experiment:
         record,
         {"current": "current"},
         step=_STEP,
-        held=kept_back(PLACE),
+        held_out_intervals=list_held_out(PLACE),
     )
 
 

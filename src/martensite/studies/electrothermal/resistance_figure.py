@@ -59,7 +59,7 @@ def _draw_points(axes: Any, stated: Printed) -> None:
         [fitting.load_staircase().resistances(offset)[i] for i in fitting.compared_places()]
         for offset in (stated.offset, fitting.UPPER, fitting.LOWER)
     )
-    held_out = fitting.fit_shape("mixture", stated.offset).problem.experiments[0].kept_back
+    held_out = fitting.fit_shape("mixture", stated.offset).problem.experiments[0].held_out_rows
     axes.vlines(at, least, most, color=QUIET, linewidth=0.6, zorder=3)
     for flag, fill, label in ((False, INK, "run 5"), (True, "white", "run 5, held out")):
         rows = [k for k in range(len(at)) if bool(held_out[k]) is flag]

@@ -81,7 +81,7 @@ def compared_column(name: str) -> list[float]:
     return load_staircase().table[name][compared_places()].tolist()
 
 
-def kept_back(place: int) -> tuple[tuple[float, float], ...]:
+def list_held_out(place: int) -> tuple[tuple[float, float], ...]:
     """Return the time intervals of the held-out plateaus at a position in the groups [s]."""
     stay, times = load_staircase().within(*EDGE), load_staircase().table["time"].tolist()
     held_out = [i for i in compared_places()[place::HELD] if i not in stay]
@@ -107,7 +107,7 @@ def build_experiment(shape: str, offset: float, place: int = PLACE) -> Experimen
         table_waveform(record, "temperature"),
         record,
         {"resistance": "resistance"},
-        held=kept_back(place),
+        held_out_intervals=list_held_out(place),
     )
 
 

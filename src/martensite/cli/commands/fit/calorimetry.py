@@ -32,7 +32,7 @@ def dsc(
     baseline: Annotated[
         Text, Option(metavar="sigmoid|line", help="Baseline below the peaks [default: sigmoid].")
     ] = None,
-    named: NamedColumns = None,
+    new_headings: NamedColumns = None,
     out: Annotated[Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")] = None,
 ) -> None:
     """Compute transformation temperatures and latent heat from DSC.
@@ -41,7 +41,7 @@ def dsc(
     gives the latent heat. Ramps of several rates are extrapolated to rate 0.
     """
     outputs = answer.check_files(out, ".toml")
-    calorimetry = read_calorimetry(logs, mass, rate, baseline, named)
+    calorimetry = read_calorimetry(logs, mass, rate, baseline, new_headings)
     from martensite.show.figures.calorimetry import plot_calorimetry
     from martensite.show.summaries.calorimetry import summarise_calorimetry
 
@@ -51,15 +51,19 @@ def dsc(
 
 
 def read_calorimetry(
-    logs: list[str], mass: str | None, rate: str | None, baseline: str | None, named: list[str] | None
+    logs: list[str], mass: str | None, rate: str | None, baseline: str | None, new_headings: list[str] | None
 ) -> Calorimetry:
     """Return the evaluation of DSC files; a mass in a file is used if none is given."""
     from martensite.characterise.calorimetry import fit_calorimetry
     from martensite.characterise.heat_peaks import SIGMOID
     from martensite.characterise.heat_ramps import read_mass
-    from martensite.logs.reader import parse_named, read_parts, tell_guesses
+    from martensite.logs.reader import parse_new_headings, read_parts, tell_guesses
 
     given, speed = read_positive("mass", mass, "kg"), read_positive("rate", rate, "K/s")
-    files = [tell_guesses(part) for log in logs for part in read_parts(log, parse_named(named or ()), known=True)]
-    masses = [given or read_mass(one.said) for one in files]
+    files = [
+        tell_guesses(part)
+        for log in logs
+        for part in read_parts(log, parse_new_headings(new_headings or ()), known=True)
+    ]
+    masses = [given or read_mass(one.header_entries) for one in files]
     return fit_calorimetry([one.record for one in files], mass=masses, rate=speed, baseline=baseline or SIGMOID)

@@ -122,15 +122,15 @@ class SpecimenOptions:
 
     length: Annotated[Text, Option(help='Gauge length of a log without strain, e.g. "50 mm".')] = None
     diameter: Annotated[Text, Option(help='Wire diameter of a log without stress, e.g. "0.381 mm".')] = None
-    named: NamedColumns = None
+    new_headings: NamedColumns = None
 
     def read(self, logs: Sequence[str]) -> list[Record]:
         """Return the tables of all logs with strain and stress."""
         from martensite.characterise.specimen import add_strain_and_stress
-        from martensite.logs.reader import parse_named, read_parts, tell_guesses
+        from martensite.logs.reader import parse_new_headings, read_parts, tell_guesses
 
         sizes = read_positive("length", self.length, "m"), read_positive("diameter", self.diameter, "m")
-        parts = [part for log in logs for part in read_parts(log, parse_named(self.named or ()))]
+        parts = [part for log in logs for part in read_parts(log, parse_new_headings(self.new_headings or ()))]
         return [add_strain_and_stress(tell_guesses(part).record, *sizes) for part in parts]
 
 

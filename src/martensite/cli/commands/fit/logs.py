@@ -106,7 +106,7 @@ class FitOptions:
         ),
     ] = None
     interval: Annotated[Text, Option(help='Time between rows of logs without a time column, e.g. "0.1 s".')] = None
-    named: NamedColumns = None
+    new_headings: NamedColumns = None
 
     def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
         """Return the task; options override the fit file."""
@@ -147,10 +147,10 @@ class FitOptions:
     def list_search(self) -> dict[str, Any]:
         """Return the arguments of `model_logs` that are given."""
         from martensite.fit.free_parameters import split_list
-        from martensite.logs.reader import parse_named
+        from martensite.logs.reader import parse_new_headings
 
         given = {
-            "named": parse_named(self.named or ()),
+            "new_headings": parse_new_headings(self.new_headings or ()),
             "interval": read_quantity("interval", self.interval, "s"),
             "free": [one for text in self.free or () for one in split_list(text)],
             "fixed": list(self.fix or ()),
@@ -162,7 +162,7 @@ class FitOptions:
 
     def _make_task(self, logs: Sequence[str]) -> FitTask:
         from martensite.fit.api import build_task
-        from martensite.logs.reader import parse_named
+        from martensite.logs.reader import parse_new_headings
 
         if not self.scenario:
             raise InputError("A fit needs --scenario, the file of one; none given.")
@@ -170,14 +170,19 @@ class FitOptions:
             raise InputError("A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given.")
         task = build_task(self.scenario, logs, self.free)
         interval = read_quantity("interval", self.interval, "s")
-        named = parse_named(self.named or ())
-        read = (replace(one, interval=interval, named=named) for one in task.logs)
+        new_headings = parse_new_headings(self.new_headings or ())
+        read = (replace(one, interval=interval, new_headings=new_headings) for one in task.logs)
         return replace(task, logs=tuple(read))
 
     def _refuse_beside_fit_file(self, logs: Sequence[str]) -> None:
         if len(logs) > 1:
             raise InputError("A fit file lists its own records; give no other logs.")
-        idle = {"--scenario": self.scenario, "--free": self.free, "--interval": self.interval, "--as": self.named}
+        idle = {
+            "--scenario": self.scenario,
+            "--free": self.free,
+            "--interval": self.interval,
+            "--as": self.new_headings,
+        }
         name = next((name for name, given in idle.items() if given), None)
         if name is not None:
             raise InputError(f"Option `{name}` has no effect, since the fit file sets it.")
