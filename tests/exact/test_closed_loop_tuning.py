@@ -151,7 +151,7 @@ def test_tuning_finds_gains_that_follow(c_compiler: str) -> None:
     assert answer.rise < 3.0
     assert abs(answer.error) < 5e-5
     assert {n: v for n, v, _ in found.rows()}["step 1 rise"] == answer.rise
-    assert found.shown().Kp == pytest.approx(0.1 * found.gains.Kp)
+    assert found.scale_gains().Kp == pytest.approx(0.1 * found.gains.Kp)
 
 
 def test_tuning_repeats(c_compiler: str) -> None:

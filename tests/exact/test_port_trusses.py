@@ -132,7 +132,13 @@ def test_fibres_in_solids(host: UmatHost) -> None:
     np.testing.assert_array_equal(np.diag(tangent), [slope[0, 0], 7e3, 7e3, 3.5e3, 3.5e3, 3.5e3])
     np.testing.assert_array_equal(state, same)
     assert np.count_nonzero(tangent) == 6
-    truss.props = [1e6, ZERO, 0.0, WARM - ZERO, *[truss.kernel.values[i] for i in truss.kernel.write_core().kept]]
+    truss.props = [
+        1e6,
+        ZERO,
+        0.0,
+        WARM - ZERO,
+        *[truss.kernel.values[i] for i in truss.kernel.write_core().parameter_indices],
+    ]
     failed, *_ = truss.call(np.zeros(truss.states), [0.0], [math.nan], *args)
     assert np.isnan(failed).all() and truss.answer["pnewdt"] == 0.5  # a host that does not look cannot go on
     again, *_ = truss.call(np.zeros(truss.states), [0.0], [0.02], *args)

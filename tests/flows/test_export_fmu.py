@@ -119,7 +119,7 @@ LEVELS = [float(u) for u in np.repeat(np.random.default_rng(3).uniform(0.0, 8.0,
 @pytest.mark.parametrize("version", VERSIONS)
 def test_an_fmu_gives_the_numbers_of_a_run(version: str, made: dict[str, Fmu], scenario: Scenario) -> None:
     """Every level is held for two steps: within it outputs follow the same input."""
-    outputs = [one.name for one in made[version].named("output")]
+    outputs = [one.name for one in made[version].select_variables("output")]
     given = {"mechanism.preload": 1.4, "drive.series_resistance": 0.3}
     found = played(made[version].path, LEVELS, outputs, **given)
     system = scenario.system.with_values({"preload": 1.4, "series_resistance": 0.3})
@@ -163,7 +163,7 @@ def test_inputs_with_slopes_are_followed_within_a_step(made: dict[str, Fmu], sce
 
 def test_a_loop_gives_the_numbers_of_its_run(made: dict[str, Fmu]) -> None:
     """A step over three periods, and one over half of one, which holds what was sampled."""
-    outputs = [one.name for one in made["loop"].named("output")]
+    outputs = [one.name for one in made["loop"].select_variables("output")]
     bench = read_scenario(LOOP).bench
     assert bench is not None
     wanted = simulate_bench(bench, 3.0, seed=None)
@@ -182,7 +182,7 @@ def test_a_loop_gives_the_numbers_of_its_run(made: dict[str, Fmu]) -> None:
 
 def test_what_decides_the_program_of_a_loop_is_constant(made: dict[str, Fmu]) -> None:
     """Period and delay fix how much is kept; they are shown but cannot be set."""
-    assert {one.name for one in made["loop"].named("local")} == {"controller.period", "sensor.delay"}
+    assert {one.name for one in made["loop"].select_variables("local")} == {"controller.period", "sensor.delay"}
     instance = Instance(made["loop"].path)
     assert instance.set({"sensor.delay": 0.1}) == ERROR
     assert "is a constant" in instance.said[-1]

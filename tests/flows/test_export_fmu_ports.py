@@ -151,7 +151,7 @@ def test_a_step_may_be_tried_again(element: Any) -> None:
 def test_descriptions_terminals_and_icon(made: dict[str, Fmu], tmp_path: Path) -> None:
     for one in made.values():
         assert validate_fmu(str(one.path)) == []
-        assert [v.name for v in one.named("input")] == ["drive", "elongation", "velocity", "ambient"]
+        assert [v.name for v in one.select_variables("input")] == ["drive", "elongation", "velocity", "ambient"]
         assert not any("environment.temperature" == v.name for v in one.variables)
         ambient = next(v for v in one.variables if v.name == "ambient")
         assert ambient.start == pytest.approx(AMBIENT)

@@ -44,7 +44,7 @@ class HilRun:
     """Outputs of the plant, by name."""
     signals: dict[str, NDArray[np.float64]]
     """Signals of the board, by drive."""
-    told: dict[str, NDArray[np.float64]]
+    telemetry: dict[str, NDArray[np.float64]]
     """Further columns of the telemetry."""
     lost: int
 

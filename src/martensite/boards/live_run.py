@@ -93,10 +93,10 @@ class LiveWatch:
     session: Session
     tell: Tell
     stop: threading.Event
-    wanted: Mapping[str, AbstractWaveform] = field(default_factory=dict[str, "AbstractWaveform"])
+    references: Mapping[str, AbstractWaveform] = field(default_factory=dict[str, "AbstractWaveform"])
     """References of the loop, by column."""
     log: BoardLog | None = None
-    _told: int = 0
+    _reported_rows: int = 0
     _next: float = 0.0
     _true: list[list[float]] = field(default_factory=list[list[float]])
 
@@ -114,8 +114,8 @@ class LiveWatch:
             raise RunStopped
         if (now := time.monotonic()) >= self._next:
             self._next = now + TOLD
-            self.tell({**self.describe_rows(self._told, MOST_ROWS), "share": share, **self.describe_link()})
-            self._told = len(log)
+            self.tell({**self.describe_rows(self._reported_rows, MOST_ROWS), "share": share, **self.describe_link()})
+            self._reported_rows = len(log)
 
     def describe_rows(self, first: int, most: int | None = None) -> dict[str, Any]:
         """Return the columns from a row on, with at most `most` evenly spaced rows, including the newest."""
@@ -127,7 +127,7 @@ class LiveWatch:
         columns = {name: table[rows, k].tolist() for k, name in enumerate(self.log.names)}
         true = self._true[first:][rows]
         columns |= {f"true {name}": [row[k] for row in true] for k, name in enumerate(TRUE) if true}
-        columns |= {name: [one.value(t) for t in columns["time"]] for name, one in self.wanted.items()}
+        columns |= {name: [one.value(t) for t in columns["time"]] for name, one in self.references.items()}
         return {"columns": columns}
 
     def describe_link(self) -> dict[str, Any]:
@@ -161,7 +161,7 @@ def run_live(run: LiveRun, project: Path, log: Path, tell: Tell, stop: threading
         if run.calibration is None and run.word:
             accept_nominal(session)
         watch = LiveWatch(session, tell, stop, name_wanted(session) if run.word and not run.levels.strip() else {})
-        units = list_units(session, watch.wanted)
+        units = list_units(session, watch.references)
         tell({"stage": "running" if run.word else "listening", "units": units})
         ended = _run_watched(run, session, watch)
         safe = _confirm_disarmed(session) if run.word else "Dry run: nothing was armed."

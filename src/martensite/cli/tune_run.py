@@ -59,7 +59,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> Tun
 def _plot_outcome(outcome: TuningOutcome) -> Figure:
     from martensite.show.figures.tuning import plot_tuning
 
-    return plot_tuning(outcome.found, outcome.drive, outcome.scenario.title)
+    return plot_tuning(outcome.tuned_bench, outcome.drive, outcome.scenario.title)
 
 
 def _find_bench(scenario: Scenario) -> Bench:

@@ -57,7 +57,7 @@ class CCore:
     """`float64` or `float32`."""
     program: Program
     """With functions `init`, `step` and `observe`."""
-    kept: Sequence[int]
+    parameter_indices: Sequence[int]
     """Indices of the parameters in the program."""
     parameters: tuple[CoreVariable, ...]
     inputs: tuple[CoreVariable, ...]
@@ -186,7 +186,7 @@ def core_of(
         description=whole.description(),
         precision=precision_of(precision).name,
         program=program,
-        kept=indices,
+        parameter_indices=indices,
         parameters=given,
         inputs=list_variables("u", inputs, 0.0),
         outputs=list_variables("y", outputs, math.nan),

@@ -27,7 +27,11 @@ def source_text(core: CCore) -> str:
     stepped = ("step", "observe", *["respond"] * bool(core.answers))
     kernels += [CKernel.of(traced[name], core.states, count) for name in stepped]
     prefix = f"{core.name}_"
-    begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
+    begin = (
+        _BEGIN
+        + kernels_text(core.program, core.parameter_indices, kernels, prefix, precision_of(core.precision))
+        + "\n"
+    )
     more = print_tried(core)
     return fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN + more)
 

@@ -190,7 +190,7 @@ class _PlantStep:
         self.inputs = [name for name in drives if not name.startswith((NOISE, JITTER))]
         self.outputs = _choose_names(outputs, list(system.outputs()))
         self.names = state_names(system)
-        self._given = [drives.index(name) for name in self.inputs]
+        self._drive_indices = [drives.index(name) for name in self.inputs]
         self._list_extras = [list(system.outputs()).index(name) for name in self.outputs]
         self._functions, self._size = bind_system(system)
         self._idle = [0.0] * len(drives)
@@ -198,7 +198,7 @@ class _PlantStep:
 
     def _signals(self, u: Any) -> list[float]:
         signals = list(self._idle)
-        for place, value in zip(self._given, np.atleast_1d(u).tolist(), strict=True):
+        for place, value in zip(self._drive_indices, np.atleast_1d(u).tolist(), strict=True):
             signals[place] = value
         return signals
 

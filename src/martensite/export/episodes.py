@@ -48,7 +48,7 @@ class Outcome(NamedTuple):
     """True where a limit is exceeded or the step failed."""
     truncated: Any
     """True where the time is over."""
-    shown: dict[str, Numbers]
+    extras: dict[str, Numbers]
     """By the names of `SHOWN`, each of shape (environments,)."""
 
 
@@ -199,7 +199,7 @@ class Episodes:
         hot = (rows[self._hottest] > self._most_heat).any(axis=0)
         strained = (np.abs(rows[self._stress]) > self._most_stress).any(axis=0)
         over = hot | strained | ~solved
-        deviation = np.abs(self._wanted() - rows[self._output]) / (self.task.high - self.task.low)
+        deviation = np.abs(self._read_references() - rows[self._output]) / (self.task.high - self.task.low)
         error = np.minimum(deviation, 1.0).mean(axis=0)
         cost = self.task.energy_weight * self.bench.period * extras["power"]
         lost = self._penalty + (self.length - self._at)
@@ -212,7 +212,7 @@ class Episodes:
 
     def list_followed(self) -> tuple[Numbers, Numbers, Any]:
         """Return present references and outputs (outputs, environments), and the periods since the start."""
-        return self._wanted(), self.rows[self._output], self._at
+        return self._read_references(), self.rows[self._output], self._at
 
     def _signals_at(self, acting: Numbers, later: int) -> Numbers:
         """Return the signals of all drives, with noise `later` periods ahead."""
@@ -231,12 +231,12 @@ class Episodes:
         cut = np.clip(np.nan_to_num(scaled, nan=0.0), -BOUND, BOUND)
         return np.ascontiguousarray(cut.T, np.float32)
 
-    def _wanted(self) -> Numbers:
+    def _read_references(self) -> Numbers:
         """Return the present references, shape (outputs, environments)."""
         return self._reference[self._at, :, np.arange(self.count)].T
 
     def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:
-        extras = {f"reference{name}": row for name, row in zip(self._labels, self._wanted(), strict=True)}
+        extras = {f"reference{name}": row for name, row in zip(self._labels, self._read_references(), strict=True)}
         extras |= {f"output{name}": rows[k] for name, k in zip(self._labels, self._output, strict=True)}
         hottest = rows[self._hottest].max(axis=0, initial=0.0)
         return extras | {"power": rows[self._power].sum(axis=0), "hottest": hottest}

@@ -39,12 +39,12 @@ class Frames:
         self._cold = [rest[name] for name in self._hottest()]
         first = self._list_shapes(0)
         self._box = _find_box([_project(point) for shape in first for point in shape.points])
-        self._seen: list[list[tuple[float, Any, Any]]] = [[] for _ in range(episodes.count)]
+        self._histories: list[list[tuple[float, Any, Any]]] = [[] for _ in range(episodes.count)]
 
     def watch(self) -> None:
         """Record present references and outputs; a new episode clears the record."""
         references, reached, at = self._episodes.list_followed()
-        for k, episode in enumerate(self._seen):
+        for k, episode in enumerate(self._histories):
             if at[k] == 0:
                 episode.clear()
             episode.append((float(at[k]) * self._episodes.bench.period, references[:, k], reached[:, k]))
@@ -93,7 +93,7 @@ class Frames:
         return colours
 
     def _draw_course(self, axes: Any, k: int) -> None:
-        times, wanted, reached = (np.array(one) for one in zip(*self._seen[k], strict=True))
+        times, wanted, reached = (np.array(one) for one in zip(*self._histories[k], strict=True))
         axes.plot(times, wanted, color=WANTED, linewidth=0.9, linestyle="--")
         axes.plot(times, reached, color=DARK, linewidth=1.2)
         task = self._episodes.task

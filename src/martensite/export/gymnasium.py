@@ -115,7 +115,7 @@ class SmaEnv(SharedEpisodes, BASE):
         """Run one period; return observation, reward, terminated, truncated, and true values [SI]."""
         outcome = self._episodes.step(np.asarray(action, float)[None])
         self._watch()
-        extras = {name: float(row[0]) for name, row in outcome.shown.items()}
+        extras = {name: float(row[0]) for name, row in outcome.extras.items()}
         return (
             outcome.observations[0],
             float(outcome.rewards[0]),

@@ -110,16 +110,16 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         self._over = over
         if self._mode is MODES["SameStep"] and over.any():
             return self._same_step(outcome, over)
-        return *outcome[:4], _arrange_info(outcome.shown)
+        return *outcome[:4], _arrange_info(outcome.extras)
 
     def _next_step(self, outcome: Outcome, restarts: Any, over: Any) -> Any:
         """Return the results of a step, where episodes that ended before restart."""
         self._over = over & ~restarts
         if not restarts.any():
-            return *outcome[:4], _arrange_info(outcome.shown)
+            return *outcome[:4], _arrange_info(outcome.extras)
         observations, extras = self._episodes.begin(restarts, self._random)
         observations[~restarts] = outcome.observations[~restarts]
-        extras = {name: np.where(restarts, row, outcome.shown[name]) for name, row in extras.items()}
+        extras = {name: np.where(restarts, row, outcome.extras[name]) for name, row in extras.items()}
         rewards = np.where(restarts, 0.0, outcome.rewards)
         ended = outcome.terminated & ~restarts, outcome.truncated & ~restarts
         return observations, rewards, *ended, _arrange_info(extras)
@@ -130,10 +130,10 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         observations[~over] = outcome.observations[~over]
         infos: dict[str, Any] = {}
         for k in np.flatnonzero(over):
-            last = {name: float(row[k]) for name, row in outcome.shown.items()}
+            last = {name: float(row[k]) for name, row in outcome.extras.items()}
             final = {"final_obs": outcome.observations[k], "final_info": last}
             infos = self._add_info(infos, final, int(k))
-        extras = {name: np.where(over, row, outcome.shown[name]) for name, row in extras.items()}
+        extras = {name: np.where(over, row, outcome.extras[name]) for name, row in extras.items()}
         return observations, *outcome[1:4], infos | _arrange_info(extras)
 
 

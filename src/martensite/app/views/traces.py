@@ -103,8 +103,8 @@ def _place_bench(result: Result) -> Iterator[tuple[str, str]]:
     for loop in controlled(result):
         names = [n for n in ("reference", f"reference.{loop.drive}") if n in result.columns]
         yield names[-1] if names else "", loop.truth
-        if loop.wanted and loop.drive in drives:
-            yield loop.wanted, drives[loop.drive]
+        if loop.requested_signal and loop.drive in drives:
+            yield loop.requested_signal, drives[loop.drive]
 
 
 def _place_estimates(result: Result) -> Iterator[tuple[str, str]]:

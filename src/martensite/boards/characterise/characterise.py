@@ -93,7 +93,7 @@ def describe_plan(unknown: Sequence[UnknownNumber], chosen: ChosenCourses) -> li
     courses = [[one.name, f"{one.duration:.3g} s", f"{max(d for _, d in one.levels):.3f}"] for one in chosen.courses]
     rows = [
         [one.path, write_quantity(one.value, one.unit), f"{one.width:.3g}", f"{one.width * left:.2g}", one.unit]
-        for one, left in zip(unknown, chosen.left, strict=True)
+        for one, left in zip(unknown, chosen.remaining_uncertainty, strict=True)
     ]
     hottest = write_quantity(chosen.hottest, "K")
     return [

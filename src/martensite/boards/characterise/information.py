@@ -58,7 +58,7 @@ class ChosenCourses:
     courses: tuple[DutyCourse, ...]
     hottest: float
     """Highest temperature of all possible wires, over all courses [K]."""
-    left: Numbers
+    remaining_uncertainty: Numbers
     """Remaining uncertainty of every parameter over its width."""
 
 

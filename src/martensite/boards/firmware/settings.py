@@ -76,13 +76,13 @@ class FirmwarePlan:
     inputs: BoardInputs
     limits: Limits
     settings: tuple[Setting, ...]
-    wanted: tuple[int, ...]
+    reference_indices: tuple[int, ...]
     """Places of references and free signals in the inputs of the loop."""
     tuned: tuple[int, ...]
     """Places of tunable gains in the parameters of the loop; their settings are the last ones."""
     drives: int
     """Number of signals, the first outputs of the loop."""
-    told: tuple[int, ...]
+    telemetry_indices: tuple[int, ...]
     """Places of further telemetry in the outputs of the loop."""
     period: float
     """[s]"""
@@ -98,7 +98,7 @@ class FirmwarePlan:
         rows = [(one.name, one.unit) for one in self.inputs.readings]
         rows += [(name_duty(one.name), one.unit) for one in outputs[: self.drives]]
         rows += [(one.name, one.unit) for one in self.inputs.told_channels()]
-        return rows + [(outputs[k].name, outputs[k].unit) for k in self.told]
+        return rows + [(outputs[k].name, outputs[k].unit) for k in self.telemetry_indices]
 
 
 def name_duty(drive: str) -> str:
@@ -209,7 +209,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_WARM {_print_float(NEAR)} /* K above the ambient temperature, below which a bound is cold */",
         f"#define APP_CUTS {int(plan.cuts)} /* whether the guard cuts at a bound, and does not limit */",
         f"#define APP_TUNES {len(plan.tuned)} /* gains that the host may set */",
-        f"#define APP_TOLD {len(plan.told)} /* outputs of the loop in a telemetry */",
+        f"#define APP_TOLD {len(plan.telemetry_indices)} /* outputs of the loop in a telemetry */",
         f"#define APP_DRIVE_PINS {{{', '.join(str(pin) for pin in board.drive_pins[: plan.drives])}}}",
         f"#define APP_CHANNEL_PINS {{{', '.join(str(one.pin) for one in channels)}}}",
         f"#define APP_ALARM {alarm} /* place of the alarm in the outputs of the loop */",
@@ -218,7 +218,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"    APP_DRIVES = {plan.drives},",
         f"    APP_CHANNELS = {len(channels)},",
         f"    APP_READINGS = {len(readings)},",
-        f"    APP_REFERENCES = {len(plan.wanted)},",
+        f"    APP_REFERENCES = {len(plan.reference_indices)},",
         f"    APP_SETTINGS = {len(plan.settings)},",
         "    APP_MOST_DUTY = 0,",
         "    APP_LEAST_SUPPLY,",
@@ -231,7 +231,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         f"#define APP_GAIN(channel) ({gains} + (channel))",
         f"#define APP_OFFSET(channel) ({offsets} + (channel))",
         f"#define APP_WANTED(i) ({wanted} + (i))",
-        f"#define APP_TUNED(i) ({wanted + len(plan.wanted)} + (i))",
+        f"#define APP_TUNED(i) ({wanted + len(plan.reference_indices)} + (i))",
         "#define APP_READING(i) (i)",
         "#define APP_AGE(i) (APP_READINGS + (i))",
         "#define APP_REFERENCE(i) (2 * APP_READINGS + (i))",
@@ -270,7 +270,7 @@ def print_settings(plan: FirmwarePlan) -> str:
         "",
         "#ifdef APP_TABLES /* defined where they are used, so that they are there once */",
         f"static const app_reading app_source[] = {{{sources}}};",
-        f"static const uint8_t app_told[] = {{{', '.join(map(str, plan.told)) or '0'}}};",
+        f"static const uint8_t app_told[] = {{{', '.join(map(str, plan.telemetry_indices)) or '0'}}};",
         f"static const uint8_t app_told_channel[] = {{{', '.join(str(int(one in extra)) for one in channels)}}};",
         f"static const uint16_t app_tuned[] IN_FLASH = {{{', '.join(map(str, plan.tuned)) or '0'}}};",
         "static const app_setting app_settings[] IN_FLASH = {",

@@ -66,7 +66,7 @@ class FrameReader:
     """Reader of messages from bytes; it never raises."""
 
     counts: LinkCounts = field(default_factory=LinkCounts)
-    _kept: bytearray = field(default_factory=bytearray)
+    _buffer: bytearray = field(default_factory=bytearray)
     _newest: int | None = None
     _window: int = 0
 
@@ -79,14 +79,14 @@ class FrameReader:
         *whole, rest = data.split(b"\0")
         for piece in whole:
             self._keep(piece)
-            frame, self._kept = bytes(self._kept), bytearray()
+            frame, self._buffer = bytes(self._buffer), bytearray()
             if frame:
                 yield from self._read_frame(frame)
         self._keep(rest)
 
     def _keep(self, piece: bytes) -> None:
-        room = LONGEST + 1 - len(self._kept)  # one more than any frame has: it then fails
-        self._kept += piece[: max(room, 0)]
+        room = LONGEST + 1 - len(self._buffer)  # one more than any frame has: it then fails
+        self._buffer += piece[: max(room, 0)]
 
     def _read_frame(self, frame: bytes) -> Iterator[Message]:
         plain = _unstuff_frame(frame)

@@ -54,7 +54,7 @@ class ReadingFilter(Parametrised):
     readings: tuple[str, ...] = text("filtered readings; default: the controlled reading", default=())
 
     @property
-    def kept(self) -> int:
+    def memory_length(self) -> int:
         """Return the length of the memory of a reading."""
         return 1 + (self.order == "2") + 2 * (self.median == "of-three")
 
@@ -130,7 +130,11 @@ class Conditioned(NamedTuple):
 def split_memory(one: AbstractController, memory: Column) -> Conditioned:
     """Return the named memory of a controller from a flat column."""
     rest, shaped = iter(memory), one.shaping is not None
-    filters = tuple(tuple(islice(rest, one.reading_filter.kept)) for _ in one.filtered()) if one.reading_filter else ()
+    filters = (
+        tuple(tuple(islice(rest, one.reading_filter.memory_length)) for _ in one.filtered())
+        if one.reading_filter
+        else ()
+    )
     reference = ShapedReference(*islice(rest, len(ShapedReference._fields))) if shaped else None
     return Conditioned(filters, reference, 0.0 if one.slew is None else next(rest), tuple(rest))
 

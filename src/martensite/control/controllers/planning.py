@@ -110,7 +110,7 @@ class Planner(NamedTuple):
     state: Any
     signals: Sequence[Scalar]
     """Signals of the last period."""
-    wanted: Sequence[Scalar]
+    targets: Sequence[Scalar]
     """References less offsets, now and at the end of every block, in succession."""
     shifts: Sequence[Scalar] = ()
     """Signal that is added in the model, by drive; empty for zero."""
@@ -226,7 +226,7 @@ class Planner(NamedTuple):
         """Return the cost of a plan; `HUGE` where the model fails."""
         shape, size, count = NestedShape(self.state), len(flatten_numbers(self.state)), len(plan)
         kinds = self._count_kinds()
-        parts = (size, count, len(self.wanted), self.drives, kinds * self.blocks, 3)
+        parts = (size, count, len(self.targets), self.drives, kinds * self.blocks, 3)
 
         def block(*numbers: Scalar) -> Numbers:
             state, ahead, wanted, before, residuals, (cost, energy, worst) = cut_pieces(numbers, parts)
@@ -244,7 +244,7 @@ class Planner(NamedTuple):
             return [*state, *ahead[self.drives :], *now, *wanted, *now, *residuals, cost, energy, worst]
 
         given = [[u + d for u, d in zip(x, cycle(self.shifts))] if self.shifts else x for x in (plan, self.signals)]
-        begin = [*flatten_numbers(self.state), *given[0], *self.wanted, *given[1]]
+        begin = [*flatten_numbers(self.state), *given[0], *self.targets, *given[1]]
         result = xp.repeat(self.blocks, block, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
         *_, residuals, (cost, energy, worst) = cut_pieces(result, parts)
         total = cost + energy

@@ -35,21 +35,21 @@ class StateFeedback(AbstractController, SignalLimits):
         title = "state-feedback"
         for name in ("gains", "at"):
             row = self.__dict__[name] = as_row(title, name, self.__dict__[name])
-            if len(row.numbers) != len(self.named):
+            if len(row.numbers) != len(self.state_names):
                 raise ParameterError(
-                    f"`{name}` of `{title}` must have a number for each of the {len(self.named)} states "
-                    f"({', '.join(self.named)}), but has {len(row.numbers)}."
+                    f"`{name}` of `{title}` must have a number for each of the {len(self.state_names)} states "
+                    f"({', '.join(self.state_names)}), but has {len(row.numbers)}."
                 )
         super().check()
 
     @property
-    def named(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:
         """Return the names of the readings that are the states."""
         states = (self.states,) if isinstance(self.states, str) else self.states
         return states or (self.measured,)
 
     def reads(self) -> tuple[str, ...]:
-        return self.measured, *self.named
+        return self.measured, *self.state_names
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         return (0.0,)
@@ -58,7 +58,7 @@ class StateFeedback(AbstractController, SignalLimits):
         added = (reference - readings[self.measured]) * dt
         integral = memory[0] + added
         wanted = self.signal + self.prefilter * (reference - self.level) + self.Ki * integral
-        rows = zip(self.named, self.gains.numbers, self.at.numbers, strict=True)
+        rows = zip(self.state_names, self.gains.numbers, self.at.numbers, strict=True)
         for name, gain, value in rows:
             wanted = wanted - gain * (readings[name] - value)
         new_integral = self.hold_integral(xp, wanted, self.Ki * added, memory[0], integral)

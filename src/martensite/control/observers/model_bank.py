@@ -69,9 +69,9 @@ class BankMemory(NamedTuple):
 class FilterUpdate(NamedTuple):
     """A filter before and after readings."""
 
-    expected: Forecast
+    prior: Forecast
     rows: list[UnknownReading]
-    found: Forecast
+    posterior: Forecast
     likelihood: Scalar
 
 
@@ -209,7 +209,7 @@ class ModelBank(ExtendedKalman):
         whole = sum_column(after)
         weights = tuple(x / whole for x in after)
         weight = 1.0 - xp.exp(-dt / self.window)
-        first = rows[0].expected
+        first = rows[0].prior
         innovations = [
             row._replace(value=row.value - first.mean[i], variance=first.covariance[i][i] + row.variance)
             for row in rows[0].rows
@@ -218,7 +218,7 @@ class ModelBank(ExtendedKalman):
         tests = tuple(test.add(xp, one, weight) for test, one in zip(before.tests, innovations, strict=True))
         nis = sum_column([one.used * one.value * one.value / one.variance for one in innovations])
         memories = tuple(
-            tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
+            tuple(one.list_estimates(xp, row.posterior, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
         )
         misfit = find_misfit(xp, tests, weight, self.bound)
         slow = 1.0 - xp.exp(-dt / self.regain)
@@ -226,7 +226,7 @@ class ModelBank(ExtendedKalman):
         fresh = find_largest(xp, [one.used for one in innovations])  # trust comes back by evidence only
         trust = before.confidence + fresh * dt / self.regain
         now = before._replace(usual_weights=usual, weights=weights, tests=tests, confidence=trust)
-        return self._answer(xp, now, [one.found for one in rows], nis, misfit, memories)
+        return self._answer(xp, now, [one.posterior for one in rows], nis, misfit, memories)
 
     def _switch(self, xp: Namespace, weights: Column, dt: Scalar) -> tuple[list[Scalar], list[list[Scalar]]]:
         """Return the probabilities before the readings, and the mixing weights of every filter."""

@@ -35,7 +35,7 @@ class JudgedCheck(NamedTuple):
     """True if the check cuts; None for a check that never cuts."""
     lowers: Flag | None
     """True if the check limits; None for a check that never limits."""
-    left: Scalar
+    remaining_time: Scalar
     """Remaining time of the cut [s]."""
     memory: Column
 

@@ -44,8 +44,8 @@ class TunedBench:
     measured_before: Measures
     """Measures on the nominal plant."""
     measured: Measures
-    seen_before: Seen
-    seen: Seen
+    outputs_before: Seen
+    outputs: Seen
     times: Numbers
     evaluations: int
     gradients: int

@@ -99,7 +99,7 @@ class GainCosts:
     ) -> None:
         """Prepare runs; derivatives use at most `most` plants."""
         self.loop, self.cost, self.free = runs, cost, free
-        self.drawn: Mapping[str, Any] = plants.values if plants else {}
+        self.plant_values: Mapping[str, Any] = plants.values if plants else {}
         self.count = plants.count if plants else 1
         self.evaluations = self.gradients = 0
         self.widths = np.array([one.width for one in free])
@@ -129,7 +129,7 @@ class GainCosts:
     def compute_costs(self, numbers: Mapping[str, Any], points: int) -> Numbers:
         """Return the costs, shape (points,), of parameters by path on all plants, run as one batch."""
         spread = {path: np.repeat(column, self.count) for path, column in numbers.items()}
-        plant_values = {path: np.tile(column, points) for path, column in self.drawn.items()}
+        plant_values = {path: np.tile(column, points) for path, column in self.plant_values.items()}
         outputs = self.loop.run(self.loop.table({**plant_values, **spread}, points * self.count))
         self.evaluations += points * self.count
         costs = np.minimum(self.cost(outputs), FAILED_COST).reshape(points, self.count)
@@ -137,7 +137,7 @@ class GainCosts:
 
     def differentiate(self, z: Numbers) -> PointSlopes:
         """Return the cost at a place and its derivatives, over the plants for derivatives."""
-        plant_values = {path: column[: self.followed] for path, column in self.drawn.items()}
+        plant_values = {path: column[: self.followed] for path, column in self.plant_values.items()}
         table = self.loop.table({**plant_values, **self.numbers(z)}, self.followed)
         costs, slopes = np.zeros(len(table)), np.zeros((len(table), len(z)))
         fractions = (z / self.widths).tolist()

@@ -44,7 +44,7 @@ class TuningJudgement:
     before: Numbers
     """Error of every plant, in SI."""
     after: Numbers
-    drawn: bool
+    has_drawn_plants: bool
     """True for drawn plants, False for the nominal plant alone."""
 
     @property
@@ -72,7 +72,9 @@ class TuningJudgement:
         unit = typeset_unit(UNITS[self.measure].format(readable_unit))
         before, after = (f"{x / factor:.3g} {unit}" if np.isfinite(x) else "a run that fails" for x in self.errors)
         better = int((self.after < self.before).sum())
-        where = f"{len(self.after)} plants, better on {better}" if self.drawn else "the plant of the scenario"
+        where = (
+            f"{len(self.after)} plants, better on {better}" if self.has_drawn_plants else "the plant of the scenario"
+        )
         name = self.measure if self.measure == "rms" else self.measure.upper()
         return f"{name} {after} instead of {before}{self._write_ratio()} on {where}"
 

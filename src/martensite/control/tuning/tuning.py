@@ -69,7 +69,7 @@ class TunedGains:
     evaluations: int
     scale: CostScale
 
-    def shown(self) -> Gains:
+    def scale_gains(self) -> Gains:
         """Return the gains in the units of the cost, such as percent per millimetre."""
         return Gains(*(gain * self.scale.output / self.scale.signal for gain in self.gains))
 

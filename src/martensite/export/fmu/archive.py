@@ -47,7 +47,7 @@ class Fmu:
     platforms: tuple[str, ...]
     """Targets with a library; elsewhere the sources must be compiled."""
 
-    def named(self, causality: str) -> list[FmuVariable]:
+    def select_variables(self, causality: str) -> list[FmuVariable]:
         """Return the variables of a causality: input, output, parameter or local."""
         return [one for one in self.variables if one.causality == causality]
 

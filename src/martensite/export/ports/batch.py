@@ -100,7 +100,7 @@ class _NativePort:
         core = kernel.write_core(name="port")
         source = core.source.replace('#include "port.h"', core.header)
         self._library, self._core, self._kernel = load_library(source + _BATCH), core, kernel
-        self._values = np.array([kernel.values[i] for i in core.kept] or [0.0], float)
+        self._values = np.array([kernel.values[i] for i in core.parameter_indices] or [0.0], float)
 
     def try_all(self, states: Array, inputs: Array, dt: float) -> PortAnswers:
         """Return the results of all points."""

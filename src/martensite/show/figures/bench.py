@@ -161,7 +161,10 @@ def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
 
 
 def _show_signals(result: Result, loops: Sequence[Loop]) -> list[BenchPanel]:
-    got, wants = (map_applied_signals(result), {loop.drive: loop.wanted for loop in loops if loop.wanted})
+    got, wants = (
+        map_applied_signals(result),
+        {loop.drive: loop.requested_signal for loop in loops if loop.requested_signal},
+    )
     drives = [drive.name for drive in find_bench(result).plant.drives()]
     groups: dict[str, list[str]] = {}
     for drive in drives:
@@ -214,7 +217,7 @@ def _show_estimate(result: Result, name: str) -> BenchPanel:
         true, estimate = read_column(result, truth), read_column(result, name)
         if f"{name}_std" in result.columns:
             how = describe_axis(result, name)
-            factor, _ = units.find_conversion(how.shown, how.unit)
+            factor, _ = units.find_conversion(how.display_unit, how.unit)
             wide = SURE * np.asarray(result[f"{name}_std"]) / factor
             axes.fill_between(
                 result.times, estimate - wide, estimate + wide, color=READ["color"], alpha=0.2, linewidth=0.0

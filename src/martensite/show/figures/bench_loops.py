@@ -29,7 +29,7 @@ class Loop:
     reading: str
     truth: str
     """Column of the measured quantity, else of the reading."""
-    wanted: str
+    requested_signal: str
     """Column of the requested signal; empty without one."""
 
 

@@ -216,7 +216,7 @@ def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
 
 def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
     axis = make_output_axis(one.output, one.description)
-    factor = 0.01 if axis.shown == "%" else choose_difference_unit(axis.unit)[1]
+    factor = 0.01 if axis.display_unit == "%" else choose_difference_unit(axis.unit)[1]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     for part, colour in ((one.used, SIMULATED), (one.held_out_rows, HELD)):
         if part.any():

@@ -263,7 +263,7 @@ def _draw_parabola(axes: Any, one: Profile, fit: Fit, axis: QuantityAxis) -> Non
     error = unsure.errors[unsure.names.index(one.name)]
     if not 0.0 < error < math.inf:
         return
-    factor, offset = units.find_conversion(axis.shown, axis.unit)
+    factor, offset = units.find_conversion(axis.display_unit, axis.unit)
     first, last = axes.get_xlim()
     at = np.linspace(first, last, 201)
     moved = (at * factor + offset - one.value) / error

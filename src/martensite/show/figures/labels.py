@@ -27,22 +27,22 @@ class QuantityAxis:
     symbol: str
     unit: str
     """SI unit of the column."""
-    shown: str
+    display_unit: str
     """Displayed unit, in the spelling of `martensite.base.units`."""
 
     @property
     def label(self) -> str:
         """Return symbol and unit, such as T [°C]."""
-        return f"{typeset_symbol(self.symbol)} [{typeset_unit(self.shown, '–')}]"
+        return f"{typeset_symbol(self.symbol)} [{typeset_unit(self.display_unit, '–')}]"
 
     @property
     def difference_unit(self) -> str:
         """Return the unit of a difference of two values, for text."""
-        return "K" if self.shown == "degC" else typeset_unit(self.shown)
+        return "K" if self.display_unit == "degC" else typeset_unit(self.display_unit)
 
     def values(self, column: ArrayLike) -> Any:
         """Return a column in SI as an array in the displayed unit."""
-        factor, offset = units.find_conversion(self.shown, self.unit)
+        factor, offset = units.find_conversion(self.display_unit, self.unit)
         return (np.asarray(column, dtype=np.float64) - offset) / factor
 
 

@@ -146,7 +146,7 @@ def _write_lead(result: Result) -> str:
     if result.variants is not None:
         return f"{len(result.variants)} variants: {result.variants.count_endings()}"
     stroke = describe_axis(result, result.coordinate)
-    factor, _ = units.find_conversion(stroke.shown, stroke.unit)
+    factor, _ = units.find_conversion(stroke.display_unit, stroke.unit)
     parts = [f"stroke {result.stroke / factor:.3g} {stroke.difference_unit}", f"{result.steps:,} steps"]
     if result.accuracy is not None:
         parts.append(f"accuracy {result.accuracy:.1e} of range")

@@ -26,7 +26,7 @@ def plot_tuning(tuned_bench: TunedBench, drive: str, title: str = "") -> Figure:
     display_unit = units.choose_readable_unit(output.unit)
     factor, _ = units.find_conversion(display_unit, output.unit)
     label = {"1": "", "degC": " [K]"}.get(display_unit, f" [{display_unit}]")
-    runs = ((tuned_bench.seen_before, BEFORE), (tuned_bench.seen, AFTER))
+    runs = ((tuned_bench.outputs_before, BEFORE), (tuned_bench.outputs, AFTER))
     with use_style():
         ratios = (2.0, 1.0, 1.2)
         figure, panels = make_panels(TUNING_WIDTH, TUNING_HEIGHT, 3, 1, title, sharex=True, height_ratios=ratios)
@@ -36,7 +36,7 @@ def plot_tuning(tuned_bench: TunedBench, drive: str, title: str = "") -> Figure:
             panels[0].plot(tuned_bench.times, values, **look)
             panels[1].plot(tuned_bench.times, (run.reference - run.output) / factor, **look)
             panels[2].plot(tuned_bench.times, run.signal, drawstyle="steps-post", **look)
-        wanted = [units.from_si(v, display_unit, output.unit) for v in tuned_bench.seen.reference.tolist()]
+        wanted = [units.from_si(v, display_unit, output.unit) for v in tuned_bench.outputs.reference.tolist()]
         panels[0].plot(tuned_bench.times, wanted, drawstyle="steps-post", **WANTED)
         panels[0].legend(loc="best")
         panels[0].set(ylabel=f"{output.long_name}{label.replace('[K]', '[°C]')}")

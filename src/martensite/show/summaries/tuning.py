@@ -30,7 +30,7 @@ class TuningOutcome:
     scenario: Scenario
     method: str
     """`rules`, `relay` or `gradient`."""
-    found: TunedBench
+    tuned_bench: TunedBench
     drive: str
     tests: LoopTests | None
     origin: str
@@ -39,7 +39,7 @@ class TuningOutcome:
 
 def summarise_tuning(outcome: TuningOutcome) -> Summary:
     """Return the summary of a tuning."""
-    tuned = outcome.found
+    tuned = outcome.tuned_bench
     lead = f"{outcome.origin}; {tuned.evaluations:,} runs ({tuned.gradients:,} with derivatives)"
     blocks = [
         *_describe_tests(outcome),
@@ -66,7 +66,7 @@ def _describe_tests(outcome: TuningOutcome) -> Iterator[Block]:
 
 
 def _table_rows(outcome: TuningOutcome) -> list[tuple[str, ...]]:
-    tuned, places = outcome.found, outcome.scenario.places
+    tuned, places = outcome.tuned_bench, outcome.scenario.places
     rows: list[tuple[str, ...]] = [
         (places.path(path), f"{tuned.before[path]:.4g}", f"{value:.4g}", typeset_unit(unit))
         for path, value, unit in _list_gains(outcome)
@@ -79,7 +79,7 @@ def _table_rows(outcome: TuningOutcome) -> list[tuple[str, ...]]:
 
 
 def _write_row(name: str, values: tuple[float, float], outcome: TuningOutcome) -> tuple[str, ...]:
-    bench = outcome.found.bench
+    bench = outcome.tuned_bench.bench
     unit = bench.outputs()[find_judged_output(bench, outcome.drive)].unit
     display_unit, factor = choose_difference_unit(unit) if "{}" in UNITS[name] else ("", 1.0)
     label = "" if UNITS[name] in ("1", "signal") else UNITS[name].format(display_unit)
@@ -93,7 +93,7 @@ def _write_row(name: str, values: tuple[float, float], outcome: TuningOutcome) -
 
 
 def _collect_numbers(outcome: TuningOutcome) -> dict[str, Any]:
-    tuned, places = outcome.found, outcome.scenario.places
+    tuned, places = outcome.tuned_bench, outcome.scenario.places
     step = outcome.tests.step if outcome.tests else None
     cycle = outcome.tests.cycle if outcome.tests else None
     return {
@@ -126,6 +126,6 @@ def _collect_numbers(outcome: TuningOutcome) -> dict[str, Any]:
 
 
 def _list_gains(outcome: TuningOutcome) -> list[tuple[str, float, str]]:
-    bench, places = outcome.found.bench, outcome.scenario.places
+    bench, places = outcome.tuned_bench.bench, outcome.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
-    return [(path, value, places.unit(leaves[path])) for path, value in outcome.found.after.items()]
+    return [(path, value, places.unit(leaves[path])) for path, value in outcome.tuned_bench.after.items()]

@@ -83,15 +83,15 @@ def _collect_signals(archive: Fmu) -> dict[str, Any]:
         "platforms": list(archive.platforms),
     }
     kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter"}
-    named = {key: archive.named(causality) for key, causality in kinds.items()}
-    named["fixed"] = [one for one in archive.named("local") if one.variability == "constant"]
+    named = {key: archive.select_variables(causality) for key, causality in kinds.items()}
+    named["fixed"] = [one for one in archive.select_variables("local") if one.variability == "constant"]
     return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
 
 
 def _summarise_fmu(archive: Fmu) -> Summary:
-    counts = {kind: len(archive.named(kind)) for kind in ("input", "output", "parameter")}
+    counts = {kind: len(archive.select_variables(kind)) for kind in ("input", "output", "parameter")}
     counted = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
-    inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in archive.named("input"))
+    inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in archive.select_variables("input"))
     pace = "period" if archive.discrete else "inner step of at most"
     platforms = ", ".join(archive.platforms) or "no platform: compile its sources before use"
     lines = (
