@@ -193,7 +193,7 @@ def test_all_files_together_have_a_limit(tmp_path: Path, monkeypatch: pytest.Mon
     assert caught.value.status == 413
     assert len(list(tmp_path.iterdir())) == 1
     asyncio.run(drawer.take("c.csv", streamed([b"x" * 40])))  # what was refused does not count
-    assert drawer.taken == 100
+    assert drawer.uploaded_bytes == 100
 
 
 def test_files_under_way_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,4 +212,4 @@ def test_files_under_way_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
     found = asyncio.run(both())
     assert sum(isinstance(one, Refusal) for one in found) == 1
-    assert drawer.taken == 51
+    assert drawer.uploaded_bytes == 51

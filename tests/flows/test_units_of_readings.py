@@ -26,7 +26,7 @@ from martensite.control.faults.base import FAULTS
 from martensite.scenario.build import Builder
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.components import component_class
-from martensite.scenario.place_units import PlaceUnits, named_readings
+from martensite.scenario.place_units import PlaceUnits, list_named_readings
 from martensite.scenario.places import Places
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.constant import Constant
@@ -212,7 +212,7 @@ class Felt(Parametrised):
 
 def test_part_of_a_sensor_has_the_unit_of_what_it_looks_at() -> None:
     """Its reading has no name."""
-    builder = Builder(scales=PlaceUnits(readings={"": "K"}, named=("",)))
+    builder = Builder(scales=PlaceUnits(readings={"": "K"}, reading_names=("",)))
 
     class Numb(Parametrised):
         step: Number = param(units.DIFFERENCE, "least step", low=0.0)
@@ -223,9 +223,9 @@ def test_part_of_a_sensor_has_the_unit_of_what_it_looks_at() -> None:
 
 
 def test_first_text_that_names_a_reading_decides() -> None:
-    assert named_readings(Felt, {}) == ("heat",)
-    assert named_readings(Felt, {"first": "place"}) == ("place",)
-    assert named_readings(Felt, {"second": ""}) == ()
+    assert list_named_readings(Felt, {}) == ("heat",)
+    assert list_named_readings(Felt, {"first": "place"}) == ("place",)
+    assert list_named_readings(Felt, {"second": ""}) == ()
     builder = Builder(scales=PlaceUnits(readings={"heat": "K", "place": "m"}))
     assert builder.build(Felt, {"step": "2 K"}, "part").step == 2.0
     assert builder.build(Felt, {"first": "place", "step": "2 mm"}, "part").step == 2e-3

@@ -99,26 +99,26 @@ class PageJobs:
     """All jobs of a server."""
 
     folder: Path
-    known: dict[str, PageJob] = field(default_factory=dict[str, PageJob])
+    jobs_by_id: dict[str, PageJob] = field(default_factory=dict[str, PageJob])
 
     def begin(self, tab: str, call: str, request: JsonTable) -> PageJob:
         """Begin a job."""
-        running = [job for job in self.known.values() if job.state == "running"]
+        running = [job for job in self.jobs_by_id.values() if job.state == "running"]
         if len(running) >= AT_ONCE:
             raise Refusal(f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429)
         job = PageJob(tab, call, request, Worker(self.folder))
-        self.known[job.id] = job
+        self.jobs_by_id[job.id] = job
         job.task = asyncio.create_task(self._work(job))
         self._forget()
         return job
 
     def of(self, tab: str) -> list[PageJob]:
         """Return the jobs of a tab, the newest first."""
-        return [job for job in reversed(self.known.values()) if job.tab == tab]
+        return [job for job in reversed(self.jobs_by_id.values()) if job.tab == tab]
 
     def find(self, tab: str, name: str) -> PageJob:
         """Return a job of a tab."""
-        job = self.known.get(name)
+        job = self.jobs_by_id.get(name)
         if job is None or job.tab != tab:
             raise Refusal("There is no such job here; it may be long over.", 404)
         return job
@@ -136,7 +136,7 @@ class PageJobs:
 
     async def close(self) -> None:
         """End all jobs at once."""
-        tasks = [job.task for job in self.known.values() if job.task is not None]
+        tasks = [job.task for job in self.jobs_by_id.values() if job.task is not None]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
@@ -156,6 +156,6 @@ class PageJobs:
             await job.worker.kill()
 
     def _forget(self) -> None:
-        over = [job.id for job in self.known.values() if job.state != "running"]
+        over = [job.id for job in self.jobs_by_id.values() if job.state != "running"]
         for name in over[: max(0, len(over) - MOST_KEPT)]:
-            del self.known[name]
+            del self.jobs_by_id[name]

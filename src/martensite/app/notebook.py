@@ -51,8 +51,8 @@ class BenchWidget(anywidget.AnyWidget):
         check_files(scenario.text, {})
         super().__init__(text=scenario.text, **settings)
         self._path = scenario.path
-        self._kept = tempfile.TemporaryDirectory(prefix="martensite-")
-        self._desk = Desk(Path(self._kept.name))
+        self._folder = tempfile.TemporaryDirectory(prefix="martensite-")
+        self._desk = Desk(Path(self._folder.name))
         self.on_msg(self._hear)
 
     @property

@@ -58,7 +58,7 @@ class UploadFolder:
     """Files by key."""
 
     folder: Path
-    taken: int = 0
+    uploaded_bytes: int = 0
     """Uploaded bytes, including unfinished uploads."""
 
     def path(self, key: str) -> Path:
@@ -91,11 +91,11 @@ class UploadFolder:
             with self._whole_or_nothing(path), path.open("xb") as file:
                 async for chunk in chunks:
                     size += len(chunk)
-                    self.taken += len(chunk)
+                    self.uploaded_bytes += len(chunk)
                     self._check_size(size)
                     file.write(chunk)
         except BaseException:
-            self.taken -= size
+            self.uploaded_bytes -= size
             raise
         return key, path
 
@@ -104,7 +104,7 @@ class UploadFolder:
             raise Refusal(
                 f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out, or fit it on the command line.", 413
             )
-        if self.taken > MOST_IN_ALL:
+        if self.uploaded_bytes > MOST_IN_ALL:
             raise Refusal(
                 f"All files uploaded since the bench began have more than {MOST_IN_ALL // 2**20:,} MiB together; "
                 "thin this one out, or restart the bench.",

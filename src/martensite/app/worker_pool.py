@@ -184,7 +184,7 @@ class WorkerPool:
     """Idle workers; the last one used, with its compiled programs, is the next."""
     waiting: dict[str, asyncio.Future[Worker]] = field(default_factory=dict[str, "asyncio.Future[Worker]"])
     """Waiting calls by lane, in order."""
-    made: list[Worker] = field(default_factory=list[Worker])
+    workers: list[Worker] = field(default_factory=list[Worker])
     running: dict[asyncio.Task[Any], str] = field(default_factory=dict["asyncio.Task[Any]", str])
     """Lanes of running calls."""
     notes: dict[str, JsonTable] = field(default_factory=dict[str, JsonTable])
@@ -235,18 +235,18 @@ class WorkerPool:
 
     async def close(self) -> None:
         """End all workers."""
-        for worker in self.made:
+        for worker in self.workers:
             await worker.kill()
 
     def _new(self) -> Worker:
         worker = Worker(self.folder)
-        self.made.append(worker)
+        self.workers.append(worker)
         return worker
 
     async def _worker(self, lane: str) -> Worker:
         if self.idle:
             return self.idle.pop()
-        if len(self.made) < self.size:
+        if len(self.workers) < self.size:
             return self._new()
         if not lane:
             self._anonymous += 1

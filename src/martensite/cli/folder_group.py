@@ -25,7 +25,7 @@ class FolderGroup(TyperGroup):
     """Collects the commands of imported files."""
     order: ClassVar[tuple[str, ...]] = ()
     """Titles of the help text in order; others follow."""
-    built = 0
+    declared_count = 0
     """Number of declarations in `commands`."""
     complete = False
     """True if all files are imported."""
@@ -77,8 +77,8 @@ class FolderGroup(TyperGroup):
     def _import(self, *words: str) -> None:
         self.folder.import_where(*words)
         declared = len(self.declared.registered_commands) + len(self.declared.registered_groups)
-        if declared != self.built:
-            self.commands, self.built = dict(typer.main.get_group(self.declared).commands), declared
+        if declared != self.declared_count:
+            self.commands, self.declared_count = dict(typer.main.get_group(self.declared).commands), declared
             for command in _list_inside(self.commands):
                 command.get_params = _spare(command.get_params)  # type: ignore[method-assign]
 

@@ -58,13 +58,13 @@ def _print_loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
     kinds = [_declare_kind(kind, types) for kind in loop.state_kinds]
     states = list(zip(kinds, loop.state, loop.begin, loop.carried, strict=True))
     return [
-        *(f"{_declare_kind(kind, types)} {name}[{loop.rows}];" for name, (_, kind) in loop.kept.items()),
+        *(f"{_declare_kind(kind, types)} {name}[{loop.rows}];" for name, (_, kind) in loop.result_columns.items()),
         *tables,
         *(f"{kind} {name} = {begin};" for kind, name, begin, _ in states),
         f"for (int {row} = 0; {row} < {loop.rows}; {row}++) {{",
         *(f"    {line}" for line in inputs),
         *(f"    {line}" for line in loop.body),
-        *(f"    {name}[{row}] = {value};" for name, (value, _) in loop.kept.items()),
+        *(f"    {name}[{row}] = {value};" for name, (value, _) in loop.result_columns.items()),
         *(f"    const {kind} n_{name} = {value};" for kind, name, _, value in states),
         *(f"    {name} = n_{name};" for _, name, _, _ in states),
         "}",

@@ -64,7 +64,7 @@ class Graph:
         self.loops: dict[int, GraphLoop] = {}
         self.repeats: dict[int, Repeat] = {}
         self._depth = 0
-        self._known: dict[tuple[Any, ...], int] = {}
+        self._node_indices: dict[tuple[Any, ...], int] = {}
 
     def input(self, name: str, depends: int) -> Expr:
         """Return a named input."""
@@ -88,7 +88,7 @@ class Graph:
         if simple is not None:
             return simple
         indices = tuple(node.index for node in nodes)
-        if operation in COMMUTATIVE and (operation, *indices[::-1], None, None) in self._known:
+        if operation in COMMUTATIVE and (operation, *indices[::-1], None, None) in self._node_indices:
             indices = indices[::-1]
         return self._node(operation, indices, self._join_dependencies(indices))
 
@@ -205,10 +205,10 @@ class Graph:
 
     def _node(self, operation: str, args: tuple[Any, ...], depends: int, extra: Any = None) -> Expr:
         key = (operation, *args, extra, repr(args[0]) if operation == "constant" else None)
-        index = self._known.get(key)
+        index = self._node_indices.get(key)
         if index is None:
             flag = self._is_flag(operation, args)
-            index = self._known[key] = len(self.operations)
+            index = self._node_indices[key] = len(self.operations)
             self.operations.append(operation)
             self.arguments.append(args)
             self.depends.append(depends)

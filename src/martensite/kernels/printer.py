@@ -55,7 +55,7 @@ class LoopText:
     body: Sequence[str]
     carried: Sequence[str]
     """Next state, as results of the body."""
-    kept: Mapping[str, tuple[str, str]]
+    result_columns: Mapping[str, tuple[str, str]]
     """Names of the columns of results -> result of the body, and its kind."""
 
 
@@ -157,7 +157,7 @@ class Printer:
             state_kinds=[self.kind(i) for i in loop.state],
             body=body,
             carried=carried,
-            kept=dict(zip(names, zip(results, kinds, strict=True), strict=True)),
+            result_columns=dict(zip(names, zip(results, kinds, strict=True), strict=True)),
         )
         return self.dialect.loop(named)
 
@@ -317,13 +317,13 @@ def _float_loop(loop: LoopText) -> list[str]:
     """Return a Python loop that appends to lists."""
     state = ", ".join(loop.state)
     return [
-        *(f"{name} = []" for name in loop.kept),
+        *(f"{name} = []" for name in loop.result_columns),
         *([f"{state}, = {', '.join(loop.begin)},"] if state else []),
         f"for {', '.join(loop.row)}, in zip({', '.join(map(_list_items, loop.columns))}):"
         if loop.row
         else f"for _ in range({loop.rows}):",
         *(f"    {line}" for line in loop.body),
-        *(f"    {name}.append({value})" for name, (value, _) in loop.kept.items()),
+        *(f"    {name}.append({value})" for name, (value, _) in loop.result_columns.items()),
         *([f"    {state}, = {', '.join(loop.carried)},"] if state else []),
     ]
 

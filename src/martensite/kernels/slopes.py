@@ -110,7 +110,7 @@ class _Level:
 
     def __init__(self, bit: int, node_values: dict[int, Any]) -> None:
         self.bit = bit
-        self.known = node_values
+        self.node_values = node_values
         self.loops: dict[int, Sequence[Sequence[Any]]] = {}
 
 
@@ -141,9 +141,9 @@ class TangentWalk:
         """Return a node as a dual number, or unchanged without derivatives."""
         for needed in self._list_needed(index):
             level = self._level(needed)
-            if needed not in level.known:
-                level.known[needed] = self._simple(self._made(needed, level))
-        return self._level(index).known[index]
+            if needed not in level.node_values:
+                level.node_values[needed] = self._simple(self._differentiate_node(needed, level))
+        return self._level(index).node_values[index]
 
     def _list_needed(self, index: int) -> list[int]:
         """Return the prerequisite nodes, in order of creation."""
@@ -151,7 +151,7 @@ class TangentWalk:
         stack = [index]
         while stack:
             index = stack.pop()
-            if index in nodes or index in self._level(index).known:
+            if index in nodes or index in self._level(index).node_values:
                 continue
             nodes.add(index)
             operation, arguments = self._graph.operations[index], self._graph.arguments[index]
@@ -161,14 +161,14 @@ class TangentWalk:
                 stack += arguments
         return sorted(nodes)
 
-    def _made(self, index: int, level: _Level) -> Any:
+    def _differentiate_node(self, index: int, level: _Level) -> Any:
         graph = self._graph
         operation, args = graph.operations[index], graph.arguments[index]
         bare = Expr(graph, index)
         if operation in self.ends:
             return bare
         if operation == "implicit_root" and not self.follows_roots:
-            _, slope = self._duals.parts(self._level(args[1]).known[args[1]])
+            _, slope = self._duals.parts(self._level(args[1]).node_values[args[1]])
             return self._duals.pair(Expr(graph, args[0]), slope)
         if operation in ("each", "repeat"):
             read = self._each if operation == "each" else self._repeat
@@ -176,7 +176,7 @@ class TangentWalk:
             return bare
         if operation in ("item", "result"):
             return self._take_result(index, level)
-        read = [self._level(a).known[a] for a in args]
+        read = [self._level(a).node_values[a] for a in args]
         if not any(isinstance(r, Dual) or r.index != a for r, a in zip(read, args, strict=True)):
             return bare
         return self._duals.apply(operation, read)

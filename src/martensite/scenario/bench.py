@@ -161,7 +161,7 @@ class BenchBuilder:
         """Return a component from a row with its path in the bench."""
         where, table, path = row
         origins = self.assembly.origins
-        builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, made=parts)
+        builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, ready_components=parts)
         part = builder.build(cls, table, path)
         self.places.note(where, path, scales)
         self.places.note_scales(where, part, scales)
@@ -181,7 +181,7 @@ class BenchBuilder:
         natural = quantities[0].replace(".", "_") if quantities and unit == first else str(table["kind"])
         name = name or str(table.get(NAME, natural.replace("-", "_")))
         where = f"sensors.{check_name(name, path)}"
-        scales = PlaceUnits(readings={READING: unit}, named=(READING,))
+        scales = PlaceUnits(readings={READING: unit}, reading_names=(READING,))
         sensor = self._component(cls, (f"{where}.sensor", table, path), scales, (*mount, *names))
         return name, self._component(MountedSensor, (where, given, path), scales, sensor=sensor)
 

@@ -44,7 +44,7 @@ class Builder:
     """Keys of the outermost table that other code reads."""
     plain: bool = False
     """True if whole numbers and rows of numbers are possible parts."""
-    made: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    ready_components: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Ready components of the outermost object."""
 
     def choose(self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False) -> Any:
@@ -59,7 +59,7 @@ class Builder:
         scales = self.scales.within(cls, table)
         if scales is not self.scales:
             return replace(self, scales=scales).build(cls, table, path, draws=draws)
-        names = [name for name in _list_parts(cls) if name not in self.made]
+        names = [name for name in _list_parts(cls) if name not in self.ready_components]
         children = {name: self._find_child(cls, name, table, path, draws) for name in names}
         self._refuse_unknown(cls, table, path, children)
         values, missing = self._collect_values(cls, table, path, children, draws)
@@ -72,13 +72,13 @@ class Builder:
         self, cls: type[Parametrised], table: Table, path: str, children: Mapping[str, Any], draws: bool
     ) -> tuple[dict[str, Any], list[str]]:
         """Return the arguments of a class by name, and the names of missing parameters."""
-        values: dict[str, Any] = dict(self.made)
+        values: dict[str, Any] = dict(self.ready_components)
         missing: list[str] = []
         for name, declared in cls.declarations.items():
             if name in children:
                 self._add_part(values, name, declared, children[name], path, draws)
             elif declared.kind == "part":
-                if self.plain and name in table and name not in self.made:
+                if self.plain and name in table and name not in self.ready_components:
                     values[name] = convert_plain(declared, name, table[name], path)
                     self.origins[f"{path}.{name}"] = "scenario"
             elif name in table:
@@ -151,7 +151,7 @@ class Builder:
         draws: bool,
     ) -> None:
         if child is not None:
-            below = replace(self, extra=(), made={})
+            below = replace(self, extra=(), ready_components={})
             values[name] = below.build(*child, f"{path}.{name}", draws=draws)
         elif declared.default is REQUIRED:
             kinds = declared.registry

@@ -24,7 +24,7 @@ class PlaceUnits:
     """SI unit of the signal."""
     readings: Mapping[str, str] = field(default_factory=dict[str, str])
     """SI units of all readings, by name."""
-    named: tuple[str, ...] = ()
+    reading_names: tuple[str, ...] = ()
     """Names of the readings in use."""
     controlled: str = ""
     """SI unit of the controlled reading."""
@@ -37,7 +37,7 @@ class PlaceUnits:
         controlled = self.readings.get(measured, "") if isinstance(measured, str) else ""
         units_here = replace(
             self,
-            named=named_readings(cls, texts) or self.named,
+            reading_names=list_named_readings(cls, texts) or self.reading_names,
             drive=cls.unit_of_signal or self.drive,
             controlled=cls.unit_of_reading or controlled or self.controlled,
             sampled=self.sampled if kind is None else kind == "per-sample",
@@ -50,15 +50,15 @@ class PlaceUnits:
         Raises:
             ParameterError: no reading is named, or an unknown one.
         """
-        unit = self.known(declared)
+        unit = self.find_unit(declared)
         if unit is not None:
             return unit
-        unknown = next((name for name in self.named if name not in self.readings), None)
+        unknown = next((name for name in self.reading_names if name not in self.readings), None)
         if unknown is None:
             raise ParameterError(f"No reading is named, in whose unit is: {declared.doc}.")
         raise ParameterError(f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}")
 
-    def known(self, declared: Declared) -> str | None:
+    def find_unit(self, declared: Declared) -> str | None:
         """Return the SI unit of a number, or None if its reading is unknown."""
         if declared.unit == DRIVE:
             return self.drive
@@ -68,18 +68,18 @@ class PlaceUnits:
             return units.of_loop(unit, self.drive, self.controlled) if determined else None
         if declared.unit not in units.OF_READINGS:
             return declared.unit
-        if not self.named or any(name not in self.readings for name in self.named):
+        if not self.reading_names or any(name not in self.readings for name in self.reading_names):
             return None
-        own = {units.of_reading(declared.unit, self.readings[name]) for name in self.named}
+        own = {units.of_reading(declared.unit, self.readings[name]) for name in self.reading_names}
         return own.pop() if len(own) == 1 else "1"
 
     def label(self, declared: Declared) -> str:
         """Return the familiar unit of a number; empty without a known unit."""
-        unit = units.choose_readable_unit(self.known(declared) or "1")
+        unit = units.choose_readable_unit(self.find_unit(declared) or "1")
         return "" if unit == "1" else unit
 
 
-def named_readings(cls: type[Parametrised], texts: Mapping[str, Any]) -> tuple[str, ...]:
+def list_named_readings(cls: type[Parametrised], texts: Mapping[str, Any]) -> tuple[str, ...]:
     """Return the names of the readings that the texts of a component name."""
     for name in cls.names_reading:
         value = texts.get(name, cls.declarations[name].default)

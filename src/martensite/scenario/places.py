@@ -19,7 +19,7 @@ class Places:
 
     drive: str = DRIVE
     """Name of the section of the source."""
-    written: dict[str, str] = field(default_factory=dict[str, str])
+    scenario_prefixes: dict[str, str] = field(default_factory=dict[str, str])
     """Prefixes of paths in the scenario, by prefix in the bench."""
     scales: dict[str, PlaceUnits] = field(default_factory=dict[str, PlaceUnits])
     """Units of levels, by prefix of paths in the bench."""
@@ -28,7 +28,7 @@ class Places:
 
     def note(self, path: str, written: str, scales: PlaceUnits | None = None) -> None:
         """Note a part of the bench with its section and units."""
-        self.written[path] = written
+        self.scenario_prefixes[path] = written
         if scales is not None:
             self.scales[path] = scales
 
@@ -42,28 +42,28 @@ class Places:
 
     def note_system(self, path: str, written: str) -> None:
         """Note a system in the bench with its section."""
-        self.written[path] = written
+        self.scenario_prefixes[path] = written
         self.systems.add(path)
 
     def path(self, path: str) -> str:
         """Return the path in the scenario of a path in the system or bench."""
-        begin = _find_longest(self.written, path)
+        begin = _find_longest(self.scenario_prefixes, path)
         if begin is None:
             return scenario_path(path, self.drive)
         rest = path[len(begin) :].removeprefix(".")
         if begin in self.systems:
             rest = scenario_path(rest, self.drive)
-        return ".".join(filter(None, (self.written[begin], rest)))
+        return ".".join(filter(None, (self.scenario_prefixes[begin], rest)))
 
     def is_copy(self, path: str) -> bool:
         """Return true for a number of a model, which is a copy of the system."""
-        begin = _find_longest(self.written, path)
-        return begin in self.systems and bool(self.written[begin or ""])
+        begin = _find_longest(self.scenario_prefixes, path)
+        return begin in self.systems and bool(self.scenario_prefixes[begin or ""])
 
     def unit(self, leaf: Leaf) -> str:
         """Return the unit of a number of the system or bench."""
         begin = _find_longest(self.scales, leaf.path)
-        unit = None if begin is None else self.scales[begin].known(leaf.declared)
+        unit = None if begin is None else self.scales[begin].find_unit(leaf.declared)
         return unit or leaf.declared.unit
 
 

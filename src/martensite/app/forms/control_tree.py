@@ -43,17 +43,17 @@ class ControlWalk:
 
     document: JsonTable
     origins: dict[str, str]
-    written: Paths
+    document_path: Paths
     """Path in the document by path of the object."""
-    noted: Paths
+    origin_path: Paths
     """Path of the origin by path of the object."""
     unit: Callable[[Leaf], str]
     """SI unit of a parameter in its place."""
     material: Material | None = None
     """Material that can provide values."""
-    skipped: Callable[[str], bool] = lambda path: False
+    is_skipped: Callable[[str], bool] = lambda path: False
     """True if an object is elsewhere in the document, or absent."""
-    seen: set[str] = field(default_factory=set[str])
+    paths_with_control: set[str] = field(default_factory=set[str])
     """Document paths that already have a control."""
     spots: dict[str, GroupSpot] = field(default_factory=dict[str, "GroupSpot"])
     """Spots by path of the kind."""
@@ -68,14 +68,14 @@ class ControlWalk:
         default: Any = REQUIRED,
     ) -> GroupNode:
         """Return the controls of a component, with groups for its components."""
-        node = build_group(self.written(path), spell_title(title), meaning=meaning)
+        node = build_group(self.document_path(path), spell_title(title), meaning=meaning)
         if registry is not None and part.registered_name:
             node["kind"] = self._kind(part, path, registry, default)
         node["items"] = list(self._items(part, path, node))
         return node
 
     def _kind(self, part: Parametrised, path: str, registry: Registry[Any], default: Any) -> KindChoice:
-        place, value = f"{self.written(path)}.kind", part.registered_name
+        place, value = f"{self.document_path(path)}.kind", part.registered_name
         self.spots[place] = GroupSpot(self, path, part, registry)
         changed = isinstance(default, Parametrised) and default.registered_name != value
         return {"path": place, "value": value, "registry": registry.kind, "changed": changed}
@@ -96,7 +96,7 @@ class ControlWalk:
 
     def _parts(self, part: Parametrised, path: str, name: str, declared: Declared, owner: GroupNode) -> list[FormNode]:
         value = part.__dict__[name]
-        if not isinstance(value, Parametrised) or self.skipped(path):
+        if not isinstance(value, Parametrised) or self.is_skipped(path):
             return []
         if isinstance(value, Members):
             return [self.members(value, path, name, declared.doc)]
@@ -109,15 +109,15 @@ class ControlWalk:
     def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
         """Return the components with user-defined names."""
         below = [self.group(one, f"{path}.{name}", name, "", value.registry) for name, one in value.members().items()]
-        return build_group(self.written(path), spell_title(title), below, meaning=meaning)
+        return build_group(self.document_path(path), spell_title(title), below, meaning=meaning)
 
     def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> EntrySpot | None:
         """Return the spot of an entry; None if it already has a control."""
-        place, noted = self.written(path), self.noted(path)
-        if place in self.seen:
+        place, origin_path = self.document_path(path), self.origin_path(path)
+        if place in self.paths_with_control:
             return None
-        self.seen.add(place)
-        origin = self.origins.get(noted, self.origins.get(place, "default"))
+        self.paths_with_control.add(place)
+        origin = self.origins.get(origin_path, self.origins.get(place, "default"))
         if origin == "scenario" and declared.kind == "parameter":
             raw = documents.find_entry(self.document, place)
             unit = self.unit(Leaf(path, declared, None))
@@ -147,9 +147,9 @@ class ControlWalk:
 
     def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
         """Yield the samples listed in the document; samples of a file are not shown."""
-        raw = documents.find_entry(self.document, self.written(path))
+        raw = documents.find_entry(self.document, self.document_path(path))
         if raw is not None:
-            row = controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
+            row = controls.describe_row(EntrySpot(self.document_path(path), name, declared, "scenario"), raw)
             if name == "values":
                 row["unit"] = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
             yield row

@@ -81,7 +81,7 @@ class EntrySpot:
     """Path in the document."""
     name: str
     declared: Declared
-    noted: str
+    origin: str
     """Origin of the value, as in `Scenario.origins`."""
     material: Material | None = None
     """Material that can provide the value."""
@@ -91,7 +91,7 @@ class EntrySpot:
         return {
             **describe_entry(self.name, self.declared),
             "path": self.path,
-            "origin": describe_origin(self.noted, self.name, self.material),
+            "origin": describe_origin(self.origin, self.name, self.material),
             "changed": changed,
         }
 
@@ -101,7 +101,7 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
     declared = replace(spot.declared, unit=unit)
     default = None if declared.default is REQUIRED else declared.default
     size = None if value is None or is_unlimited(value, declared) else value
-    own = spot.noted in ("scenario", "start")
+    own = spot.origin in ("scenario", "start")
     material = find_material_number(spot.material, spot.name) if own else None
     usual = default if material is None else material["value"]
     words = None if default is None else word_quantity(default, unit)
@@ -201,13 +201,13 @@ def word_quantity(value: float, unit: str) -> str:
     return f"{value * how['factor'] + how['offset']:.6g} {how['label']}".strip()
 
 
-def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
+def describe_origin(origin: str, name: str, material: Material | None) -> Origin:
     """Return the full origin of a value from its note in `Scenario.origins`.
 
     Its sort is scenario, default, plant, start, none, law or material; a material value also has kind, source and
     place.
     """
-    kind, _, owner = noted.partition(", ")
+    kind, _, owner = origin.partition(", ")
     if not owner:
         return {"sort": kind, "words": ORIGIN_WORDS.get(kind, kind)}
     if kind == "law":

@@ -66,7 +66,7 @@ class FormSections:
         self.prefix = "plant." if scenario.bench is not None else ""
         places = scenario.places
         self.walk = ControlWalk(
-            self.document, scenario.origins, places.path, places.path, places.unit, skipped=places.is_copy
+            self.document, scenario.origins, places.path, places.path, places.unit, is_skipped=places.is_copy
         )
 
     def all(self) -> list[GroupNode]:
@@ -136,12 +136,12 @@ class FormSections:
         different = set(_list_paths(own.get(port, {}), drive))
         walk = replace(
             self.walk,
-            written=lambda path: scenario_path(path, drive),
-            noted=lambda path: scenario_path(f"group.{port}.{path}", drive),
+            document_path=lambda path: scenario_path(path, drive),
+            origin_path=lambda path: scenario_path(f"group.{port}.{path}", drive),
             unit=lambda leaf: leaf.declared.unit,
             material=self.scenario.material,
-            skipped=lambda path: False,
-            seen=different,
+            is_skipped=lambda path: False,
+            paths_with_control=different,
         )
         return actuators[port], walk
 
@@ -189,7 +189,7 @@ class FormSections:
             begin = self._begin(name)
             place = partial(join_path, begin)
             unit = place_units(units[name])
-            walk = replace(self.walk, written=place, noted=place, unit=unit, skipped=lambda path: False)
+            walk = replace(self.walk, document_path=place, origin_path=place, unit=unit, is_skipped=lambda path: False)
             signal = begin.startswith(SIGNALS)
             yield walk.group(waveform, "", f"signal {name}" if signal else "waveform", f"in {units[name]}", WAVEFORMS)
 
@@ -221,7 +221,11 @@ class FormSections:
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
         place = partial(_is_member, port, drive)
         walk = replace(
-            self.walk, written=place, noted=place, material=self.scenario.material, unit=lambda leaf: leaf.declared.unit
+            self.walk,
+            document_path=place,
+            origin_path=place,
+            material=self.scenario.material,
+            unit=lambda leaf: leaf.declared.unit,
         )
         items = walk.group(actuator, "", port)["items"]
         return [one for one in flatten_controls(items) if one["path"].removeprefix(begin) in own]
@@ -297,5 +301,11 @@ def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
 
 def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
     """Return the controls of a component that the scenario does not store."""
-    own = replace(walk, written=place, noted=place, unit=lambda leaf: leaf.declared.unit, skipped=lambda path: False)
+    own = replace(
+        walk,
+        document_path=place,
+        origin_path=place,
+        unit=lambda leaf: leaf.declared.unit,
+        is_skipped=lambda path: False,
+    )
     return own.group(part, "", "")["items"]

@@ -51,7 +51,7 @@ class FitProgress:
     began: float = field(default_factory=time.monotonic)
     _next: float = 0.0
     _next_curves: float = 0.0
-    _drawn: tuple[float, ...] = ()
+    _sent_values: tuple[float, ...] = ()
 
     def __call__(self, note: SearchNote) -> None:
         """Send a note, at intervals of `EVERY`."""
@@ -90,13 +90,13 @@ class FitProgress:
 
     def _curves(self, values: tuple[float, ...], now: float) -> JsonTable:
         """Return the curves of the best point so far; empty if already sent or too slow."""
-        if now < self._next_curves or values == self._drawn:
+        if now < self._next_curves or values == self._sent_values:
             return {}
         evaluation = self.problem.evaluate(values)
         self._next_curves = time.monotonic() + (time.monotonic() - now) / TIME_FRACTION
         if evaluation is None:
             return {}
-        self._drawn = values
+        self._sent_values = values
         pairs = zip(self.problem.experiments, evaluation.fitted, strict=True)
         return {"curves": [model_curves(one, fitted.model) for one, fitted in pairs]}
 

@@ -43,7 +43,7 @@ class MappedControl:
     """Name of a number -> function and coefficient."""
     rows: list[Row] = field(default_factory=list[Row])
     """Values that were tried, and the numbers that came of them."""
-    said: tuple[str, ...] = ()
+    cautions: tuple[str, ...] = ()
     """Cautions that come with any change of it."""
 
     @property

@@ -82,7 +82,7 @@ class _Measurement:
         inputs = list_inputs(scenario)
         self.map = InputMap(scenario, describe_scenario(scenario), inputs.numbers, inputs.drives, inputs.samples)
         self.digest, self.structure = inputs.digest(), describe_structure(scenario.whole)
-        self.said = self._list_said(scenario)
+        self.fixed_entries = self._list_fixed_entries(scenario)
         self.cautions: tuple[str, ...] = ()
 
     def measure(self, only: Collection[str] | None) -> InputMap:
@@ -117,8 +117,8 @@ class _Measurement:
             raise UnmappedError("it changes the structure")
         if inputs.digest() != self.digest:
             raise UnmappedError("it changes readings of a signal")
-        stated = self._list_said(scenario)
-        if stated != self.said:
+        stated = self._list_fixed_entries(scenario)
+        if stated != self.fixed_entries:
             raise UnmappedError("it changes what is said of the scenario")
         if not set(cautions) >= set(base_cautions := self.map.scenario.cautions):
             raise UnmappedError("it changes the cautions")
@@ -135,7 +135,7 @@ class _Measurement:
                 table[row.path] = [moved.get(node["path"], entry) for node, entry in listed]
         return table
 
-    def _list_said(self, scenario: Scenario) -> Any:
+    def _list_fixed_entries(self, scenario: Scenario) -> Any:
         return scenario.whole.description(), scenario.title, scenario.restart_at, scenario.seed
 
     def check(self, changes: Mapping[int, float]) -> None:
@@ -144,7 +144,7 @@ class _Measurement:
         row = self.build([(input_map.controls[k].node, value) for k, value in changes.items()])
         predicted = input_map.predict(changes)
         moved = [input_map.controls[k] for k, value in changes.items() if value != input_map.controls[k].value]
-        if self.cautions != tuple(caution for one in moved for caution in one.said):
+        if self.cautions != tuple(caution for one in moved for caution in one.cautions):
             raise UnmappedError("it changes the cautions")
         wrong = [name for name, value in row.items() if not is_same(predicted[name], value, 10.0)]
         if wrong:
@@ -200,7 +200,7 @@ class _Measurement:
             except UnmappedError as error:
                 reason = str(error)
                 continue
-            control.said = self.cautions
+            control.cautions = self.cautions
             return control
         raise UnmappedError(reason)
 
@@ -337,7 +337,7 @@ class _Measurement:
         input_map, trials = self.map, list[dict[int, float]]()
         for a, b in itertools.combinations(range(len(input_map.controls)), 2):
             one, two = input_map.controls[a], input_map.controls[b]
-            if one.said and two.said:  # both could give one sentence
+            if one.cautions and two.cautions:  # both could give one sentence
                 input_map.apart.add((a, b))
             if (a, b) in input_map.apart or not _may_interact(one, two):
                 continue

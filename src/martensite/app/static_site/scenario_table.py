@@ -132,7 +132,7 @@ def _describe_map(input_map: InputMap, entries: dict[str, int]) -> JsonTable:
             "low": one.low,
             "high": one.high,
             "terms": [[entries[name], *term] for name, term in one.terms.items()],
-            "said": list(one.said),
+            "said": list(one.cautions),
         }
         for one in input_map.controls
     ]

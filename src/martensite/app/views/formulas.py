@@ -42,7 +42,7 @@ class Formulas:
     def __init__(self, forced: Sequence[bool] = ()) -> None:
         self.rows: list[list[Any]] = []
         self.choices: dict[int, bool] = {}
-        self._known: dict[tuple[Any, ...], RecordedNumber] = {}
+        self._numbers: dict[tuple[Any, ...], RecordedNumber] = {}
         self._forced = forced
 
     def leaf(self, kind: str, name: str, value: float) -> RecordedNumber:
@@ -115,10 +115,10 @@ class Formulas:
 
     def _add(self, row: list[Any], value: Any) -> RecordedNumber:
         key = (*row, math.copysign(1.0, row[1])) if row[0] == "c" and isinstance(row[1], float) else tuple(row)
-        if key not in self._known:
-            self._known[key] = RecordedNumber(self, len(self.rows), value)
+        if key not in self._numbers:
+            self._numbers[key] = RecordedNumber(self, len(self.rows), value)
             self.rows.append(row)
-        return self._known[key]
+        return self._numbers[key]
 
 
 class _Row(int):

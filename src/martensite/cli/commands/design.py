@@ -112,7 +112,7 @@ class DesignOptions:
                 samples=scenario.samples,
                 step=scenario.step,
                 search=DesignSearch(sample=self.sample, descents=self.descents, seed=self.seed),
-                written=name_targets(scenario),
+                scenario_paths=name_targets(scenario),
                 watch=tell,
                 keep=keep,
             )

@@ -72,7 +72,7 @@ def optimise_design(
     step: float | None = None,
     accuracy: float = ACCURACY,
     search: DesignSearch | None = None,
-    written: Mapping[str, str] | None = None,
+    scenario_paths: Mapping[str, str] | None = None,
     watch: Tell | None = None,
     keep: Keep | None = None,
     native: bool | None = None,
@@ -94,7 +94,7 @@ def optimise_design(
         step: longest step [s], by default chosen and refined.
         accuracy: accepted change on halving the step, as a fraction of limits and of the goal.
         search: options of the search.
-        written: path in the scenario by path in the system.
+        scenario_paths: path in the scenario by path in the system.
         watch: called with a sentence and the finished fraction.
         keep: called with every better design, at first with continuous whole numbers.
         native: run in C, by default if there is a compiler.
@@ -105,7 +105,7 @@ def optimise_design(
     """
     goal, most = _choose_goal(minimise, maximise), maximise is not None
     steering = WaveformLevels(system, waveform, duration)
-    question = read_question(steering, free, goal, subject, most=most, cases=cases, written=written)
+    question = read_question(steering, free, goal, subject, most=most, cases=cases, scenario_paths=scenario_paths)
     question, limits = _add_limits(steering, question, life)
     first = step or min(_find_longest_step(steering, question), duration / (samples - 1))
     also = _list_measures(steering, {aim.words for aim in question.aims})

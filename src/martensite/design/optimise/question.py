@@ -107,7 +107,7 @@ def read_question(
     *,
     most: bool = False,
     cases: Sequence[str] = (),
-    written: Mapping[str, str] | None = None,
+    scenario_paths: Mapping[str, str] | None = None,
 ) -> DesignQuestion:
     """Return the question of texts about a system.
 
@@ -118,14 +118,14 @@ def read_question(
         subject: constraints, such as `max(stress) <= 200 MPa`.
         most: maximise the goal.
         cases: further cases with their values, such as `environment.temperature=35 degC`.
-        written: path in the scenario by path in the system.
+        scenario_paths: path in the scenario by path in the system.
 
     Raises:
         InputError: a text is malformed, a name is unknown, or a unit is wrong.
     """
     if not free:
         raise ParameterError("Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`.")
-    targets = list_targets(steering, written)
+    targets = list_targets(steering, scenario_paths)
     freed = tuple(read_design_number(text, targets, steering.system) for text in free)
     paths = [target.path for one in freed for target in one.targets]
     twice = next((path for path in paths if paths.count(path) > 1), None)

@@ -16,9 +16,9 @@ from martensite.search.free_text import parse_free
 from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
 
-def list_targets(steering: WaveformLevels, written: Mapping[str, str] | None = None) -> list[Target]:
-    """Return all parameters of a system and levels of its waveforms; `written` has paths in the scenario."""
-    spelled = written or {}
+def list_targets(steering: WaveformLevels, scenario_paths: Mapping[str, str] | None = None) -> list[Target]:
+    """Return all parameters of a system and levels of its waveforms; `scenario_paths` has paths in the scenario."""
+    spelled = scenario_paths or {}
     leaves = steering.system.leaves()
     targets = [Target.from_leaf(leaf, spelled.get(leaf.path, leaf.path)) for leaf in leaves]
     names = {drive.name: drive.unit for drive in steering.system.drives()}
