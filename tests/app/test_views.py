@@ -111,7 +111,7 @@ def test_the_energies_are_those_of_the_analysis() -> None:
     assert last["lost"] == pytest.approx(whole.lost[0], rel=1e-12)
     assert last["work"] == pytest.approx(whole.work[0], rel=1e-12)
     assert last["returned"] == pytest.approx(whole.returned[0], rel=1e-12)
-    assert last["stored"] == pytest.approx(whole.kept[0], abs=1e-12)
+    assert last["stored"] == pytest.approx(whole.stored_energy[0], abs=1e-12)
     assert describe_energy(result)["efficiency"][-1] == pytest.approx(whole.efficiency[0])
 
 

@@ -76,7 +76,7 @@ def test_all_kinds_are_looked_at() -> None:
 class Half(AbstractStripLaw):
     """A law of which half is written."""
 
-    def lefft(self, xp: Any, distance: Any) -> Any:
+    def remaining_fracton(self, xp: Any, distance: Any) -> Any:
         return distance
 
 
@@ -85,9 +85,11 @@ def test_several_methods_stand_in_one_sentence() -> None:
         LAWS.register("test-half")(Half)
     assert str(caught.value) == (
         f"`Half` in {__name__} must define `young(fractions)`: Return Young's modulus [Pa]; "
-        "`left(xp, distance)`: Return the fraction that a process leaves at a distance from its finish line [-] "
+        "`remaining_fraction(xp, distance)`: Return the fraction that a process leaves at a distance from its finish "
+        "line [-] "
         "(see `AbstractPhaseDiagram` in martensite.physics.kinetics.diagram and "
-        "`AbstractStripLaw` in martensite.physics.kinetics.strips). Is `lefft` meant as `left`?"
+        "`AbstractStripLaw` in martensite.physics.kinetics.strips). "
+        "Is `remaining_fracton` meant as `remaining_fraction`?"
     )
 
 

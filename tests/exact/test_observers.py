@@ -78,7 +78,7 @@ def test_a_transformation_in_progress_goes_on_from_where_it_was_put() -> None:
     memory, _ = law.kinetics(floats, memory, 60e6, 351.0, 0.1)
     put = law.relocate(floats, memory, Fractions(0.5, 0.5), 60e6, 352.0)
     strip = law.strips()[1]
-    left = [law.left(floats, strip.distance(60e6, t)) for t in (352.0, 352.5)]
+    left = [law.remaining_fraction(floats, strip.distance(60e6, t)) for t in (352.0, 352.5)]
     assert heated(law, put, 0.5) == pytest.approx(0.5 * left[1] / left[0], rel=1e-9)
 
 

@@ -241,7 +241,7 @@ class Tabulated(LiangRogers):
 
     curve: ClassVar[Any] = ()
 
-    def left(self, xp, distance):
+    def remaining_fraction(self, xp, distance):
         return float(np.interp(distance, *self.curve))
 
 

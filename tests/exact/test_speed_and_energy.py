@@ -157,8 +157,8 @@ def test_the_heat_of_a_cycle_that_repeats_is_what_was_put_in() -> None:
     found = compute_cycle_energies(cycles(), CYCLE)
     assert len(found.electrical) == 2
     assert found.electrical == pytest.approx(0.5 * PEAK * CYCLE, rel=1e-6)
-    assert abs(found.kept[1] / found.electrical[1]) < 1e-3  # and the first does not repeat:
-    assert found.kept[0] / found.electrical[0] > 1e-2
+    assert abs(found.stored_energy[1] / found.electrical[1]) < 1e-3  # and the first does not repeat:
+    assert found.stored_energy[0] / found.electrical[0] > 1e-2
 
 
 def test_the_work_is_the_lifted_weight() -> None:

@@ -40,13 +40,15 @@ def test_shapes_are_those_of_the_law_of_surfaces(hardening: str) -> None:
 def test_what_a_shape_leaves_is_the_inverse_of_its_share(hardening: str) -> None:
     law = LiangRogers(**(LAW_A | SHAPES), hardening=hardening)
     for d in np.linspace(0.0, 0.95, 20).tolist():
-        rests = law.left_of(floats, d, True), law.left_of(floats, d, False)
+        rests = law.remaining_fraction_of(floats, d, True), law.remaining_fraction_of(floats, d, False)
         exponents = (law.n_2, law.n_1), (law.n_3, law.n_4)  # 1 - h(ξ) is h(1 - ξ) with the exponents exchanged
         shares = [compute_hardening(floats, rest, *pair) for rest, pair in zip(rests, exponents, strict=True)]
         if hardening == "waisted":
             shares = [apply_waist(h, b) for h, b in zip(shares, (law.waist_f, law.waist_r), strict=True)]
         assert shares == pytest.approx([d, d], abs=1e-9)
-    assert law.left_of(floats, 0.4, True) != pytest.approx(law.left_of(floats, 0.4, False), abs=1e-3)
+    assert law.remaining_fraction_of(floats, 0.4, True) != pytest.approx(
+        law.remaining_fraction_of(floats, 0.4, False), abs=1e-3
+    )
 
 
 @pytest.mark.parametrize("rule", ["resume", "restart", "return-point"])

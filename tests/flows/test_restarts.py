@@ -54,7 +54,7 @@ def test_a_pass_is_made_on_one_runtime() -> None:
     relay = Relay(march, HOME, [1.0])
     plan: Any = Leg([0.0, 1.0, 2.0])
     assert relay(plan).rows == [[0.0], [1.0], [2.0]]
-    assert {leg.used for _, legs in relay.made for leg in legs} == {"C"} and len(relay.made) == 1
+    assert {leg.used for _, legs in relay.passes for leg in legs} == {"C"} and len(relay.passes) == 1
 
 
 def place_restarts(scenario: Scenario) -> list[float]:

@@ -43,7 +43,7 @@ from martensite.physics.laws.strip_laws import LiangRogers
 class Mine(LiangRogers):
     "A law of my own."
 
-    def left(self, xp, d):
+    def remaining_fraction(self, xp, d):
         BODY
 """
 LINE = 13
@@ -153,7 +153,7 @@ class Written:
         return str(self.scenario), "--import", str(self.file), "--no-figure", "--force", *more
 
     def place(self) -> str:
-        return f"`Mine.left` ({self.file.name}, line {LINE})"
+        return f"`Mine.remaining_fraction` ({self.file.name}, line {LINE})"
 
 
 @pytest.fixture
@@ -175,7 +175,7 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 def kernel_of(written: Written) -> Kernel:
     """The method of the law, on a number."""
     law = import_module(written.file.stem).Mine
-    return Kernel({"d": (0.0, 1.0)}, lambda _, xp, d: law.left(None, xp, d))
+    return Kernel({"d": (0.0, 1.0)}, lambda _, xp, d: law.remaining_fraction(None, xp, d))
 
 
 @pytest.mark.parametrize("body", TRAPS)
@@ -214,10 +214,10 @@ def test_what_is_allowed(body: str, write: Any) -> None:
 def test_the_place_is_where_the_mistake_is(write: Any) -> None:
     """Over several lines there is no text; helpers are named themselves, libraries are not."""
     several = write("return (d\n            if d >\n            0.3 else 0.0)")
-    assert Command("run").refused(*several.words()).startswith("error: In `Mine.left` (trap_")
+    assert Command("run").refused(*several.words()).startswith("error: In `Mine.remaining_fraction` (trap_")
     helper = write("h = lambda x: math.exp(x)\n        return h(d)")
     said = Command("run").refused(*helper.words())
-    assert f"`math.exp(x)` in `Mine.left.<lambda>` ({helper.file.name}, line {LINE})" in said
+    assert f"`math.exp(x)` in `Mine.remaining_fraction.<lambda>` ({helper.file.name}, line {LINE})" in said
 
 
 def test_a_mechanism_is_named_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -276,7 +276,7 @@ def test_a_kernel_on_plain_floats_is_not_looked_at() -> None:
     class Pythonic(LiangRogers):
         """Branches."""
 
-        def left(self, xp: Any, distance: Any) -> Any:
+        def remaining_fraction(self, xp: Any, distance: Any) -> Any:
             return max(distance, 0.0)
 
-    assert example(Pythonic).left(floats, 0.25) == 0.25
+    assert example(Pythonic).remaining_fraction(floats, 0.25) == 0.25

@@ -81,7 +81,7 @@ class Node(NamedTuple):
 
     time: float
     state: Row
-    seen: Row
+    judged_outputs: Row
     """Judged outputs."""
 
 
@@ -96,7 +96,7 @@ class StepTrial(NamedTuple):
     """State in the middle."""
     full: Row
     """State at the end."""
-    seen: Row
+    judged_outputs: Row
     """Judged outputs at the end."""
     points: tuple[Row, Row]
     """States of rate-independent laws, in the middle and at the end."""
@@ -140,7 +140,7 @@ class AdaptiveMarch(AbstractMarch):
         self.last_half = plan.first
         self.rates = [0.0] * len(compiled.rates)
         """Rates of the half step before the last."""
-        self.nodes = [Node(self.time, self.state, self.seen)]
+        self.nodes = [Node(self.time, self.state, self.judged_outputs)]
         """Start and middle of the last step, and where it ended: here. Behind a kink of a drive
         there is but the last."""
         self.owed = [0.0] * len(compiled.widths)
@@ -150,7 +150,7 @@ class AdaptiveMarch(AbstractMarch):
         """True if the step is the one over a jump of a signal that prescribes a state."""
         self.split = False
         """True if a step before the next edge was split, in a run in parts."""
-        self.taken: TakenStep | None = None
+        self.last_step: TakenStep | None = None
         """Last step."""
         self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
         self.forks = ForkWatch(len(compiled.forks))
@@ -183,10 +183,10 @@ class AdaptiveMarch(AbstractMarch):
             kink = self._find_kink(trial) if solved else 1.0
             if good and kink == 1.0:
                 break
-            self.found.rejected += 1
+            self.result.rejected += 1
             if length <= self.shortest:
                 self._keep_waiting()
-                self.found.status = Status.UNSOLVED
+                self.result.status = Status.UNSOLVED
                 return
             if good:
                 planned = max(planned, length)
@@ -440,20 +440,20 @@ class AdaptiveMarch(AbstractMarch):
         one, two = trial.halves
         ends = (self.state, one), (trial.half, one), (trial.half, two), (trial.full, two)
         rows = [flows(*state, *inputs) for state, inputs in ends]
-        self.found.put_in += 0.25 * trial.length * sum(given for given, *_ in rows)
+        self.result.put_in += 0.25 * trial.length * sum(given for given, *_ in rows)
         for share, (_, *lost) in zip(SIMPSON, rows, strict=True):
             self.ledger.lost += share * trial.length * sum(lost)
         half = self.time + 0.5 * trial.length
         middle = entries(*trial.half, *self.signals(half))
         end = entries(*trial.full, *self.signals(self.time + trial.length, before=True))
         self.ledger.enter(middle, end, trial.length)
-        self.found.lost = self.ledger.lost
-        self.found.accounts = tuple(self.ledger.accounts)
+        self.result.lost = self.ledger.lost
+        self.result.accounts = tuple(self.ledger.accounts)
 
     def _accept(self, trial: StepTrial, most: float, planned: float) -> None:
         if self.plan.recorded:
             self._keep_ledger(trial)
-        run, length, end = self.found, trial.length, self.time + trial.length
+        run, length, end = self.result, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration
         nodes = [*self.nodes, *self._reach_ends(trial)]
@@ -461,7 +461,7 @@ class AdaptiveMarch(AbstractMarch):
         self.at_edge = any(reader.edges(end - hair, end + hair) for reader in self.readers)
         step = TakenStep(self.time, self.state, self.owed, trial)
         self._keep_samples(end, step, nodes)
-        self.taken = step
+        self.last_step = step
         parts = 1 if self.plan.order == 4 else 2
         run.steps += parts
         run.longest = max(run.longest, length / parts)
@@ -491,7 +491,7 @@ class AdaptiveMarch(AbstractMarch):
         self.length = max(self.length, self.shortest)
         for reader in self.readers:
             reader.forget(step.begin)
-        self.see(trial.seen)
+        self.see(trial.judged_outputs)
 
     def _watch_forks(self, trial: StepTrial, middle: float, end: float) -> None:
         """Look for decisions about forgotten branches at the middle and the end of a step [s]."""
@@ -501,14 +501,14 @@ class AdaptiveMarch(AbstractMarch):
         allowed = [share * self._scale(fork.fraction) / fork.weight for fork in forks]
         for time, state in ((middle, trial.half), (end, trial.full)):
             self.forks.see(time, self.functions["forks"](*state), allowed)
-        self.found.decision = self.forks.closest
+        self.result.decision = self.forks.closest
 
     # ---------------------------------------------------------------- samples
 
     def _reach_ends(self, trial: StepTrial) -> list[Node]:
         half, end = self.time + 0.5 * trial.length, self.time + trial.length
         middle = self.functions["judge"](*trial.half, *self.signals(half))
-        return [Node(half, trial.half, middle), Node(end, trial.full, trial.seen)]
+        return [Node(half, trial.half, middle), Node(end, trial.full, trial.judged_outputs)]
 
     def _keep_samples(self, end: float, step: TakenStep, nodes: Sequence[Node]) -> None:
         """Store the samples up to the end of a step [s], except those that wait for the next step."""
@@ -526,25 +526,25 @@ class AdaptiveMarch(AbstractMarch):
             if state is None:
                 if not (earlier or ends or time - self.time <= hair):
                     return
-                state = self._step_aside((earlier and self.taken) or step, time, hair)
+                state = self._step_aside((earlier and self.last_step) or step, time, hair)
             self._keep_row(state, time)
 
     def _keep_waiting(self) -> None:
         """Store the samples that wait for a step which cannot be taken."""
         times = self.plan.times
-        while self.taken and self.sample < len(times) and times[self.sample] <= self.time:
+        while self.last_step and self.sample < len(times) and times[self.sample] <= self.time:
             time = times[self.sample]
-            self._keep_row(self._step_aside(self.taken, time, 0.0), time)
+            self._keep_row(self._step_aside(self.last_step, time, 0.0), time)
 
     def _keep_row(self, state: Row, time: float) -> None:
-        self.found.rows.append(self.functions["observe"](*state, *self.signals(time)))
+        self.result.rows.append(self.functions["observe"](*state, *self.signals(time)))
         self.sample += 1
 
     def _is_last(self, end: float, trial: StepTrial) -> bool:
         """Return whether no polynomial continues after a step: at an edge, a jump or the end of the run."""
         if self.at_edge or trial.lapse > 0.0 or end >= self.duration:
             return True
-        return self.plan.limits.find_exit(trial.seen[self.convergence_scales :]) is not None
+        return self.plan.limits.find_exit(trial.judged_outputs[self.convergence_scales :]) is not None
 
     def _find_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> list[bool]:
         """Return whether the polynomial through five points is accurate in a step and in the previous step.
@@ -565,7 +565,7 @@ class AdaptiveMarch(AbstractMarch):
         """Return whether the last term of the polynomial through the points is within the tolerance."""
         times = [node.time for node in nodes]
         for k in range(self.convergence_scales):
-            last = divided_difference(times, [node.seen[k] for node in nodes])
+            last = divided_difference(times, [node.judged_outputs[k] for node in nodes])
             if not abs(last) * reached <= BETWEEN * self.plan.tolerance * self._scale(k):
                 return False
         return True

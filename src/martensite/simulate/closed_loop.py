@@ -179,7 +179,7 @@ class _Walk:
         """Time [s] and outputs at both ends of every step."""
         self.times: list[float] = []
         """Start of every step [s]."""
-        self.longest = self.left = 0.0
+        self.longest = self.end_time = 0.0
         self.switched: Row = self.observe(*self.walk.state, plan.probe)
         """Outputs when the source was last on."""
 
@@ -198,7 +198,7 @@ class _Walk:
                 self.rows.append(self.observe(*self.walk.state, last))
         except ArithmeticError:  # division by zero or overflow
             self.walk.note(math.inf, 0.0)
-        return self.walk.finish(self.rows, lambda k: self.times[k] if k < len(self.times) else self.left)
+        return self.walk.finish(self.rows, lambda k: self.times[k] if k < len(self.times) else self.end_time)
 
     def _period(self, time: float, memory: Any) -> Any:
         row = self.observe(*self.walk.state, self.switched[0])
@@ -232,12 +232,12 @@ class _Walk:
         self.passed.append((time, before))
         for k in range(steps):
             self.times.append(time + k * dt)
-            self.left = time + (k + 1) * dt
+            self.end_time = time + (k + 1) * dt
             self.walk.advance((level,), dt)
             row = self.observe(*self.walk.state, level)
             sums[:] = [s + half * (a + b) for s, a, b in zip(sums, before, row, strict=True)]
             before = row
-            self.passed.append((self.left, row))
+            self.passed.append((self.end_time, row))
             if self.walk.stops(self.envelope.find_exit(row, finite=True)):
                 break
         return before

@@ -308,7 +308,7 @@ class _Trace:
         def entries(xp: Any, *arguments: Any) -> list[Any]:
             state = self.shape.rebuild(arguments[: self.size])
             entry = self.system.entries(xp, state, *arguments[self.size :])
-            stores = {name: one for name, one in entry.held.items() if isinstance(one, Expr)}
+            stores = {name: one for name, one in entry.energies.items() if isinstance(one, Expr)}
             accounts = [ACCOUNTS.index(name) for name, _ in entry.efforts]
             books.append(
                 Book(tuple(map(ACCOUNTS.index, stores)), tuple(accounts), entry.heat, entry.work, entry.unknown)

@@ -112,7 +112,7 @@ class _ControlledWalk:
         self.signals: list[tuple[float, ...]] = []
         self.now = self._signals(0.0, {})
         self.walk = FloatWalk(functions, size, self.now)
-        self.seen = self.observe(*self.walk.state, *self.now)
+        self.outputs = self.observe(*self.walk.state, *self.now)
         self.passed: list[tuple[float, Row]] = []
         """Time [s] and outputs at the ends of steps, on both sides of a change of signals."""
 
@@ -134,7 +134,7 @@ class _ControlledWalk:
 
     def _period(self, k: int) -> None:
         plan, walk, time = self.plan, self.walk, k * self.plan.period
-        self.now = self._signals(time, dict(zip(self.names, self.seen, strict=False)))
+        self.now = self._signals(time, dict(zip(self.names, self.outputs, strict=False)))
         self.signals.append(self.now)
         row = self.observe(*walk.state, *self.now)
         self.passed.append((time, row))
@@ -149,8 +149,8 @@ class _ControlledWalk:
                 drive.value(end) if isinstance(drive, AbstractWaveform) else signal
                 for drive, signal in zip(plan.drives, self.now, strict=True)
             )
-            self.seen = self.observe(*walk.state, *self.now)
-            self.passed.append((end, self.seen))
+            self.outputs = self.observe(*walk.state, *self.now)
+            self.passed.append((end, self.outputs))
             if walk.stops(self.border.find_exit(walk.state, inputs)):
                 return
 

@@ -32,7 +32,7 @@ class CycleEnergies(EnergyCourses):
         return self.work - self.returned
 
     @property
-    def kept(self) -> Numbers:
+    def stored_energy(self) -> Numbers:
         """Return the electrical energy less the heat loss: the energy stored in the elements after a cycle."""
         return self.electrical - self.lost
 

@@ -92,7 +92,7 @@ class WatchedFork:
         self.last, self.time, self.older = Fork(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, -math.inf
         self.near: OpenDecision | None = None
         """Decision of the branch in progress."""
-        self.left: OpenDecision | None = None
+        self.ended_decision: OpenDecision | None = None
         """Decision of the branch that the surface ended."""
 
     def see(self, time: float, now: Fork, least: float) -> OpenDecision | None:
@@ -105,8 +105,10 @@ class WatchedFork:
             self._end_branch(now, here if last.branch and now.branch and lost > least else None)
         elif lost > least and self._turns(now) and (self.near is None or last.other < abs(self.near.margin)):
             self.near = here
-        if self.left:
-            self.left = self.left._replace(margin=min(self.left.margin, now.own - self.left.entry))
+        if self.ended_decision:
+            self.ended_decision = self.ended_decision._replace(
+                margin=min(self.ended_decision.margin, now.own - self.ended_decision.entry)
+            )
         self.older = last.other if same and now.branch else -math.inf
         self.last, self.time = now, time
         return self.near
@@ -117,10 +119,10 @@ class WatchedFork:
 
     def _end_branch(self, now: Fork, ended: OpenDecision | None) -> None:
         """Resume the decision of the branch that begins, and open a decision of the branch that ends."""
-        decision = self.left
+        decision = self.ended_decision
         resumes = decision is not None and decision.branch == now.branch
         self.near = decision._replace(ratio=decision.bound / decision.rest) if decision and resumes else None
-        self.left = ended and ended._replace(margin=0.0, entry=min(ended.margin, 0.0))
+        self.ended_decision = ended and ended._replace(margin=0.0, entry=min(ended.margin, 0.0))
 
 
 class ForkWatch:

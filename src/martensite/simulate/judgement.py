@@ -44,7 +44,7 @@ class Judgement:
     """Description of the exceeded bound of the envelope; empty inside the envelope."""
 
     @property
-    def kept(self) -> bool:
+    def is_within_limits(self) -> bool:
         """Return True if the state is within all limits."""
         return not (self.alarms or self.outside)
 
@@ -56,7 +56,7 @@ class Judgement:
     @property
     def verdict(self) -> str:
         """Return one sentence with each exceeded limit and its value, or the confirmation of all limits."""
-        if self.kept:
+        if self.is_within_limits:
             return "All limits are kept."
         words = [f"STOPPED. {self.outside}"] if self.outside else []
         if self.alarms:
@@ -69,7 +69,11 @@ class Judgement:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the judgement as data for JSON."""
-        return {"kept": self.kept, "outside": self.outside, "exceeded": [asdict(alarm) for alarm in self.alarms]}
+        return {
+            "kept": self.is_within_limits,
+            "outside": self.outside,
+            "exceeded": [asdict(alarm) for alarm in self.alarms],
+        }
 
 
 def describe_excess(alarm: Alarm) -> str:

@@ -174,7 +174,7 @@ class NativeLanes:
         self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
         self._at_drives, self._at_rows = get_address(self._drives), get_address(self._rows)
         arrays = (self.program.constants, self.x, self.y, self._worst)
-        self._held = tuple(map(get_address, arrays))
+        self._addresses = tuple(map(get_address, arrays))
         self._observe = self.program.bind("observe", self.x, self._rows)
 
     @property
@@ -227,7 +227,7 @@ class NativeLanes:
 
     def _go(self, steps: int, drives: Any, rows: Any) -> None:
         counts = ctypes.c_long(self._filled_to), ctypes.c_long(steps)
-        self.program.library.advance(*counts, *self._held, drives, rows)
+        self.program.library.advance(*counts, *self._addresses, drives, rows)
 
     def read_outputs(self, state: Numbers, signals: Numbers) -> Numbers:
         """Return the outputs in a state."""

@@ -54,7 +54,7 @@ WORDS = {
 class Book(NamedTuple):
     """Layout of the values of a kernel `entries`: stored energies, efforts in pairs, and a loss."""
 
-    held: tuple[int, ...] = ()
+    energies: tuple[int, ...] = ()
     """Account of every stored energy, as an index of `ACCOUNTS`."""
     efforts: tuple[int, ...] = ()
     """Account of every effort."""
@@ -68,7 +68,7 @@ class Book(NamedTuple):
     @property
     def size(self) -> int:
         """Return the number of values per entry."""
-        return len(self.held) + 2 * len(self.efforts) + self.heat
+        return len(self.energies) + 2 * len(self.efforts) + self.heat
 
 
 EMPTY = Book()
@@ -86,12 +86,12 @@ class Ledger:
         """Add a step of a length [s] after the previous step."""
         book, rows, given = self.book, (self.last, middle, end), 0.0
         swung = [0.0, 0.0, 0.0]
-        for k, account in enumerate(book.held):
+        for k, account in enumerate(book.energies):
             change = end[k] - self.last[k]
             self.accounts[account] += change
             swung[STORES[account]] += 0.5 * abs(change)
         for k, account in enumerate(book.efforts):
-            at = len(book.held) + 2 * k
+            at = len(book.energies) + 2 * k
             work = integrate_effort([row[at] for row in rows], [row[at + 1] for row in rows])
             self.accounts[account] += work
             if account in TURNED_OVER:
@@ -220,7 +220,7 @@ def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatB
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
     """Return the work balance of a run from its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
-    has_elastic = ACCOUNTS.index("elastic") in book.held
+    has_elastic = ACCOUNTS.index("elastic") in book.energies
     balance = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
     return balance if has_elastic else replace(balance, elastic=None)
 

@@ -124,12 +124,12 @@ class FixedMarch(AbstractMarch):
         for k in range(count):
             here = begin + k * length
             self._step(here, length, end if k + 1 == count else here + length)
-            if self.found.status.failed:
+            if self.result.status.failed:
                 return
         self.time = end
         if end == sample:
             signals = self.signals(sample)
-            self.found.rows.append(self.functions["observe"](*self.state, *signals))
+            self.result.rows.append(self.functions["observe"](*self.state, *signals))
             self.sample += 1
         for reader in self.readers:
             reader.forget(end)
@@ -141,7 +141,7 @@ class FixedMarch(AbstractMarch):
             inputs += feed_step(drive_input) if isinstance(drive_input, Moments) else (drive_input,)
         after = self.functions["step"](*self.state, *inputs, length)
         residual, crossing, ripple = after[self.size :]
-        run, self.state = self.found, after[: self.size]
+        run, self.state = self.result, after[: self.size]
         self.record_piece(WHOLE, begin, end, inputs, self.state)
         run.steps += 1
         run.longest, run.ripple = max(run.longest, length), max(run.ripple, ripple)

@@ -187,12 +187,12 @@ class AbstractMarch:
         self.time, self.duration = plan.times[0], plan.times[-1]
         signals = self.signals(self.time)
         self.state: Row = plan.start or functions["init"](*signals)[: self.size]
-        self.seen: Row = functions["judge"](*self.state, *signals)
+        self.judged_outputs: Row = functions["judge"](*self.state, *signals)
         self.convergence_scales = len(plan.compiled.convergence_scales)
-        judged, (low, high) = self.seen[: self.convergence_scales], plan.extremes
+        judged, (low, high) = self.judged_outputs[: self.convergence_scales], plan.extremes
         self.low, self.high = list(map(min, judged, low or judged)), list(map(max, judged, high or judged))
         self.sample: int = 1
-        self.found = Marched([functions["observe"](*self.state, *signals)])
+        self.result = Marched([functions["observe"](*self.state, *signals)])
         self.record_piece(START, self.time, self.time, (), self.state)
         self.check_envelope()
 
@@ -202,7 +202,7 @@ class AbstractMarch:
 
     def run(self, watch: Callable[[float], None] | None = None) -> Marched:
         """Run to the end or a failure; call `watch` with the completed fraction."""
-        run = self.found
+        run = self.result
         try:
             while self.time < self.duration and not run.status.failed:
                 self.advance()
@@ -231,19 +231,19 @@ class AbstractMarch:
             wide = width > 1 and part != START
             row += [after, before, *(inputs[at : at + 5] if wide else (after, after * after, after, after, 0.0))]
             at += width
-        self.found.record.append((*row, *state))
+        self.result.record.append((*row, *state))
 
     def see(self, judged_outputs: Row) -> None:
         """Update the ranges with judged outputs at the end of a step."""
-        self.seen = judged_outputs
+        self.judged_outputs = judged_outputs
         for k in range(self.convergence_scales):
             self.low[k], self.high[k] = min(self.low[k], judged_outputs[k]), max(self.high[k], judged_outputs[k])
         self.check_envelope()
 
     def check_envelope(self) -> None:
         """Stop at an exit from the envelope."""
-        run, limits = self.found, self.plan.limits
-        crossing = limits.find_exit(self.seen[self.convergence_scales :])
+        run, limits = self.result, self.plan.limits
+        crossing = limits.find_exit(self.judged_outputs[self.convergence_scales :])
         if crossing is not None and not run.status.failed:
             finite = math.isfinite(crossing.value)
             run.status = Status.OUT_OF_ENVELOPE if finite else Status.NOT_FINITE

@@ -184,7 +184,7 @@ class Relay:
     begin: Restart
     stops: Sequence[float]
     """Restart times [s], ascending."""
-    made: list[tuple[Marched, list[Marched]]] = field(default_factory=list[tuple[Marched, list[Marched]]])
+    passes: list[tuple[Marched, list[Marched]]] = field(default_factory=list[tuple[Marched, list[Marched]]])
     """All passes with their legs."""
 
     def __call__(self, plan: MarchPlan) -> Marched:
@@ -192,15 +192,15 @@ class Relay:
         legs, rows = self._make_legs(plan)
         if len({leg.used for leg in legs}) > 1:
             legs, rows = self._make_legs(plan)
-        whole = join_legs(legs, rows, self._begin(len(self.made)))
-        for one in (*(earlier for earlier, _ in self.made), *(leg for leg in legs if leg is not whole)):
+        whole = join_legs(legs, rows, self._begin(len(self.passes)))
+        for one in (*(earlier for earlier, _ in self.passes), *(leg for leg in legs if leg is not whole)):
             one.rows = []  # rows of one pass are enough
-        self.made.append((whole, legs))
+        self.passes.append((whole, legs))
         return whole
 
     def _make_legs(self, plan: MarchPlan) -> tuple[list[Marched], Any]:
         """Return the legs of a pass and their rows."""
-        before = self._begin(len(self.made))
+        before = self._begin(len(self.passes))
         at = before or REST
         legs, parts = list[Marched](), list[Any]()
         for times, sampled in cut_times(plan.times, self.stops):
@@ -221,7 +221,7 @@ class Relay:
 
     def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
         """Return the restarts for the compared times [s]; empty for an incomplete run."""
-        if self.made[-1][0].status.failed:
+        if self.passes[-1][0].status.failed:
             return []
         times = [*self.stops, compared[-1]]
         return [Restart(time, tuple(self._keep(leg, time, compared))) for leg, time in enumerate(times)]
@@ -229,7 +229,7 @@ class Relay:
     def _keep(self, leg: int, time: float, compared: Sequence[float]) -> list[PassState]:
         """Return the states of all complete passes at the end of a leg [s]."""
         states = list[PassState]()
-        for number, (whole, legs) in enumerate(self.made):
+        for number, (whole, legs) in enumerate(self.passes):
             if whole.status.failed:
                 continue
             before = self._begin(number) or REST

@@ -97,13 +97,13 @@ class RunTrace(AbstractTrace):
     system: AbstractSystem
     engine: RunEngine
     plan: MarchPlan
-    found: Marched
+    last_pass: Marched
     relay: Relay
     """Relay of the passes of the run."""
 
     def compute_track(self) -> Track:
         """Return the outputs of the last pass."""
-        return self._observe(self.found)
+        return self._observe(self.last_pass)
 
     def _observe(self, run: Marched) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
@@ -115,15 +115,15 @@ class RunTrace(AbstractTrace):
     def _earlier(self) -> Track:
         """Return the outputs of the second-last pass, which is repeated."""
         plan = self.plan
-        local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
-        again = replace(self.relay, made=[])
+        local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.passes) - 2)
+        again = replace(self.relay, passes=[])
         before = again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]]))
         return self._observe(before)
 
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
         """Return the bound from the second-last pass; None for given steps and incomplete runs."""
         plan, outputs = self.plan, list(self.system.outputs())
-        if plan.step is not None or self.found.status.failed:
+        if plan.step is not None or self.last_pass.status.failed:
             return None
         names = one.columns(self.system)
         places = [outputs.index(name) for name in names]
@@ -142,7 +142,7 @@ class RunTrace(AbstractTrace):
             weights = np.where(own.weights[:, 0] > 0.0, own.weights[:, 0], np.inf)
             curve_error = float((read / weights).max(axis=1) @ track.choose(places).bound_quadrature())
         total = max(ERROR_SAFETY * apart, off, curve_error, ROUNDING * abs(value)) + one.spread(
-            own, self.found.ripple * kelvin
+            own, self.last_pass.ripple * kelvin
         )
         return total if np.isfinite(total) else None
 
@@ -160,7 +160,7 @@ class RunTrace(AbstractTrace):
         scales = np.array(
             [max(np.ptp(own.values[k]), least.get(n, nothing[k])) for k, n in enumerate(one.columns(self.system))]
         )
-        share = max(FLOOR * self.plan.tolerance, bound_error(self.plan.compiled, self.found))
+        share = max(FLOOR * self.plan.tolerance, bound_error(self.plan.compiled, self.last_pass))
         values = share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1)
         if one.seeks_turn:
             values = np.maximum(values, np.maximum(ERROR_SAFETY * part_extremes(own, other), part_extremes(own, bent)))

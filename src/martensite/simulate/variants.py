@@ -122,15 +122,15 @@ class VariantSetup:
         size, rows = self._together(bool(own), count), np.arange(count)
         make = self._to_tolerance if self.controlled else self._block
 
-        def made(first: int) -> Ensemble:
+        def make_block(first: int) -> Ensemble:
             return make(values, own, rows[first : first + size], refusal, size)
 
         firsts = range(0, count, size)
         threads = (os.cpu_count() or 1) if self.devices is None else self.devices
         if threads == 1 or self.runtime == "cuda":
-            return Ensemble.concatenate([made(first) for first in firsts])
+            return Ensemble.concatenate([make_block(first) for first in firsts])
         with ThreadPoolExecutor(threads) as pool:
-            return Ensemble.concatenate(list(pool.map(made, firsts)))
+            return Ensemble.concatenate(list(pool.map(make_block, firsts)))
 
     # ---------------------------------------------------------------- runs to a tolerance
 

@@ -273,7 +273,7 @@ class AbstractAssembly(AbstractSystem):
             return entries
         entries.work = True
         energy = mechanics.energy
-        entries.held.update(zip(energy._fields, energy, strict=True))
+        entries.energies.update(zip(energy._fields, energy, strict=True))
         self._enter_work(xp, entries, loads, mechanics.ways)
         entries.efforts += [("dissipated", one) for one in mechanics.dissipated]
         entries.efforts += [("outside", one) for one in mechanics.outside]
@@ -288,7 +288,7 @@ class AbstractAssembly(AbstractSystem):
         entries.unknown += _describe_unknown(rows) if loads else ()
         if not entries.heat:
             return
-        entries.held["sensible"] = sum_column([stored.sensible for stored in heats])
+        entries.energies["sensible"] = sum_column([stored.sensible for stored in heats])
         entries.efforts += [("latent", effort) for stored in heats for effort in stored.latent]
         if not self._cooling_signals():
             entries.lost = self._sum_losses(xp, loads)
@@ -298,7 +298,7 @@ class AbstractAssembly(AbstractSystem):
         energies = [element.elastic_energy(xp, state) for element, state, _ in loads]
         elastic = [one for one in energies if one is not None]
         if elastic and len(elastic) == len(loads):
-            entries.held["elastic"] = sum_column(elastic)
+            entries.energies["elastic"] = sum_column(elastic)
         rows = zip(loads, ways, strict=True)
         entries.efforts += [("work", Effort(one.element.force(one.state), way)) for one, way in rows]
 

@@ -30,7 +30,7 @@ ACCOUNTS: tuple[str, ...] = (*HEAT, *HELD, *FLOWING, *EXCHANGED)
 class Entries:
     """Energy accounts of a state; a missing account is empty."""
 
-    held: dict[str, Scalar] = field(default_factory=dict[str, Scalar])
+    energies: dict[str, Scalar] = field(default_factory=dict[str, Scalar])
     """Account -> energy [J] as a function of the state, up to a constant."""
     efforts: list[tuple[str, Effort]] = field(default_factory=list[tuple[str, Effort]])
     """Account and effort along a path."""

@@ -197,12 +197,12 @@ class TensileTestingMachine(AbstractMechanism):
         """Return the load line of the machine."""
         target = self._target(signals)
 
-        def given(xp: Namespace, spring: Spring) -> Scalar:
+        def prescribe_force(xp: Namespace, spring: Spring) -> Scalar:
             return xp.maximum(target, 0.0)
 
-        def met(xp: Namespace, spring: Spring) -> Scalar:
+        def balance_force(xp: Namespace, spring: Spring) -> Scalar:
             give = 1.0 / self.stiffness
             reach = memory.elongation + target + memory.force * give
             return xp.maximum((reach - spring.free) / (spring.compliance + give), 0.0)
 
-        return given if self._pulls else met
+        return prescribe_force if self._pulls else balance_force

@@ -113,11 +113,11 @@ def _put_kind(
 
 
 def _place_units(unit: Unit, at: str, place: str) -> Unit:
-    def known(leaf: Leaf) -> str:
+    def find_unit(leaf: Leaf) -> str:
         rest = leaf.path.removeprefix(place).removeprefix(".")
         return unit(Leaf(f"{at}.{rest}" if at else rest, leaf.declared, None))
 
-    return known
+    return find_unit
 
 
 def _keep_entries(

@@ -129,7 +129,7 @@ def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
 
 
 def _end_with(judgement: Judgement) -> None:
-    if not judgement.kept:
+    if not judgement.is_within_limits:
         raise Exit(1)
 
 

@@ -101,7 +101,7 @@ def find_switched_cycle(
         outputs,
         shooting.state,
         stability,
-        shooting.left,
+        shooting.period_change,
         shooting.count,
         motion.on_time,
     )

@@ -351,18 +351,18 @@ class SelfSensing(UnscentedKalman):
         (port,) = self.model.actuators()
         ohm, loss, power = self.reads()[0], self.model.label(port, "heat_loss"), self.model.label(port, "power")
 
-        def seen(xp: Namespace, temperature: Scalar, fraction: Scalar) -> dict[str, Scalar]:
+        def observe_at(xp: Namespace, temperature: Scalar, fraction: Scalar) -> dict[str, Scalar]:
             there = hidden_states.place_hidden(xp, self.model, expected.state, (temperature, fraction), period.signals)
             return hidden_states.observe_model(xp, self.model, there, period.signals)
 
-        at_rest, rest_slope = value_and_slope(xp, lambda xp, t: seen(xp, t, 1.0)[ohm], around)
+        at_rest, rest_slope = value_and_slope(xp, lambda xp, t: observe_at(xp, t, 1.0)[ohm], around)
         (warm, lost), (warm_slope, lost_slope) = values_and_slopes(
-            xp, lambda xp, t: [seen(xp, t, 0.0)[name] for name in (ohm, loss)], hot
+            xp, lambda xp, t: [observe_at(xp, t, 0.0)[name] for name in (ohm, loss)], hot
         )
         # Readings may be absurd, and resistances are not: within a factor of ten of the model's.
         martensite = xp.clip(own.martensite, 0.1 * at_rest, 10.0 * at_rest)
         austenite = xp.clip(own.austenite, 0.1 * warm, 10.0 * warm)
-        heated = xp.maximum(seen(xp, hot, 0.0)[power] * warm / austenite, TINY)
+        heated = xp.maximum(observe_at(xp, hot, 0.0)[power] * warm / austenite, TINY)
         mean = [hot, 0.0, *(one.start for one in self.free_parameters())]
         variances = [x * x for x in self.first_deviations()]
         k_M, k_A, k_h, k_a = (self._index(names) for names in (*RESISTIVITIES, FILMS, AROUND))

@@ -151,12 +151,12 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         n = int(self.order)
 
-        def held(xp: Namespace, state: Column, given: Column) -> Column:
+        def advance_resting(xp: Namespace, state: Column, given: Column) -> Column:
             u, numbers = given[0], given[1:]
             products = self._products(xp, numbers[:n], state, u, dt)
             return sections.fed_resting(xp, n, list(numbers[:n]), self._feed_states(numbers, u, products), dt)
 
-        states = fixed_point(xp, held, sections.rest_cascade(n, x[0]), [x[0], *theta])
+        states = fixed_point(xp, advance_resting, sections.rest_cascade(n, x[0]), [x[0], *theta])
         return [x[0]] * int(self.nk) + states
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:

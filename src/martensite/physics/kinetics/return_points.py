@@ -78,7 +78,7 @@ class BranchCourse(NamedTuple):
 
     branch: Branch
     outer: tuple[Branch, ...]
-    met: Scalar
+    target_count: Scalar
     """Number of valid targets."""
 
 
@@ -189,7 +189,7 @@ def commit_course(
     low = xp.minimum(course.branch.share, share)
     lines = follow_lines(xp, course, low - SHARE_TOLERANCE)
     branch = choose_branch(xp, xp.either(ahead, back), Branch(low, lines), points.branch)
-    count = course.met
+    count = course.target_count
     for k, one in reversed(list(enumerate(course.outer))):
         count = xp.where(low - SHARE_TOLERANCE < one.share, float(k), count)
     own = xp.where(ahead, points.forwards, points.reverses)

@@ -31,7 +31,7 @@ LEAST_LEFT = 1e-300
 
 
 class AbstractStripLaw(AbstractSidedDiagram):
-    """Two strips, one fraction; subclasses add `left`, `young` and options."""
+    """Two strips, one fraction; subclasses add `remaining_fraction`, `young` and options."""
 
     endless: ClassVar[bool] = False
     """True if processes continue beyond their finish lines and forget their start."""
@@ -42,16 +42,16 @@ class AbstractStripLaw(AbstractSidedDiagram):
     )
 
     @abstractmethod
-    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+    def remaining_fraction(self, xp: Namespace, distance: Scalar) -> Scalar:
         """Return the fraction that a process leaves at a distance from its finish line [-].
 
         The distance is 1 on the start line and 0 on the finish line. Endless processes also need values below 0, with
-        left(a)/left(b) = left(1 - (b - a)).
+        f(a)/f(b) = f(1 - (b - a)) for f = `remaining_fraction`.
         """
 
-    def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+    def remaining_fraction_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
         """Return the fraction left by the forward process where `ahead`, else by the reverse process."""
-        return self.left(xp, distance)
+        return self.remaining_fraction(xp, distance)
 
     def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
         """Return the bending of both strips; empty for straight strips."""
@@ -104,13 +104,15 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
         """Return the fraction that reverse transformation leaves between two distances."""
         if self.endless:
-            return self.left_of(xp, 1.0 - (reach - distance), False)
-        return compare_parts_left(xp, *(self.left_of(xp, xp.clip(v, 0.0, 1.0), False) for v in (distance, reach)))
+            return self.remaining_fraction_of(xp, 1.0 - (reach - distance), False)
+        return compare_parts_left(
+            xp, *(self.remaining_fraction_of(xp, xp.clip(v, 0.0, 1.0), False) for v in (distance, reach))
+        )
 
     def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
         """Return the fractions of unoriented material and austenite after cooling to a point [-]."""
         distance = self.strips()[0].distance(stress, temperature, xp)
-        rest = self.left_of(xp, history.limit_distance(xp, distance, self.endless), True)
+        rest = self.remaining_fraction_of(xp, history.limit_distance(xp, distance, self.endless), True)
         return rest, rest
 
     def orient_martensite(
@@ -141,8 +143,8 @@ class AbstractStripLaw(AbstractSidedDiagram):
     ) -> OneFractionMemory:
         """Return the memory at another fraction and point; the branch continues."""
         there = fractions.martensite, stress, temperature
-        after = history.relocate_memory(xp, BranchedLeft(self.left_of), self.strips(), memory, *there)
-        return history.relocate_points(xp, BranchedLeft(self.left_of), self.strips(), memory, after)
+        after = history.relocate_memory(xp, BranchedLeft(self.remaining_fraction_of), self.strips(), memory, *there)
+        return history.relocate_points(xp, BranchedLeft(self.remaining_fraction_of), self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
         """Return ξ, all of it oriented."""
@@ -157,13 +159,17 @@ class AbstractStripLaw(AbstractSidedDiagram):
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
         rule = self.history
-        return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
+        return history.select_process(
+            xp, rule, BranchedLeft(self.remaining_fraction_of), *self.strips(), memory, stress, temperature
+        )
 
     @override
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
+        fraction = history.follow_process(
+            xp, BranchedLeft(self.remaining_fraction_of), move, stress, temperature, self.endless
+        )
         return Fractions(fraction, fraction)
 
     @override
@@ -179,7 +185,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     ) -> OneFractionMemory:
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
-        return history.remember_points(xp, BranchedLeft(self.left_of), memory, move, after, self.endless)
+        return history.remember_points(xp, BranchedLeft(self.remaining_fraction_of), memory, move, after, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -212,12 +218,14 @@ class AbstractStripLaw(AbstractSidedDiagram):
         if not self.endless:
             lines += [ahead, back]
         if memory.points:
-            return lines + history.find_point_kinks(xp, BranchedLeft(self.left_of), self.endless, memory, ahead, back)
+            return lines + history.find_point_kinks(
+                xp, BranchedLeft(self.remaining_fraction_of), self.endless, memory, ahead, back
+            )
         if self.endless:
             wait = own - memory.scale
         else:
             left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
-            wait = memory.scale * self.left_of(xp, xp.clip(own, 0.0, 1.0), memory.branch > 0.0) - left
+            wait = memory.scale * self.remaining_fraction_of(xp, xp.clip(own, 0.0, 1.0), memory.branch > 0.0) - left
         if self.history == RESUME:
             lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
         return lines
@@ -232,9 +240,9 @@ class AbstractStripLaw(AbstractSidedDiagram):
         own, rest = xp.where(ahead, *distances), xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
         if self.endless:
             waits = xp.maximum(xp.minimum(own, 1.0) - memory.scale, 0.0)
-            bound = rest / xp.maximum(self.left_of(xp, 1.0 - waits, ahead), LEAST_LEFT)
+            bound = rest / xp.maximum(self.remaining_fraction_of(xp, 1.0 - waits, ahead), LEAST_LEFT)
         else:
-            bound = memory.scale * self.left_of(xp, xp.clip(own, 0.0, 1.0), ahead)
+            bound = memory.scale * self.remaining_fraction_of(xp, xp.clip(own, 0.0, 1.0), ahead)
         return [Fork(memory.branch, xp.where(ahead, *before), xp.where(ahead, *before[::-1]), rest, bound)]
 
     def crossing(
@@ -251,7 +259,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
 class AbstractCosineLaw(AbstractStripLaw):
     """Strips with the cosines of Liang and Rogers, and the modulus of the mixture."""
 
-    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+    def remaining_fraction(self, xp: Namespace, distance: Scalar) -> Scalar:
         """Return sin²(π/2 · distance)."""
         return strip_legs.compute_cosine_rest(xp, distance)
 

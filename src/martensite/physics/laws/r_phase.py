@@ -124,7 +124,7 @@ class RPhase(AbstractPhaseDiagram):
     @override
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> RPhaseMemory:
         at, parent = (stress, temperature), self.parent()
-        share = 1.0 - parent.left(xp, xp.clip(parent.strips()[0].distance(*at), 0.0, 1.0))
+        share = 1.0 - parent.remaining_fraction(xp, xp.clip(parent.strips()[0].distance(*at), 0.0, 1.0))
         own = self.whole().init(xp, fractions, *at)
         return RPhaseMemory(own, parent.init(xp, Fractions(share, share), *at))
 
@@ -136,7 +136,9 @@ class RPhase(AbstractPhaseDiagram):
         forward, reverse = parent.strips()
         cools = before.branch >= 0.0
         was, now = (
-            parent.left(xp, xp.clip(xp.where(cools, forward.distance(*one), reverse.distance(*one)), 0.0, 1.0))
+            parent.remaining_fraction(
+                xp, xp.clip(xp.where(cools, forward.distance(*one), reverse.distance(*one)), 0.0, 1.0)
+            )
             for one in ((memory.stress, memory.temperature), at)
         )
         share = xp.clip(before.fraction + xp.where(cools, was - now, now - was), 0.0, 1.0)

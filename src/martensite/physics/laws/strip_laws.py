@@ -69,10 +69,10 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
     )
     sigma_cal: Number = param("Pa", "stress at which C_A and C_M hold, if curved", low=0.0, high=2e9, default=0.0)
 
-    def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+    def remaining_fraction_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
         """Return sin²(π/2 · distance), or 1 - ξ with h(ξ) = 1 - distance forward, ξ with h(ξ) = distance reverse."""
         if self.hardening == "cosine":
-            return self.left(xp, distance)
+            return self.remaining_fraction(xp, distance)
         forward, reverse = (self.n_2, self.n_1, self.waist_f), (self.n_3, self.n_4, self.waist_r)
         first, last, waist = (xp.where(ahead, *pair) for pair in zip(forward, reverse, strict=True))
         share = remove_waist(xp, distance, waist) if self.hardening == "waisted" else distance
@@ -150,7 +150,7 @@ class Tanaka(AbstractStripLaw):
 
     modulus: str = option("Young's modulus, constant", "austenite", "martensite", default="austenite")
 
-    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+    def remaining_fraction(self, xp: Namespace, distance: Scalar) -> Scalar:
         """Return exp[-2 ln 10 (1 - distance)]."""
         return xp.exp(-STEEPNESS * (1.0 - distance))
 

@@ -55,9 +55,9 @@ def describe_verdict(loops: LoopReport | None, judged: Judgement | None, unjudge
     if judged is None:
         limits = f"Limits not checked: {unjudged}."
     else:
-        limits = "All limits are kept." if judged.kept else judged.verdict
-    bad = count > 0 or (judged is not None and not judged.kept)
-    words = limits if judged is not None and not judged.kept and not count else f"{tested}. {limits}"
+        limits = "All limits are kept." if judged.is_within_limits else judged.verdict
+    bad = count > 0 or (judged is not None and not judged.is_within_limits)
+    words = limits if judged is not None and not judged.is_within_limits and not count else f"{tested}. {limits}"
     return Sentence(words, "bad" if bad else "caution" if judged is None else "good")
 
 

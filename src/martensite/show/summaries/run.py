@@ -93,9 +93,9 @@ def describe_run(title: str, result: Result) -> Sentence:
     """Return the verdict on a run: all limits kept, exceeded limits, or the stop."""
     judged = judge_run(result)
     stopped = next((words for words in result.warnings if words.startswith("The run stopped")), "")
-    if judged.kept and result.status.failed:
+    if judged.is_within_limits and result.status.failed:
         return Sentence(f"{title}: FAILED. {stopped or result.status.sentence}", "bad")
-    if not judged.kept:
+    if not judged.is_within_limits:
         return Sentence(f"{title}: {judged.verdict}", "bad")
     count = len(result.warnings)
     noted = f" ({count} {'warning' if count == 1 else 'warnings'} below)" if count else ""

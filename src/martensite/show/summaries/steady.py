@@ -70,8 +70,10 @@ _NAMES = {
 
 
 def _describe_verdict(title: str, words: str, judged: Judgement, stable: bool) -> Sentence:
-    limits = "All limits are kept." if judged.kept else judged.verdict
-    return Sentence(f"{title}: {words}. {limits}", "bad" if not judged.kept else "good" if stable else "caution")
+    limits = "All limits are kept." if judged.is_within_limits else judged.verdict
+    return Sentence(
+        f"{title}: {words}. {limits}", "bad" if not judged.is_within_limits else "good" if stable else "caution"
+    )
 
 
 def _choose_outputs(solution: SteadyState | PeriodicOrbit) -> dict[str, Output]:

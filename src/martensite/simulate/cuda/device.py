@@ -220,15 +220,15 @@ class DeviceMemory:
 
     def __init__(self) -> None:
         self.device = open_device()
-        self._taken: list[int] = []
+        self._addresses: list[int] = []
 
     def __enter__(self) -> DeviceMemory:
         take_answer(self.device.driver.cuCtxSetCurrent(self.device.context))
         return self
 
     def __exit__(self, *_: object) -> None:
-        while self._taken:
-            self.device.driver.cuMemFree(self._taken.pop())
+        while self._addresses:
+            self.device.driver.cuMemFree(self._addresses.pop())
 
     def count_free(self) -> int:
         """Return the bytes available for arrays, with a reserve for the driver."""
@@ -237,7 +237,7 @@ class DeviceMemory:
     def take(self, size: int, fill: int | None = None) -> int:
         """Return the address of new memory [bytes], filled with `fill` if given."""
         place = int(take_answer(self.device.driver.cuMemAlloc(max(size, 1))))
-        self._taken.append(place)
+        self._addresses.append(place)
         if fill is not None and size:
             take_answer(self.device.driver.cuMemsetD8(place, fill, size))
         return place

@@ -108,7 +108,7 @@ def find_cycle(
     way.run()
     times, outputs = motion.observe(way.state)
     stability = motion.judge(way.state)
-    return PeriodicOrbit(one.system, period, times, outputs, way.state, stability, way.left, way.count)
+    return PeriodicOrbit(one.system, period, times, outputs, way.state, stability, way.period_change, way.count)
 
 
 class Shooting:
@@ -122,7 +122,7 @@ class Shooting:
     def __init__(self, motion: PeriodicMotion | Any, begin: Numbers, most: int = MOST_PERIODS) -> None:
         self.most = most
         system = motion.stretch.system
-        self.motion, self.state, self.count, self.left = motion, begin, 0, math.inf
+        self.motion, self.state, self.count, self.period_change = motion, begin, 0, math.inf
         remembers = bool(motion.stretch.compiled.points)
         ports = system.actuators() if remembers else {}
         self.fractions = [system.label(port, "martensite_fraction") for port in ports]
@@ -137,15 +137,15 @@ class Shooting:
         self._march(LEAD_PERIODS)
         wait = 1
         while self.count < self.most:
-            self.left = self.motion.measure_change(self.state)
+            self.period_change = self.motion.measure_change(self.state)
             self.count += 1
-            if self.left <= self.motion.settled:
+            if self.period_change <= self.motion.settled:
                 return
             wait = 1 if self._leap() else min(2 * wait, 64)
             self._march(wait)
         raise SolveError(
             f"The state does not repeat after {self.count} periods: from period to period it still changes by "
-            f"{self.left:.1e} of its range."
+            f"{self.period_change:.1e} of its range."
         )
 
     def _march(self, periods: int) -> None:
@@ -171,7 +171,7 @@ class Shooting:
         except SolveError:
             return False
         self.count += 1
-        if not left < self.left or self._changed(before, self._see(motion.march(trial)[0][-1])):
+        if not left < self.period_change or self._changed(before, self._see(motion.march(trial)[0][-1])):
             return False
         self.state = trial
         return True

@@ -55,7 +55,7 @@ class VariedNumber:
 class PeriodGrid:
     """Drive inputs in the steps of a period."""
 
-    given: Numbers
+    step_inputs: Numbers
     """Drive inputs and step lengths, (steps, inputs)."""
     times: Numbers
     """Start of every step and end of the last [s]."""
@@ -115,7 +115,7 @@ class PeriodicMotion:
         self.size = self.stretch.size
         self.angle = 0.0
         """Angle of the rotor at the begin of the period [rad]."""
-        self._known: tuple[Numbers, Numbers, Numbers] | None = None
+        self._last_march: tuple[Numbers, Numbers, Numbers] | None = None
         """The last point at which it was marched, and what came of it."""
 
     @property
@@ -137,9 +137,9 @@ class PeriodicMotion:
 
     def march(self, point: Numbers) -> tuple[Numbers, Numbers]:
         """Return the states of a period, and the Jacobian of the last state by all unknowns."""
-        if self._known is None or not np.array_equal(self._known[0], point):
-            self._known = (np.array(point), *self._march(point))
-        return self._known[1], self._known[2]
+        if self._last_march is None or not np.array_equal(self._last_march[0], point):
+            self._last_march = (np.array(point), *self._march(point))
+        return self._last_march[1], self._last_march[2]
 
     def _march(self, point: Numbers) -> tuple[Numbers, Numbers]:
         first, values = self.size + self.times, point[self.size + self.times :]
@@ -156,7 +156,7 @@ class PeriodicMotion:
         """Return the state after a known period, without derivatives."""
         if self.grid is None:
             raise InputError("The period of this motion is not known.")
-        given, none = self.grid.given, np.zeros((0, 0))
+        given, none = self.grid.step_inputs, np.zeros((0, 0))
         dgiven = np.zeros((*given.shape, 0))
         return self.stretch.march(state, given, np.zeros((self.size, 0)), dgiven, none).states[-1]
 
@@ -171,7 +171,7 @@ class PeriodicMotion:
     def _feed(self, point: Numbers) -> tuple[Numbers, Numbers]:
         """Return the inputs of all steps, and their derivatives by the unknowns."""
         if self.grid is not None:
-            return self.grid.given, np.zeros((*self.grid.given.shape, len(point)))
+            return self.grid.step_inputs, np.zeros((*self.grid.step_inputs.shape, len(point)))
         row, slopes = self.stretch.hold(self.read_signals(point))
         change = np.zeros((len(row) + 1, len(point)))
         change[-1, self.size] = 1.0 / self.steps
