@@ -12,7 +12,7 @@ def test_a_scenario_runs(bench: Bench) -> None:
     assert "error" not in found, found
     assert 'diameter = "0.2 mm"' in found["text"]
     assert len(found["times"]) == len(found["columns"]["temperature"]) > 1001
-    assert found["outputs"]["temperature"]["shown"] == "degC"
+    assert found["outputs"]["temperature"]["display_unit"] == "degC"
 
 
 def test_a_refusal_is_a_sentence(bench: Bench) -> None:

@@ -56,7 +56,7 @@ def test_a_form_comes_over_the_interface(bench: Bench) -> None:
     one = control(found, "element.diameter")
     assert one["value"] == pytest.approx(0.25e-3)
     assert one["value"] * one["factor"] + one["offset"] == pytest.approx(0.25)
-    assert (one["shown"], one["title"], one["required"]) == ("mm", "diameter", True)
+    assert (one["display_unit"], one["title"], one["required"]) == ("mm", "diameter", True)
     assert {choice["name"] for choice in found["registries"]["law"]} == set(LAWS.names())
 
 
@@ -65,7 +65,7 @@ def test_numbers_of_the_material_come_with_their_source() -> None:
     assert one["origin"]["sort"] == "material"
     assert (one["origin"]["kind"], one["origin"]["doubtful"]) == ("datasheet", False)
     assert "data table" in one["origin"]["source"]
-    assert (one["shown"], one["symbol"], one["changed"]) == ("GPa", "E_A", False)
+    assert (one["display_unit"], one["symbol"], one["changed"]) == ("GPa", "E_A", False)
     assert control(form(), "element.law.A_s")["origin"]["doubtful"]
 
 
@@ -96,7 +96,7 @@ def test_writing_what_a_form_shows_changes_nothing(name: str) -> None:
 def _written(one: dict[str, Any]) -> Any:
     """A number as the page sends it."""
     shown = one["value"] * one["factor"] + one["offset"]
-    return f"{shown!r} {one['shown']}" if one["shown"] else shown
+    return f"{shown!r} {one['display_unit']}" if one["display_unit"] else shown
 
 
 def test_every_number_of_the_system_has_a_control() -> None:
@@ -252,7 +252,7 @@ def test_a_kind_without_start_values_asks_for_its_numbers(foreign: str) -> None:
     check_answer(found, "form", "ScenarioForm")  # with the sections of the scenario as it was
     assert found["sections"] == form()["sections"]
     (one,) = found["missing"]
-    assert (one["path"], one["value"], one["shown"]) == ("element.law.zeta", None, "MPa/K")
+    assert (one["path"], one["value"], one["display_unit"]) == ("element.law.zeta", None, "MPa/K")
     assert one["allowed"] == "above 0 MPa/K and at most 1000 MPa/K"
     given = form(changes={**changes, one["path"]: "3 MPa/K"})
     assert control(given, "element.law.zeta")["value"] == pytest.approx(3e6)

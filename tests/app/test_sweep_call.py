@@ -85,7 +85,7 @@ def test_points_are_those_of_the_store(made: tuple[Desk, str, list[dict[str, Any
     assert len(found["layout"]["axes"][0]["levels"]) == 8
     celsius = next(m for m in found["layout"]["measures"] if m["name"] == "max(temperature)")
     shown = 300.0 * celsius["factor"] + celsius["offset"]
-    assert celsius["shown"] == "degC" and shown == pytest.approx(26.85)
+    assert celsius["display_unit"] == "degC" and shown == pytest.approx(26.85)
     assert found["points"]["rows"] == list(range(48))
 
 

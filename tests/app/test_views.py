@@ -231,5 +231,5 @@ def test_a_motor_on_a_beam_has_its_resonance_and_its_speed_in_rpm() -> None:
         "mechanism.mass": pytest.approx(0.1961),
     }
     speed = found["outputs"]["rotor_speed"]
-    assert (speed["shown"], speed["factor"]) == ("rpm", pytest.approx(60.0 / (2.0 * np.pi)))
+    assert (speed["display_unit"], speed["factor"]) == ("rpm", pytest.approx(60.0 / (2.0 * np.pi)))
     assert run_scenario({"text": SHORT_PULSE}, Desk(Path()))["views"]["motor"]["resonance"] is None

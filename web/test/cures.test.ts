@@ -8,7 +8,7 @@ import { dangersOf, findCure, knobsOf } from "../src/views/cures.ts";
 import { gainOf } from "../src/views/insight.ts";
 import { entriesOf, type Changes } from "../src/views/remedies.ts";
 
-const number = (path: string, title: string, value: number, shown: string, factor: number) => ({ sort: "number", path, title, value, shown, label: shown, unit: shown, factor, offset: 0 });
+const number = (path: string, title: string, value: number, display_unit: string, factor: number) => ({ sort: "number", path, title, value, display_unit, label: display_unit, unit: display_unit, factor, offset: 0 });
 const FORM = [
   {
     sort: "group", kind: null,

@@ -41,7 +41,7 @@ test("a page shows no options of the command line and no marks", () => {
 });
 
 test("a refused number is told in the unit of its field, and one beyond all floats as it was typed", () => {
-  const node = { shown: "mm" } as NumberNode;
+  const node = { display_unit: "mm" } as NumberNode;
   assert.deepEqual([typed(node, "1e400"), typed(node, "１"), typed(node, "2 in")], ["1e400 mm", "1 mm", "2 in"]);
   const said = "[element] Parameter `diameter` of `wire`: `abc` is not a number with a unit; write for example `1.5 m`.";
   assert.equal(tellBesideField(said, "mm"), "“abc” is not a number with a unit; write for example 1.5 mm.");

@@ -6,7 +6,7 @@ import { patchForm } from "../src/form/patch.ts";
 import type { ScenarioForm } from "../src/form/types.ts";
 
 const own = { sort: "scenario" };
-const number = (path: string, origin: object) => ({ sort: "number", path, value: 300, shown: "degC", factor: 1, offset: -273.15, origin });
+const number = (path: string, origin: object) => ({ sort: "number", path, value: 300, display_unit: "degC", factor: 1, offset: -273.15, origin });
 const FORM = {
   text: "old",
   sections: [

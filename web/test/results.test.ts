@@ -6,7 +6,7 @@ import { scaledRow } from "../src/views/remedies.ts";
 import { endsOf } from "../src/views/columns.ts";
 import { isConcerned, cycleOf, measureDeviation, measures } from "../src/views/results.ts";
 
-const how = (unit: string, shown = unit, factor = 1, offset = 0) => ({ unit, shown, factor, offset, long_name: unit, symbol: unit });
+const how = (unit: string, display_unit = unit, factor = 1, offset = 0) => ({ unit, display_unit, factor, offset, long_name: unit, symbol: unit });
 const STEP = 0.01;
 
 /** Heated by 1 W from 1 s on; it goes out from 2 s to 3 s, and comes back so long after the heat ends at 4 s. */

@@ -4,18 +4,18 @@ import { writeCard } from "../src/share/card.ts";
 import type { Run } from "../src/lib/types.ts";
 import { chooseTarget, scoreHold } from "../src/touch/score.ts";
 
-const made = (positions: number[], how: { shown: string; factor: number; offset: number }): Run => {
+const made = (positions: number[], how: { display_unit: string; factor: number; offset: number }): Run => {
   const [low, high] = [Math.min(...positions), Math.max(...positions)];
   return { coordinate: "x", columns: { x: positions }, ends: { x: [low, high] }, stroke: high - low, outputs: { x: how } } as unknown as Run;
 };
-const MM = { shown: "mm", factor: 1000, offset: 0 };
+const MM = { display_unit: "mm", factor: 1000, offset: 0 };
 
 test("a quarter of the stroke is to be held, as a round number of the unit that is shown", () => {
   const up = chooseTarget(made([0, 0.0118, 0.001], MM))!;
   assert.equal(up.words, "3 mm");
   assert.ok(Math.abs(up.at - 0.003) < 1e-12 && Math.abs(up.band - 0.00015) < 1e-12);
   assert.equal(chooseTarget(made([0, -0.0118], MM))!.words, "-3 mm"); // it moves the other way
-  assert.equal(chooseTarget(made([0, 2.64], { shown: "deg", factor: 180 / Math.PI, offset: 0 }))!.words, "40 °");
+  assert.equal(chooseTarget(made([0, 2.64], { display_unit: "deg", factor: 180 / Math.PI, offset: 0 }))!.words, "40 °");
   assert.equal(chooseTarget(made([0.001, 0.001], MM)), null);
 });
 

@@ -6,7 +6,7 @@ import type { Run } from "../src/lib/types.ts";
 import { dragLoad, HANDLES, kindOf, type Load } from "../src/touch/handles.ts";
 import { Recording } from "../src/touch/recording.ts";
 
-const load = (kind: string): Load => ({ ...HANDLES[kind]!, value: 0.3, low: 0.1, high: 0.9, unit: "kg", how: { shown: "g", factor: 1000, offset: 0 } });
+const load = (kind: string): Load => ({ ...HANDLES[kind]!, value: 0.3, low: 0.1, high: 0.9, unit: "kg", how: { display_unit: "g", factor: 1000, offset: 0 } });
 
 test("a body that is dragged along its way changes its number, by its whole range across the picture", () => {
   const weight = load("dead-weight");
@@ -22,7 +22,7 @@ test("the kind of a mechanism is read where it is a table and where it is a word
   assert.equal(kindOf(""), "");
 });
 
-const drive = { name: "drive", port: "element", how: { unit: "W", shown: "W", factor: 1, offset: 0 } };
+const drive = { name: "drive", port: "element", how: { unit: "W", display_unit: "W", factor: 1, offset: 0 } };
 const scenario = { names: ["drive", "temperature"], places: { drives: [drive] } } as unknown as Scenario;
 
 test("what was held is written as a table with jumps", () => {

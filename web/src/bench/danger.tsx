@@ -19,7 +19,7 @@ function effectOf(cure: Cure, kind: string): string {
   const wanted = KEYS[kind] ?? ["stroke"];
   return wanted
     .flatMap((key) => measures(cure.run).filter((one) => one.key === key && one.value !== null))
-    .map((one) => `${one.name.toLowerCase()} ${digits(toShown(one.value!, one.how), 3)} ${printed(one.how.shown)}`)
+    .map((one) => `${one.name.toLowerCase()} ${digits(toShown(one.value!, one.how), 3)} ${printed(one.how.display_unit)}`)
     .join(", ");
 }
 

@@ -32,7 +32,7 @@ function Trials({ now, of, caption }: { now: Run; of: Trial[]; caption: string }
     own.map(({ key }) => {
       const found = of && measures(of).find((one) => one.key === key);
       const factor = key === "energy" ? wires : 1;
-      return !found || found.value === null ? "–" : `${digits(factor * toShown(found.value, found.how), 3)} ${printed(found.how.shown)}`;
+      return !found || found.value === null ? "–" : `${digits(factor * toShown(found.value, found.how), 3)} ${printed(found.how.display_unit)}`;
     });
   const rows = of.map((trial) => [
     <span title={trial.remedy.about}>{capital(trial.remedy.words)}</span>,

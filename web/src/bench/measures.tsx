@@ -11,18 +11,18 @@ const SAME = 0.002;
 
 /** How far a number is from that of the pinned run, in words and as a sign. */
 function changed(now: Measure, then: Measure | undefined): { sign: string; text: string; words: string; good: string } | null {
-  if (!then || now.value === null || then.value === null || now.how.shown !== then.how.shown) return null;
+  if (!then || now.value === null || then.value === null || now.how.display_unit !== then.how.display_unit) return null;
   const step = now.value - then.value;
   const size = Math.abs(now.how.offset ? step / 300 : step / (then.value || now.value || 1));
   if (size < SAME) return null;
   const [sign, more] = step > 0 ? ["▲", "more than"] : ["▼", "less than"];
-  const amount = now.how.offset ? `${digits(Math.abs(difference(step, now.how)), 2)} K` : then.value ? `${digits(100 * size, 2)} %` : `${digits(Math.abs(difference(step, now.how)), 2)} ${printed(now.how.shown)}`;
+  const amount = now.how.offset ? `${digits(Math.abs(difference(step, now.how)), 2)} K` : then.value ? `${digits(100 * size, 2)} %` : `${digits(Math.abs(difference(step, now.how)), 2)} ${printed(now.how.display_unit)}`;
   const good = now.better === 0 ? "" : Math.sign(step) === now.better ? "better" : "worse";
   return { sign, text: amount, words: `${amount} ${more}`, good };
 }
 
 function Tile({ one, then, name }: { one: Measure; then: Measure | undefined; name: string }) {
-  const unit = printed(one.how.shown);
+  const unit = printed(one.how.display_unit);
   const change = changed(one, then);
   return (
     <div class={`measure ${dangers.value.some(({ kind }) => kind === one.key) ? "exceeded" : ""}`} title={one.about}>

@@ -17,7 +17,7 @@ const HIDDEN = ["time", "status"];
 const DOUBTS = /_std$|correlation|\.nis$/;
 const HEIGHT = 132;
 
-const AS_IT_IS = { shown: "", factor: 1, offset: 0 };
+const AS_IT_IS = { display_unit: "", factor: 1, offset: 0 };
 
 /** What a column measures, whoever says it. */
 const quantity = (name: string): string => name.replace(/^true |^wanted |^estimated\./, "");
@@ -44,7 +44,7 @@ function Panel({ what, names }: { what: string; names: string[] }) {
   const times = all["time"] ?? [];
   const how = outputs.value[names[0] ?? ""] ?? AS_IT_IS;
   const series = names.map((name) => shownValues(all[name] ?? [], outputs.value[name] ?? AS_IT_IS));
-  const unit = printed(how.shown);
+  const unit = printed(how.display_unit);
   const picture = useMemo<Picture>(
     () => ({
       x: { label: "t [s]", low: times[0] ?? 0, high: Math.max(times.at(-1) ?? 1, (times[0] ?? 0) + 0.1) },

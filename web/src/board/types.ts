@@ -12,7 +12,7 @@ export interface Boards {
 
 /** How a column in SI is shown. */
 export interface Shown {
-  shown: string;
+  display_unit: string;
   factor: number;
   offset: number;
 }

@@ -115,7 +115,7 @@ export function compareDocuments(texts: string[]): { rows: { path: string; value
 export function fillForm(scenario: Scenario, text: string, changes: Changes, inputs: Float64Array): ScenarioForm {
   const form = structuredClone(scenario.form);
   const ranges = new Map(scenario.controls.map((one) => [one.path, one]));
-  const shown = new Map(scenario.places.shown.map(([entry, path]) => [path, inputs[entry]!]));
+  const shown = new Map(scenario.places.dependent.map(([entry, path]) => [path, inputs[entry]!]));
   for (const node of listNumbers(form.sections)) {
     const range = ranges.get(node.path);
     if (node.slider && range) node.slider = { ...node.slider, low: range.low, high: range.high };

@@ -263,7 +263,7 @@ function spread(scenario: Scenario, rows: Float64Array, times: Float64Array, rea
 
 export function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit"]>): string {
   const bound = scenario.envelope[exit.place]!;
-  const shown = (x: number): string => `${formatGeneral(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
+  const shown = (x: number): string => `${formatGeneral(x * bound.factor + bound.offset, 5)} ${bound.display_unit}`;
   const reason = bound.name === "hottest" && exit.value <= 0 ? "absolute zero" : bound.reason;
   const limit = exit.value > 0 ? exit.high : exit.low;
   return writeStop(exit.time, writeBound(bound.words, "", exit.value, limit, `the limit of ${shown(limit)}`, shown(exit.value), reason));

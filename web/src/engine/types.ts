@@ -102,7 +102,7 @@ export interface Control {
   said: string[];
 }
 
-/** How the numbers of a row are read and shown: shown = SI · factor + offset. */
+/** How the numbers of a row are read and shown: displayed number = SI · factor + offset. */
 export interface NumberRow {
   count: number;
   unit: string;
@@ -122,7 +122,7 @@ export interface DriveAt {
   ahead: boolean;
   /** What it is called, and how it is shown; the port that it heats, empty for none. */
   name: string;
-  how: { unit: string; shown: string; factor: number; offset: number };
+  how: { unit: string; display_unit: string; factor: number; offset: number };
   port: string;
 }
 
@@ -131,7 +131,7 @@ export interface Bound {
   /** Output of the module that is bounded. */
   output: number;
   words: string;
-  shown: string;
+  display_unit: string;
   factor: number;
   offset: number;
   reason: string;
@@ -165,7 +165,7 @@ export interface Scenario {
     high: number;
     drives: DriveAt[];
     /** Numbers that the form shows and that follow from other controls. */
-    shown: [entry: number, path: string][];
+    dependent: [entry: number, path: string][];
   };
   /** Readings of drives at every step, of 8 bytes in base 64. */
   readings: string[];

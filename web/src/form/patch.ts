@@ -11,7 +11,7 @@ export const isOwn = (node: SingleNode): boolean => node.origin.sort === "scenar
 function readShown(node: NumberNode, change: unknown): number | null {
   const [, size, unit] = QUANTITY.exec(String(change)) ?? [];
   const value = (Number(size) - node.offset) / node.factor;
-  return unit === node.shown && Number.isFinite(value) ? value : null;
+  return unit === node.display_unit && Number.isFinite(value) ? value : null;
 }
 
 /** A control with another value; null if more than its value changes. */

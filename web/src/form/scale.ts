@@ -59,7 +59,7 @@ export function written(node: NumberNode): string {
 }
 
 /** What is sent for a value in the shown unit. */
-export const quantity = (node: NumberNode, value: number): string | number => (node.shown ? `${value} ${node.shown}` : value);
+export const quantity = (node: NumberNode, value: number): string | number => (node.display_unit ? `${value} ${node.display_unit}` : value);
 
 const BARE = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
@@ -68,5 +68,5 @@ export function typed(node: NumberNode, text: string): string | number {
   const trimmed = readComma(text.trim());
   if (!BARE.test(trimmed)) return trimmed;
   // a number beyond all floats is refused as it was typed
-  return Number.isFinite(Number(trimmed)) ? quantity(node, Number(trimmed)) : `${trimmed} ${node.shown}`.trim();
+  return Number.isFinite(Number(trimmed)) ? quantity(node, Number(trimmed)) : `${trimmed} ${node.display_unit}`.trim();
 }

@@ -67,9 +67,9 @@ export interface SliderRange {
   whole: boolean;
 }
 
-/** Spelling and label of a unit, empty without one; shown = SI * factor + offset. */
+/** Spelling and label of a unit, empty without one; displayed number = SI * factor + offset. */
 export interface DisplayUnit {
-  shown: string;
+  display_unit: string;
   label: string;
   factor: number;
   offset: number;

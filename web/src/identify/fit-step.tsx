@@ -42,8 +42,8 @@ function Numbers({ problem, values }: { problem: Problem; values: Record<string,
     const value = values?.[one.name] ?? one.start;
     return [
       <span title={one.doc}>{one.name}</span>,
-      `${digits(toShown(value, one), 5)} ${printed(one.shown)}`,
-      <meter min={one.low} max={one.high} value={value} aria-label={`${one.name} between its bounds`} title={`${digits(toShown(one.low, one))} to ${digits(toShown(one.high, one))} ${printed(one.shown)}`} />,
+      `${digits(toShown(value, one), 5)} ${printed(one.display_unit)}`,
+      <meter min={one.low} max={one.high} value={value} aria-label={`${one.name} between its bounds`} title={`${digits(toShown(one.low, one))} to ${digits(toShown(one.high, one))} ${printed(one.display_unit)}`} />,
     ];
   });
   return <Table caption="Best so far" headings={["parameter", "value", "between its bounds"]} rows={rows} right={[1]} />;
@@ -66,7 +66,7 @@ function Curves({ problem, curves }: { problem: Problem; curves: Note["curves"] 
             label={`${output.long_name || output.name} of ${record.name}, measured and modelled`}
             x={record.times}
             xLabel={`time [s], ${record.name}`}
-            yLabel={`${output.name}${output.shown ? ` [${printed(output.shown)}]` : ""}`}
+            yLabel={`${output.name}${output.display_unit ? ` [${printed(output.display_unit)}]` : ""}`}
             lines={[
               { ...LINES[0]!, values: output.measured.map((v) => (v === null ? null : toShown(v, output))) },
               { ...LINES[1]!, values: record.times.map((_, k) => (typeof model?.[k] === "number" ? toShown(model[k], output) : null)) },

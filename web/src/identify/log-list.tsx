@@ -70,8 +70,8 @@ export function Overlay() {
             key={one.name}
             label={`${one.name} of all records over ${found.axis.name}`}
             x={x}
-            xLabel={`${found.axis.name}${unit(found.axis.shown)}`}
-            yLabel={`${one.name}${unit(one.shown)}`}
+            xLabel={`${found.axis.name}${unit(found.axis.display_unit)}`}
+            yLabel={`${one.name}${unit(one.display_unit)}`}
             lines={lines.map((line, k) => ({ ...line, values: (one.lines[k] ?? []).map((value) => (value === null ? null : toShown(value, one))) }))}
             height={230}
           />

@@ -6,8 +6,8 @@ import { digits, readComma } from "../lib/numbers.ts";
 interface NumberProps {
   label: string;
   value: number | null;
-  /** shown = SI * factor + offset */
-  how: { factor: number; offset: number; shown: string };
+  /** displayed number = SI * factor + offset */
+  how: { factor: number; offset: number; display_unit: string };
   onChange: (value: number | null) => void;
   placeholder?: string;
   hideLabel?: boolean;
@@ -22,7 +22,7 @@ export function NumberField({ label, value, how, onChange, placeholder = "", hid
     wrong.value = plain !== "" && !Number.isFinite(number);
     if (!wrong.value) onChange(plain === "" ? null : (number - how.offset) / how.factor);
   };
-  const name = how.shown ? `${label} [${printed(how.shown)}]` : label;
+  const name = how.display_unit ? `${label} [${printed(how.display_unit)}]` : label;
   return (
     <label class="identify-number">
       {!hideLabel && <span>{label} </span>}
@@ -36,7 +36,7 @@ export function NumberField({ label, value, how, onChange, placeholder = "", hid
         value={shown}
         onChange={(event) => change(event.currentTarget.value)}
       />
-      {!hideLabel && how.shown && <span> {printed(how.shown)}</span>}
+      {!hideLabel && how.display_unit && <span> {printed(how.display_unit)}</span>}
     </label>
   );
 }
@@ -45,4 +45,4 @@ export function NumberField({ label, value, how, onChange, placeholder = "", hid
 export const printed = (unit: string): string =>
   unit.replace(/\bdegC\b/, "°C").replace(/\bohm\b/, "Ω").replaceAll("^2", "²").replaceAll("^3", "³").replaceAll("*", " ");
 
-export const SECONDS = { factor: 1, offset: 0, shown: "s" };
+export const SECONDS = { factor: 1, offset: 0, display_unit: "s" };

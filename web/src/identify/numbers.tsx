@@ -37,7 +37,7 @@ function Row({ one }: { one: Quantity }) {
         </label>
       </th>
       <td class="right">
-        {digits(toShown(one.value, one), 5)} {printed(one.shown)}
+        {digits(toShown(one.value, one), 5)} {printed(one.display_unit)}
       </td>
       {field("start", "start", one.value)}
       {field("low", "lower bound", one.low)}
@@ -57,8 +57,8 @@ function differences(): Quantity[] {
   const known = new Set(scenario.value?.numbers.map((one) => one.name));
   return models
     .filter((one) => !known.has(one.name))
-    .map(({ name, doc, usual: [value, low, high], unit, shown, factor, offset }) => ({
-      name, doc, value, low, high, unit, shown, factor, offset, group: "differences", places: 1, allowed: "finite", origin: "proposed",
+    .map(({ name, doc, usual: [value, low, high], unit, display_unit, factor, offset }) => ({
+      name, doc, value, low, high, unit, display_unit, factor, offset, group: "differences", places: 1, allowed: "finite", origin: "proposed",
     }));
 }
 

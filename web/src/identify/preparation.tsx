@@ -37,7 +37,7 @@ export function Preparation() {
   const names = found.columns.map((one) => one.name);
   const chosen = names.includes(column.value) ? column.value : (names[0] ?? "");
   const shown = found.columns.find((one) => one.name === chosen);
-  const plain = kind.value === "offset" && shown ? { factor: shown.factor, offset: 0, shown: shown.shown } : { factor: 1, offset: 0, shown: "" };
+  const plain = kind.value === "offset" && shown ? { factor: shown.factor, offset: 0, display_unit: shown.display_unit } : { factor: 1, offset: 0, display_unit: "" };
   const { steps } = state.value;
   const add = (): void => {
     const value = amount.value ?? how.number?.usual ?? 0;

@@ -160,7 +160,7 @@ export function RecordsStep() {
             label={`${column.name} over time, with the records shaded`}
             x={column.times}
             xLabel={found.timed ? "time [s]" : "row, each taken as 1 s"}
-            yLabel={`${column.name}${column.shown ? ` [${printed(column.shown)}]` : ""}`}
+            yLabel={`${column.name}${column.display_unit ? ` [${printed(column.display_unit)}]` : ""}`}
             lines={linesOf(column, k % 6)}
             height={170}
             bands={bands}

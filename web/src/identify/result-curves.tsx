@@ -14,14 +14,14 @@ const REST = { label: "model less measured", colour: 2, dots: true };
 function Pair({ one }: { one: Compared }) {
   const measured = one.measured.map((value) => (value === null ? null : toShown(value, one)));
   const rest = one.measured.map((value, k) => (value === null ? null : difference((one.model[k] ?? 0) - value, one)));
-  const unit = one.shown ? ` [${printed(one.shown)}]` : "";
+  const unit = one.display_unit ? ` [${printed(one.display_unit)}]` : "";
   const { axis } = one;
   // a loop without times is drawn over what drives it, in the order of that, as dots
   const order = one.times.map((_, k) => k);
   if (axis) order.sort((a, b) => (axis.values[a] ?? 0) - (axis.values[b] ?? 0));
   const sorted = <T,>(values: T[]): T[] => (axis ? order.map((k) => values[k]!) : values);
   const x = axis ? order.map((k) => toShown(axis.values[k] ?? 0, axis)) : one.times;
-  const over = axis ? `${axis.name} [${printed(axis.shown)}]` : "time [s]";
+  const over = axis ? `${axis.name} [${printed(axis.display_unit)}]` : "time [s]";
   return (
     <div>
       <Plot

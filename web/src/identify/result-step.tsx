@@ -21,7 +21,7 @@ function parameter(one: Found): preact.ComponentChildren[] {
   const shown = (value: number, count = 5): string => digits(toShown(value, one), count);
   return [
     <span title={one.doc}>{one.name}</span>,
-    `${shown(one.value, 6)} ${printed(one.shown)}`,
+    `${shown(one.value, 6)} ${printed(one.display_unit)}`,
     low === null || high === null ? "none" : `${shown(low)} to ${shown(high)}`,
     shown(one.start),
     `${shown(one.low)} to ${shown(one.high)}`,
@@ -30,7 +30,7 @@ function parameter(one: Found): preact.ComponentChildren[] {
 }
 
 function score(one: Score): preact.ComponentChildren[] {
-  const size = (value: number): string => `${digits(difference(value, one), 3)} ${printed(one.shown)}`;
+  const size = (value: number): string => `${digits(difference(value, one), 3)} ${printed(one.display_unit)}`;
   const fit = one.fit_percent === null ? "–" : `${one.fit_percent.toFixed(1)} %`;
   return [one.record, one.output, one.part, size(one.rms), fit, `${size(one.maximum)} at ${digits(one.maximum_at)} s`, size(one.bias)];
 }

@@ -1,10 +1,10 @@
 // What the server tells of a log, of a scenario beside it, and of a fit; see martensite.app.calls: logs
 // and fits. Numbers are in SI.
 
-/** How something is shown: shown = SI * factor + offset. */
+/** How something is shown: displayed number = SI * factor + offset. */
 export interface Shown {
   unit: string;
-  shown: string;
+  display_unit: string;
   factor: number;
   offset: number;
 }

@@ -2,8 +2,8 @@
 
 export interface Output {
   unit: string;
-  /** Unit it is shown in; empty for none. shown = SI * factor + offset. */
-  shown: string;
+  /** Unit it is shown in; empty for none. displayed number = SI * factor + offset. */
+  display_unit: string;
   factor: number;
   offset: number;
   long_name: string;
@@ -72,7 +72,7 @@ export interface Course {
   key: string;
   symbol: string;
   long_name: string;
-  shown: string;
+  display_unit: string;
   factor: number;
   values: number[];
 }

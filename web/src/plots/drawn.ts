@@ -103,8 +103,8 @@ const PRINTED: Record<string, string> = { degC: "°C", deg: "°", ohm: "Ω", "de
 export const printed = (unit: string): string => PRINTED[unit] ?? unit.replaceAll("*", "·").replaceAll("^2", "²").replaceAll("^3", "³");
 
 /** Symbol and unit of an axis, such as T [°C]. */
-export const axisLabel = (how: Pick<Output, "symbol" | "shown">): string =>
-  `${how.symbol.replace("_", " ")} [${printed(how.shown) || "–"}]`;
+export const axisLabel = (how: Pick<Output, "symbol" | "display_unit">): string =>
+  `${how.symbol.replace("_", " ")} [${printed(how.display_unit) || "–"}]`;
 
 /** Height of what stands above and between the planes, and of the bar at the end of a small screen [px]. */
 const [ABOVE, BAR, SMALL] = [430, 70, 1100];

@@ -15,7 +15,7 @@ const series = (of: Run, course: Course, look: Look): Series => ({
   symbol: course.symbol,
   word: course.key,
   name: course.long_name,
-  unit: course.shown,
+  unit: course.display_unit,
   times: of.times,
   values: shownValues(course.values, { factor: course.factor, offset: 0 }),
   look,
@@ -24,7 +24,7 @@ const series = (of: Run, course: Course, look: Look): Series => ({
 /** Courses of one unit stand together. */
 function grouped(of: Run): Course[][] {
   const groups = new Map<string, Course[]>();
-  for (const course of of.energy.courses) groups.set(course.shown, [...(groups.get(course.shown) ?? []), course]);
+  for (const course of of.energy.courses) groups.set(course.display_unit, [...(groups.get(course.display_unit) ?? []), course]);
   return [...groups.values()];
 }
 
@@ -60,7 +60,7 @@ export function EnergyPanels({ of }: { of: Run }) {
   return (
     <>
       {groups.map((courses, k) => (
-        <Group key={`${courses[0]?.shown}${k}`} of={of} courses={courses} last={k === groups.length - 1} />
+        <Group key={`${courses[0]?.display_unit}${k}`} of={of} courses={courses} last={k === groups.length - 1} />
       ))}
       <Efficiency of={of} />
       {of.energy.sentence && <p class="soft small">{of.energy.sentence}</p>}

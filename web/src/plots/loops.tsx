@@ -39,7 +39,7 @@ function pinnedPaths(one: Beside, loop: Loop, units: string): Curve[] {
   });
 }
 
-const unitsOf = (of: Run, pair: string[]): string => pair.map((name) => of.outputs[name]?.shown).join();
+const unitsOf = (of: Run, pair: string[]): string => pair.map((name) => of.outputs[name]?.display_unit).join();
 
 export function pictureOf(of: Run, loop: Loop, ports: string[], pins: Beside[]): Picture | null {
   const pairs = ports.flatMap((port) => (loop.ports[port] ? [{ port, pair: loop.ports[port] }] : []));

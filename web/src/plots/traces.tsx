@@ -27,7 +27,7 @@ function seriesOf(of: Run, panel: Panel, look: (k: number) => Look): Series[] {
       symbol: `${hatted(name, how?.symbol ?? name)}${several && port ? `_${port}` : ""}`,
       word: port ? name.slice(name.lastIndexOf(".") + 1) : name,
       name: words,
-      unit: how?.shown ?? "",
+      unit: how?.display_unit ?? "",
       times: of.times,
       values: shownColumn(of, name),
       look: look(k),

@@ -24,7 +24,7 @@ const jump = (time: number): void => void (cursor.value = time);
 function sizes({ kind, worst, limit, how }: Alarm): string {
   if (kind === "slack" || kind === "supervisor") return "";
   const shown = (value: number): string =>
-    `${digits(kind === "strain" ? difference(value, how) : toShown(value, how), 4)} ${printed(how.shown)}`.trim();
+    `${digits(kind === "strain" ? difference(value, how) : toShown(value, how), 4)} ${printed(how.display_unit)}`.trim();
   return `${shown(worst)} against ${shown(limit)}`;
 }
 

@@ -110,7 +110,7 @@ function Sources({ sections }: { sections: GroupNode[] }) {
             headings={["number", "value", "source"]}
             rows={numbers.map((one) => [
               <span title={one.meaning}>{one.title}</span>,
-              `${digits(toShown(one.value ?? 0, one), 6)} ${printed(one.shown)}`,
+              `${digits(toShown(one.value ?? 0, one), 6)} ${printed(one.display_unit)}`,
               about(one),
             ])}
             right={[1]}

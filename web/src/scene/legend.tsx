@@ -11,7 +11,7 @@ export function writeValue(run: Run, quantity: Quantity | "force" | "stress", va
   const first = Object.values(run.scene.ports)[0];
   const how = run.outputs[first?.[quantity] ?? ""];
   if (!how) return digits(value);
-  const unit = how.shown === "degC" ? "°C" : how.shown;
+  const unit = how.display_unit === "degC" ? "°C" : how.display_unit;
   const shown = toShown(value, how);
   return `${digits(Math.abs(shown) < 1e-4 ? 0 : shown, 3)}${unit ? ` ${unit}` : ""}`;
 }

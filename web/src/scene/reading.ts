@@ -37,7 +37,7 @@ function output(now: Run, shape: Shape, time: number): string {
   const name = now.outputs[own] ? own : shape.still ? "" : now.coordinate;
   const how = now.outputs[name];
   if (!how) return "";
-  const unit = how.shown ? ` ${how.shown}` : "";
+  const unit = how.display_unit ? ` ${how.display_unit}` : "";
   return `${name === own ? "" : `${how.long_name} `}${digits(toShown(valueAt(now.times, now.columns[name], time), how), 3)}${unit}`;
 }
 

@@ -31,7 +31,7 @@ let isFlat = false;
 function described(now: Run, time: number, motion: Motion): string {
   const how = now.outputs[now.coordinate];
   const value = valueAt(now.times, now.columns[now.coordinate], time);
-  const place = how ? `${how.long_name} ${digits(toShown(value, how))} ${how.shown}` : "";
+  const place = how ? `${how.long_name} ${digits(toShown(value, how))} ${how.display_unit}` : "";
   const ports = Object.keys(now.scene.ports);
   const elements = ports.length > MANY ? [`${ports.length} elements`] : ports.map((port) => `${port}: ${told(now, port, time, motion.slack(port, time))}`);
   return [`The mechanism at ${digits(time)} s`, place, ...elements].filter(Boolean).join("; ");

@@ -17,7 +17,7 @@ import { HIGH, paintCard, WIDE, writeCard, type Card } from "./card.ts";
 
 export function describeCard(now: Run, note: string): Card {
   const numbers = measures(now).flatMap(({ name, value, how }): [string, string][] =>
-    value === null ? [] : [[name, `${digits(toShown(value, how), 3)} ${printed(how.shown)}`.trim()]],
+    value === null ? [] : [[name, `${digits(toShown(value, how), 3)} ${printed(how.display_unit)}`.trim()]],
   );
   return { title: now.title, about: now.described, numbers, note };
 }

@@ -57,7 +57,7 @@ function Listed({ front, all }: { front: Front; all: Column[] }) {
   return (
     <Table
       caption={`Front: ${grouped(front.count)} of ${grouped(front.compared)} runs`} rows={rows} right={columns.map((_, k) => k + 1)}
-      headings={["run", ...columns.map((one) => (one.shown ? `${one.short} [${one.shown}]` : one.short))]}
+      headings={["run", ...columns.map((one) => (one.display_unit ? `${one.short} [${one.display_unit}]` : one.short))]}
       chosen={places.findIndex((k) => front.rows[k] === chosen.value)}
     />
   );

@@ -9,7 +9,7 @@ import type { Axis, Column } from "./types.ts";
 /** Statuses from here on are failures. */
 const FAILED = 2;
 
-export const titled = (one: Column): string => (one.shown ? `${one.short} [${one.shown}]` : one.short);
+export const titled = (one: Column): string => (one.display_unit ? `${one.short} [${one.display_unit}]` : one.short);
 const isNumber = (value: number | null): value is number => value !== null;
 
 function stateOf(runs: Runs, at: number, value: number | null): State {

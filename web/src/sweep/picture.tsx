@@ -27,7 +27,7 @@ function viewsOf({ layout }: Runs): View[] {
 function Level({ axis, stride, level, onChange }: { axis: Axis; stride: number; level: number; onChange: (level: number) => void }) {
   const count = axis.levels?.length ?? 1;
   const value = (axis.levels?.[level] ?? 0) * axis.factor + axis.offset;
-  const words = `${tickText(value)} ${axis.shown}`;
+  const words = `${tickText(value)} ${axis.display_unit}`;
   return (
     <label class="sweep-level">
       {axis.short}: {words}

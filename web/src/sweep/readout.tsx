@@ -16,7 +16,7 @@ function Value({ one, row }: { one: Column; row: number }) {
     <div>
       <dt>{one.short}</dt>
       <dd>
-        {digits(value)} {value !== null && one.shown}
+        {digits(value)} {value !== null && one.display_unit}
       </dd>
     </div>
   );

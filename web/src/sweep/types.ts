@@ -53,13 +53,13 @@ export interface Estimate {
   runtime: string;
 }
 
-/** A column: shown = SI * factor + offset. */
+/** A column: displayed number = SI * factor + offset. */
 export interface Column {
   name: string;
   short: string;
   about: string;
   unit: string;
-  shown: string;
+  display_unit: string;
   factor: number;
   offset: number;
 }

@@ -33,7 +33,7 @@ export interface Load extends Handle {
   high: number;
   /** SI. */
   unit: string;
-  how: { shown: string; factor: number; offset: number };
+  how: { display_unit: string; factor: number; offset: number };
 }
 
 /** What a mechanism of a kind is held by; null if by nothing. */
@@ -52,7 +52,7 @@ export function findLoad(scenario: Scenario, text: string, changes: Record<strin
   const node = listNumbers(scenario.form.sections).find((one) => one.path === handle?.path);
   if (!handle || !control || !node) return null;
   const { low, high } = control;
-  return { ...handle, value: changes[handle.path] ?? control.value, low, high, unit: node.unit && node.unit !== "1" ? node.unit : "", how: { shown: node.shown, factor: node.factor, offset: node.offset } };
+  return { ...handle, value: changes[handle.path] ?? control.value, low, high, unit: node.unit && node.unit !== "1" ? node.unit : "", how: { display_unit: node.display_unit, factor: node.factor, offset: node.offset } };
 }
 
 /** Its value after a drag from a value, in a mechanism of a size [m]: across it goes the whole range. */

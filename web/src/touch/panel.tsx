@@ -114,12 +114,12 @@ function ChallengeButton() {
 }
 
 interface Spelled {
-  shown: string;
+  display_unit: string;
   factor: number;
   offset: number;
 }
 
-const spell = (value: number, how: Spelled): string => `${digits(toShown(value, how), 3)} ${printed(how.shown === "1" ? "" : how.shown)}`;
+const spell = (value: number, how: Spelled): string => `${digits(toShown(value, how), 3)} ${printed(how.display_unit === "1" ? "" : how.display_unit)}`;
 
 /** `turn` counts changes of what is held: the drive itself stays the same object. */
 function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn: number }) {

@@ -12,7 +12,7 @@ export function ChallengeResult() {
   const how = run.value?.outputs[run.value.coordinate];
   if (!own?.score || !how) return null;
   const { score, target } = own;
-  const spell = (value: number): string => `${digits(Math.abs(value * how.factor), 2)} ${printed(how.shown)}`;
+  const spell = (value: number): string => `${digits(Math.abs(value * how.factor), 2)} ${printed(how.display_unit)}`;
   const note = `I held ${target.words} by hand: ${score.points} of 100 points`;
   return (
     <section class="panel challenge" aria-label="Score">

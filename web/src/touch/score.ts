@@ -36,7 +36,7 @@ export function chooseTarget(now: Run): Target | null {
   const shown = Number(wish.toPrecision(1));
   if (!shown) return null;
   const at = shown / how.factor;
-  return { at, band: Math.abs(BAND * at), words: `${formatGeneral(shown, 3)} ${how.shown === "deg" ? "°" : how.shown}` };
+  return { at, band: Math.abs(BAND * at), words: `${formatGeneral(shown, 3)} ${how.display_unit === "deg" ? "°" : how.display_unit}` };
 }
 
 /** Score of positions over time, each of which holds until the next one. */

@@ -36,7 +36,7 @@ export function Strip({ recording, now, target, band }: Props) {
         <polyline class="strip-curve" points={points} />
       </svg>
       <figcaption class="small">
-        <strong>{digits(toShown(values.at(-1)!, how), 3)}</strong> {printed(how.shown)} of {digits(toShown(target, how), 3)} {printed(how.shown)}; error {digits(error, 2)} {printed(how.shown)}
+        <strong>{digits(toShown(values.at(-1)!, how), 3)}</strong> {printed(how.display_unit)} of {digits(toShown(target, how), 3)} {printed(how.display_unit)}; error {digits(error, 2)} {printed(how.display_unit)}
       </figcaption>
     </figure>
   );

@@ -107,8 +107,8 @@ export function describeEnergy(found: Energies | string, rows: number[]): Energy
   if (typeof found === "string") return { courses: [], efficiency: null, sentence: found };
   const { electrical, lost, work, returned } = found;
   const course = (key: keyof typeof ENERGIES, values: Numbers) => {
-    const [symbol, long_name, shown, factor] = ENERGIES[key];
-    return { key, symbol, long_name, shown, factor, values: pickRows(values, rows) };
+    const [symbol, long_name, display_unit, factor] = ENERGIES[key];
+    return { key, symbol, long_name, display_unit, factor, values: pickRows(values, rows) };
   };
   const courses = [course("electrical", electrical), course("lost", lost), course("stored", electrical.map((value, k) => value - lost[k]!))];
   if (!work || !returned) return { courses, efficiency: null, sentence: NO_WORK };

@@ -14,12 +14,12 @@ const percent = (share: number): string => `${(100 * share).toFixed(0)} %`;
 /** A length of the coordinate in its unit. */
 function way(run: Run, size: number): string {
   const how = run.outputs[run.coordinate];
-  return how ? `${digits(difference(size, how), 2)} ${printed(how.shown)}`.replace(" °", "°") : digits(size, 2);
+  return how ? `${digits(difference(size, how), 2)} ${printed(how.display_unit)}`.replace(" °", "°") : digits(size, 2);
 }
 
 function hottest(run: Run): string {
   const [peak, how] = [peakOf(run, "hottest"), howOf(run, "hottest")];
-  return peak === null || !how ? "" : `${digits(toShown(peak, how), 3)} ${printed(how.shown)}`;
+  return peak === null || !how ? "" : `${digits(toShown(peak, how), 3)} ${printed(how.display_unit)}`;
 }
 
 /** What of a run a remedy should make smaller: its cycle, or the error of its loop. */

@@ -36,15 +36,15 @@ export interface Measure {
   name: string;
   /** SI; null where the run does not show it. */
   value: number | null;
-  how: Pick<Output, "shown" | "factor" | "offset">;
+  how: Pick<Output, "display_unit" | "factor" | "offset">;
   /** How it is meant. */
   about: string;
   /** 1 if more is better, -1 if less is, 0 if neither. */
   better: -1 | 0 | 1;
 }
 
-const SECONDS = { shown: "s", factor: 1, offset: 0 };
-const PER_MINUTE = { shown: "/min", factor: 60, offset: 0 };
+const SECONDS = { display_unit: "s", factor: 1, offset: 0 };
+const PER_MINUTE = { display_unit: "/min", factor: 60, offset: 0 };
 
 const namesOf = (run: Run, name: string): string[] => (run.ports.length > 1 ? run.ports.map((port) => `${port}.${name}`) : [name]);
 
@@ -217,7 +217,7 @@ function motions(run: Run): Measure[] {
   if (run.resonance) return measureRotor(run);
   const cycle = cycleOf(run);
   const error = measureDeviation(run);
-  const own = { shown: how.shown, factor: how.factor, offset: 0 };
+  const own = { display_unit: how.display_unit, factor: how.factor, offset: 0 };
   const found: Measure[] = [
     { key: "stroke", name: "Stroke", value: run.stroke, how: own, about: `Range of the ${how.long_name}`, better: 1 },
   ];
@@ -256,7 +256,7 @@ function energies(run: Run): Measure[] {
   const value = total / count;
   return [
     {
-      key: "energy", name: came ? "Energy per cycle" : "Energy", value, how: { shown: "J", factor: 1, offset: 0 }, better: -1,
+      key: "energy", name: came ? "Energy per cycle" : "Energy", value, how: { display_unit: "J", factor: 1, offset: 0 }, better: -1,
       about: came ? `Electrical energy of the run, ${count === 1 ? "which is one cycle" : `over its ${count} cycles`}` : "Electrical energy of the whole run",
     },
   ];

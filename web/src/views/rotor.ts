@@ -6,7 +6,7 @@ import { Computed, type Values } from "./formulas.ts";
 import type { Measure } from "./results.ts";
 import type { Views } from "./types.ts";
 
-const RPM = { shown: "rpm", factor: 30 / Math.PI, offset: 0 };
+const RPM = { display_unit: "rpm", factor: 30 / Math.PI, offset: 0 };
 
 export function findResonance(values: Values, { motor }: Pick<Views, "motor">): number | null {
   return motor.resonance === null ? null : new Computed(motor, values).one(motor.resonance);
@@ -39,10 +39,10 @@ export function findJump(run: Run): number | null {
 export function measureRotor(run: Run): Measure[] {
   if (!run.resonance) return [];
   const how = run.outputs["displacement"]!;
-  const volt = run.outputs["motor"] ?? { shown: "V", factor: 1, offset: 0 };
+  const volt = run.outputs["motor"] ?? { display_unit: "V", factor: 1, offset: 0 };
   const [low, high] = run.ends["displacement"] ?? [0, 0];
   return [
-    { key: "amplitude", name: "Peak amplitude", value: Math.max(-low, high), how: { shown: how.shown, factor: how.factor, offset: 0 }, about: "Largest displacement of the tip", better: -1 },
+    { key: "amplitude", name: "Peak amplitude", value: Math.max(-low, high), how: { display_unit: how.display_unit, factor: how.factor, offset: 0 }, about: "Largest displacement of the tip", better: -1 },
     { key: "resonance", name: "Resonance", value: run.resonance, how: RPM, about: "√(k/M) of the beam: the speed at which the unbalance shakes it most", better: 0 },
     { key: "speed", name: "Top speed", value: run.ends["rotor_speed"]?.[1] ?? null, how: RPM, about: "Highest speed of the rotor", better: 0 },
     { key: "jump", name: "Jump at", value: findJump(run), how: volt, about: `Voltage at which the motor jumps past the resonance (mean speed over ${WINDOW} s above ${CAPTURED} times the resonance)`, better: 0 },

@@ -145,9 +145,10 @@ def describe_records(request: Request, desk: Desk) -> JsonTable:
     """Return the columns of a mapped table over time, to inspect, correct and cut.
 
     {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "steps": [], "cuts": [], "further": [] }
-    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, before, unit, shown, …}], "steps": […],
-    "cuts": [{name, rows, refused}]}: curves thinned without loss of extremes; times in s, values in SI. `values` is the
-    result of the steps at the times of `before`, the recorded values; `before` is empty without a change.
+    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, before, unit, display_unit, …}],
+    "steps": […], "cuts": [{name, rows, refused}]}: curves thinned without loss of extremes; times in s, values in SI.
+    `values` is the result of the steps at the times of `before`, the recorded values; `before` is empty without a
+    change.
     """
     file, prepared = read_file(request, desk), prepare_log(request, desk)
     record = prepared.record

@@ -179,7 +179,7 @@ def print_unit(unit: str) -> str:
 def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
     """Return the display of a number in an SI unit: spelling, label, factor and offset.
 
-    shown = SI · factor + offset; the spelling is empty without a unit.
+    displayed number = SI · factor + offset; the spelling is empty without a unit.
     """
     spelling = units.choose_readable_unit(unit) if value is None else units.choose_familiar_unit(value, unit)
     try:
@@ -188,7 +188,7 @@ def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
         spelling, size, zero = unit, 1.0, 0.0
     spelled = "K" if spelling == units.DEGREES else spelling
     return {
-        "shown": "" if spelling == "1" else spelled,
+        "display_unit": "" if spelling == "1" else spelled,
         "label": print_unit(spelling),
         "factor": 1.0 / size,
         "offset": -zero / size,

@@ -39,9 +39,9 @@ class SliderRange(TypedDict):
 
 
 class DisplayUnit(TypedDict):
-    """Spelling and label of a unit, empty without one; shown = SI * factor + offset."""
+    """Spelling and label of a unit, empty without one; displayed number = SI * factor + offset."""
 
-    shown: str
+    display_unit: str
     label: str
     factor: float
     offset: float

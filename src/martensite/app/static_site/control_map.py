@@ -115,7 +115,7 @@ def write_quantity(node: NumberNode, value: float) -> str | float:
     number = float(f"{display_value:.15g}")
     if node["slider"] is not None and node["slider"]["whole"]:
         return round(number)
-    return f"{number!r} {node['shown']}" if node["shown"] else number
+    return f"{number!r} {node['display_unit']}" if node["display_unit"] else number
 
 
 def read_shown(node: NumberNode, display_value: float) -> float:

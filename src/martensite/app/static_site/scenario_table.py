@@ -98,23 +98,23 @@ def _list_places(input_map: InputMap, compiled: CompiledMarch, entries: dict[str
         "low": first,
         "high": first + len(compiled.envelope),
         "drives": drives,
-        "shown": _list_shown(input_map, entries),
+        "dependent": _list_dependent(input_map, entries),
     }
 
 
 def _describe_unit(name: str, unit: str) -> JsonTable:
-    """Return the display of a signal: shown = SI · factor + offset."""
+    """Return the display of a signal: displayed number = SI · factor + offset."""
     display_unit = units.of_column(name, unit)
     offset = units.from_si(0.0, display_unit, unit)
     return {
         "unit": unit,
-        "shown": display_unit,
+        "display_unit": display_unit,
         "factor": units.from_si(1.0, display_unit, unit) - offset,
         "offset": offset,
     }
 
 
-def _list_shown(input_map: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
+def _list_dependent(input_map: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
     """Return the parameters with a control that depend on the control of another path."""
     places, own = input_map.scenario.places, {node["path"]: node["value"] for node in list_numbers(input_map.form)}
     moved = {name: control.path for control in input_map.controls for name in control.terms if name.startswith("p:")}
@@ -155,7 +155,7 @@ def _list_units(input_map: InputMap) -> dict[str, dict[str, tuple[float, float]]
         if unit not in factors:
             everyday = ((spelling, how) for spelling, (declared, *how) in units.EVERYDAY.items() if declared == unit)
             factors[unit] = {spelling: (factor, zero) for spelling, (factor, zero) in everyday}
-        for spelling in (node["shown"], unit):
+        for spelling in (node["display_unit"], unit):
             if spelling and spelling not in factors[unit]:
                 factors[unit][spelling] = units.find_conversion(spelling, unit)
     return factors
@@ -186,7 +186,7 @@ def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
         unit = system.outputs()[system.label(port, name)].unit
         how = _describe_unit(name, unit)
         del how["unit"]
-        how["shown"] = typeset_unit(how["shown"])
+        how["display_unit"] = typeset_unit(how["display_unit"])
         bounds.append(
             {
                 "output": place,

@@ -115,7 +115,7 @@ class SweepDrawing:
         return [*varied, *self.spec["measures"]]
 
     def layout(self) -> JsonTable:
-        """Return the columns and their display (shown = SI · factor + offset)."""
+        """Return the columns and their display (displayed number = SI · factor + offset)."""
         short = shorten_names([one.target.name for one in self.axes])
         return {
             "title": self.spec["title"],

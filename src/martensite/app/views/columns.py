@@ -21,7 +21,7 @@ def list_columns(result: Result) -> JsonTable:
     """Return times [s] and columns in SI at samples and accepted steps, with ends and names of the columns.
 
     `ends` are the lowest and the highest value of each column in the run. `outputs` gives for each column its SI unit,
-    the displayed unit with factor and offset (shown = SI · factor + offset), its long name and its symbol.
+    the displayed unit with factor and offset (displayed number = SI · factor + offset), its long name and its symbol.
     """
     fine = add_step_rows(result)
     rows = choose_curve_rows(fine)
@@ -67,11 +67,11 @@ def describe_difference(name: str, unit: str) -> JsonTable:
 
 
 def describe_conversion(unit: str, spelling: str) -> JsonTable:
-    """Return SI unit, displayed unit, and conversion: shown = SI · factor + offset."""
+    """Return SI unit, displayed unit, and conversion: displayed number = SI · factor + offset."""
     offset = units.from_si(0.0, spelling, unit)
     return {
         "unit": unit,
-        "shown": "" if spelling == "1" else spelling,
+        "display_unit": "" if spelling == "1" else spelling,
         "factor": units.from_si(1.0, spelling, unit) - offset,
         "offset": offset,
     }

@@ -36,7 +36,7 @@ STRESSES, TEMPERATURES = 100e6, 10.0
 """Steps of the rounded limits [Pa], [K], so that a slider reuses diagrams."""
 COLDER = 15.0
 """Margin of a diagram below the finish of the transformation [K]."""
-COURSE = "symbol", "long_name", "shown", "factor"
+COURSE = "symbol", "long_name", "display_unit", "factor"
 NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
