@@ -81,7 +81,7 @@ def count_intervals(model: LogModel, wire: CosineWire, kind: str) -> dict[str, A
     ends = [(one.value - one.half_width, getattr(wire, one.name) + ZERO, one.value + one.half_width) for one in found]
     if kind in ("tensile", "recovery"):
         known = set(model.fit.problem.names)
-        slopes = [model.fit.uncertainty.widened(name) for name in ("C_A", "C_M") if name in known]
+        slopes = [model.fit.uncertainty.widen_interval(name) for name in ("C_A", "C_M") if name in known]
         ends += [(low, wire.C, high) for low, high in slopes]
     return {"inside": sum(low <= true <= high for low, true, high in ends), "intervals": len(ends)}
 

@@ -76,7 +76,7 @@ def fit_loops(seed: int, noise: float, inputs: bool = True) -> Fit:
 def judge_fits(fits: list[Fit]) -> tuple[Any, Any]:
     """Whether intervals hold the truth (fits, numbers), and errors over standard errors."""
     truth = build_loops()[2]
-    held = [[interval_contains(fit.uncertainty.widened(name), truth[name]) for name in FREE] for fit in fits]
+    held = [[interval_contains(fit.uncertainty.widen_interval(name), truth[name]) for name in FREE] for fit in fits]
     apart = [[(fit[name] - truth[name]) / fit.uncertainty.errors[k] for k, name in enumerate(FREE)] for fit in fits]
     return np.array(held), np.array(apart)
 

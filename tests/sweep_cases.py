@@ -93,7 +93,7 @@ class Doubling(SweepJob):
             raise self.error
         return self.piece(rows, 2.0 * np.array(rows), Status.OK)
 
-    def lost(self, rows: range) -> SweepPiece:
+    def make_lost_piece(self, rows: range) -> SweepPiece:
         return self.piece(rows, np.full(len(rows), np.nan), Status.LOST)
 
     @staticmethod

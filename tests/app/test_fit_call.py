@@ -74,7 +74,7 @@ def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Pat
     assert numbers(found) == pytest.approx(same.numbers, rel=1e-9)
     assert found["cost"] == pytest.approx(same.cost, rel=1e-9)
     for one in found["parameters"]:
-        assert one["interval"] == pytest.approx(same.uncertainty.widened(one["name"]), rel=1e-9)
+        assert one["interval"] == pytest.approx(same.uncertainty.widen_interval(one["name"]), rel=1e-9)
     for name, value in TRUE.items():
         assert numbers(found)[name] == pytest.approx(value, abs=0.5)
     assert found["scores"][0]["rms"] == pytest.approx(same.scores[0].rms, rel=1e-9)

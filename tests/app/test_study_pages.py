@@ -15,7 +15,7 @@ def test_every_study_has_a_page_with_its_figure_and_its_printed_values(tmp_path:
     runs.mkdir()
     write_studies(tmp_path, runs)
     for name in study_names():
-        shipped = load_study(name).shipped()
+        shipped = load_study(name).load_shipped_answer()
         assert shipped is not None
         page = (tmp_path / PAGES / f"{name}.html").read_text("utf-8")
         assert (tmp_path / PAGES / f"{name}.svg").read_bytes().rstrip().endswith(b"</svg>")

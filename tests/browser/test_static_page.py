@@ -155,7 +155,7 @@ def test_heat_is_held_and_the_load_dragged_and_what_came_of_it_is_kept(page: Pag
 def test_a_study_shows_the_results_that_it_ships(page: Page) -> None:
     """The claims are those of the library; nothing offers to compute them."""
     study = load_study("migaone")
-    answer = study.shipped()
+    answer = study.load_shipped_answer()
     assert answer is not None
     page.goto(f"{page.url.split('#')[0]}#/studies")
     page.get_by_role("link", name=study.title).click()

@@ -91,7 +91,7 @@ def test_claims_without_the_record_say_how_to_get_it(without) -> None:
     assert all("martensite data fetch flexinol-electrothermal" in one.why for one in absent)
     assert {one.id for one in found.reports if one.computed is not None} == NEEDLESS
     assert "…" in found.digest["holds"]
-    shipped = load_study(NAME).shipped()
+    shipped = load_study(NAME).load_shipped_answer()
     assert shipped is not None and verdicts_of(shipped.claims) == VERDICTS  # what ships is shown all the same
     with pytest.raises(DataError, match="not on this machine; run `martensite data fetch"):
         read_table(f"data:{record.UNTRAINED}")

@@ -136,9 +136,9 @@ def test_kept_back_plateaus_are_predicted(listed: dict[str, float | None]) -> No
 def test_electrical_way_agrees_where_it_must() -> None:
     fit, other = heating.fit_heating(STATED.offset), fitting.fit_shape("mixture", STATED.offset)
     for name in ("rho_A", "rho_M"):
-        low, high = fit.uncertainty.widened(name)
+        low, high = fit.uncertainty.widen_interval(name)
         assert low < other[name] < high
-    low, high = fit.uncertainty.widened("h")
+    low, high = fit.uncertainty.widen_interval("h")
     calibrated = model.calibrate_model(RecordStaircase(STATED)).h
     assert max(model.free_films()) * 3.0 < low < calibrated < high
 
@@ -173,7 +173,7 @@ def _row(shape: str, offset: float) -> str:
     def number(name: str, scale: float) -> str:
         if name not in fit.numbers:
             return "–"
-        low, high = fit.uncertainty.widened(name)
+        low, high = fit.uncertainty.widen_interval(name)
         return f"{scale * fit[name]:.1f} ± {0.5 * scale * (high - low):.1f}"
 
     resistivities = f"{number('rho_A', 1e8)} | {number('rho_M', 1e8)} | {1e8 * step:.1f} ± "
@@ -213,6 +213,6 @@ def test_readme_has_the_numbers_of_its_sentences(listed: dict[str, float | None]
     assert f"is {1e8 * step:.1f} ± {1e8 * half:.1f} µΩ cm whatever the offset" in text
     heated = heating.fit_heating(STATED.offset)
     for name in ("rho_A", "rho_M"):
-        low, high = heated.uncertainty.widened(name)
+        low, high = heated.uncertainty.widen_interval(name)
         assert f"{1e8 * heated[name]:.1f} ± {0.5e8 * (high - low):.1f}" in text
     assert f"with an RMS of {fitting.residual_rms(heated):.3f} A" in text

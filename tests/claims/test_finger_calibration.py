@@ -55,7 +55,7 @@ def computed(listed, id: str) -> float:
 class TestRecords:
     def test_steps_of_the_fit_change_little(self):
         for data in (NEAR, FAR):
-            coarse = bench.at_table(data, PRINTED).fitted[0].model[:, 0]
+            coarse = bench.at_table(data, PRINTED).fitted_records[0].model[:, 0]
             fine = bench.clean_angle(data.arm, PRINTED.offsets[0], PRINTED)
             apart = np.degrees(coarse - fine)
             assert 0.0 < math.sqrt(np.mean(apart**2)) < 0.02
@@ -286,6 +286,6 @@ def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
     (claim,) = FingerCalibration().claims()
     assert (claim.verdict, claim.differs) == ("not comparable", "this machine has no C compiler")
     assert "C compiler" in claim.why
-    assert FingerCalibration().shipped() is not None
+    assert FingerCalibration().load_shipped_answer() is not None
     FingerCalibration().figure(tmp_path / "empty.png")
     assert (tmp_path / "empty.png").stat().st_size > 0

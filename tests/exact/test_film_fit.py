@@ -219,7 +219,7 @@ def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
     h = 30.0 + (0.5 * at if degree else 0.0 * at) + noise / (at - 25.0)
     points = FilmPoints(tuple(at), tuple(h), 25.0)
     fit = fit_free_ambient(points, degree)
-    assert fit is not None and fit.bounded()
+    assert fit is not None and fit.is_bounded()
     t = stats.t.ppf(0.975, fit.flux.freedom)
     for end in fit.ambient_interval():
         held = fit_noisy_abscissae(points.temperatures_degC, points.fluxes, range(degree + 1), end)
@@ -237,7 +237,7 @@ def test_the_ambient_is_unbounded_where_the_slope_may_be_zero() -> None:
     low, high = fit.leading_interval()
     assert low < 0.0 < high
     assert fit.ambient_interval()[0] == ABSOLUTE_ZERO
-    assert not fit.bounded()
+    assert not fit.is_bounded()
 
 
 def test_correlation_and_condition_by_finite_differences() -> None:

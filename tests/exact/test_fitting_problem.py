@@ -113,7 +113,7 @@ def test_residuals_are_mismatches_by_noise_or_range():
     task = build_problem([replace(one, weights={"temperature": 4.0})], ["A_s"], noise={"temperature": 0.5})
     found = task.evaluate(task.start)
     assert found is not None
-    model = found.fitted[0].model
+    model = found.fitted_records[0].model
     reach = np.ptp(one.measured[:, 0])
     position = (model[:, 0] - one.measured[:, 0]) / reach
     temperature = 2.0 * (model[:, 1] - one.measured[:, 1]) / 0.5

@@ -68,11 +68,11 @@ def test_strong_correlations_are_named():
     found = judged()
     correlation = np.asarray(found.correlation)
     assert np.diag(correlation) == pytest.approx(1.0)
-    assert [pair[:2] for pair in found.confounded()] == [("b", "c")]
-    assert found.confounded()[0][2] == pytest.approx(correlation[1, 2])
+    assert [pair[:2] for pair in found.list_confounded()] == [("b", "c")]
+    assert found.list_confounded()[0][2] == pytest.approx(correlation[1, 2])
     assert any("`b` and `c` compensate each other (correlation -0.9" in s for s in found.sentences)
-    assert len(found.confounded(0.5)) > 1
-    assert not found.confounded(0.999)
+    assert len(found.list_confounded(0.5)) > 1
+    assert not found.list_confounded(0.999)
 
 
 def test_a_redundant_parameter_has_an_infinite_error_and_the_others_keep_theirs():
@@ -83,7 +83,7 @@ def test_a_redundant_parameter_has_an_infinite_error_and_the_others_keep_theirs(
     columns = np.stack([X**0, X, X * 3.0], axis=1)
     found = estimate_uncertainty(residuals, columns, NAMES, values=[1.0, 2.0, 0.0], scales=[1, 1, 1])
     assert found.errors[1:] == (math.inf, math.inf)
-    assert found.interval("b") == found.widened("c") == EVERYTHING
+    assert found.interval("b") == found.widen_interval("c") == EVERYTHING
     assert found.errors[0] == pytest.approx(line.error(0), rel=1e-9)
     assert found.rank == 2
     assert found.freedom == X.size - 2
@@ -108,7 +108,7 @@ def test_no_undetermined_parameter_gets_a_small_error(share: float):
 def test_no_sample_to_spare_and_no_effect_at_all():
     found = estimate_uncertainty([0.1, 0.2], [[1.0, 0.0], [0.0, 1.0]], ["a", "b"], values=[1, 1], scales=[1, 1])
     assert math.isnan(found.errors[0])
-    assert found.interval("a") == found.widened("a") == EVERYTHING
+    assert found.interval("a") == found.widen_interval("a") == EVERYTHING
     nothing = estimate_uncertainty([0.1] * 5, np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1])
     assert nothing.errors == (math.inf, math.inf)
 

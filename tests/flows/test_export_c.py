@@ -386,7 +386,7 @@ def test_what_is_in_it_is_said() -> None:
     core = build_c_core(SYSTEM, name="a")
     assert [one.name for one in core.parameters] == [leaf.path for leaf in SYSTEM.leaves()]
     diameter = next(one for one in core.parameters if one.name == "element.diameter")
-    assert (diameter.unit, diameter.default, diameter.used) == ("m", 0.381e-3, True)
+    assert (diameter.unit, diameter.default, diameter.has_effect) == ("m", 0.381e-3, True)
     line = f"    a_p_element_diameter = {diameter.index}, /* [m] {diameter.words} */"
     assert line in core.header.splitlines()
     assert [(one.name, one.unit) for one in core.inputs] == [("drive", "V")]

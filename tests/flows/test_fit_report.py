@@ -164,7 +164,7 @@ def test_the_table_of_parameters_shows_value_and_intervals(plain: Sample) -> Non
         found = plain.fit.uncertainty
         columns = {
             "value": (plain.fit[name],),
-            "95 % interval": found.widened(name),
+            "95 % interval": found.widen_interval(name),
             "if samples were independent": found.interval(name),
         }
         for column, numbers in columns.items():
@@ -187,7 +187,7 @@ def test_errors_are_those_of_the_rows(plain: Sample) -> None:
     rows = page(plain).table("rms error")
     expected: list[tuple[str, str, float]] = []
     for one, fitted, used in zip(
-        plain.fit.problem.experiments, plain.fit.evaluation.fitted, plain.fit.problem.used, strict=True
+        plain.fit.problem.experiments, plain.fit.evaluation.fitted_records, plain.fit.problem.training_rows, strict=True
     ):
         error = (fitted.model - one.measured)[:, 0]
         for kind, part in (("", used[:, 0]), ("held", np.isfinite(error) & ~used[:, 0])):
@@ -246,7 +246,7 @@ def test_a_good_fit_has_no_warning(plain: Sample) -> None:
 def test_predictions_compare_what_was_seen_with_what_was_not(plain: Sample) -> None:
     rows = list_compared(plain.fit)
     seen, kept = compute_rms(rows, TRAINING), compute_rms(rows, HELD_OUT)
-    errors = np.concatenate([one.residuals[one.used] for one in rows])
+    errors = np.concatenate([one.residuals[one.training_rows] for one in rows])
     assert seen == pytest.approx(float(np.sqrt(np.mean(errors**2))), rel=1e-12)
     first, naive, own = describe_predictions(plain.fit)
     assert f"{100 * seen:.3g} % in the fitted rows" in first
@@ -280,10 +280,10 @@ def test_what_was_not_kept_back_or_is_predicted_badly_is_said(plain: Sample) -> 
 
 def test_coloured_residuals_are_named(plain: Sample) -> None:
     fit = plain.fit
-    first, *others = fit.evaluation.fitted
+    first, *others = fit.evaluation.fitted_records
     wave = 1e-3 * np.sin(0.3 * np.arange(81))[:, None]
     coloured = replace(first, model=first.model + wave, residuals=first.residuals + wave / 0.04)
-    evaluation = replace(fit.evaluation, fitted=(coloured, *others))
+    evaluation = replace(fit.evaluation, fitted_records=(coloured, *others))
     assert "autocorrelated (`strain` of light)" in warned(replace(fit, evaluation=evaluation))
 
 
@@ -400,7 +400,7 @@ def test_loops_run_over_the_measured_temperature(plain: Sample) -> None:
         plain.fit,
         problem=problem,
         held_out_records=(),
-        evaluation=replace(plain.fit.evaluation, fitted=plain.fit.evaluation.fitted[:1]),
+        evaluation=replace(plain.fit.evaluation, fitted_records=plain.fit.evaluation.fitted_records[:1]),
     )
     with pytest.raises(InputError, match="no loop to draw"):
         plot_fit_loops(alone)

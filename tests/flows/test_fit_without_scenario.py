@@ -185,10 +185,10 @@ def test_isobaric_files_become_a_law_that_arithmetic_beats() -> None:
     """Source of truth: an independent average of the two neighbouring loads errs by 0.036 % at 172 MPa."""
     files = [str(DATA / "flexinol_isobaric" / f"isobaric_{mpa}MPa.txt") for mpa in (50, 100, 172, 200)]
     model = model_logs(files)
-    errors = {one.record: one for one in model.chosen.errors}
+    errors = {one.record: one for one in model.chosen_model.errors}
     assert errors["isobaric_172MPa"].offset_rms < 7e-4
     assert errors["isobaric_172MPa"].rivals["neighbouring loads"] < 3.6e-4
-    assert model.chosen.pooled[0].best_rival == "neighbouring loads"
+    assert model.chosen_model.pooled_errors[0].best_rival == "neighbouring loads"
     assert not model.predicts
 
 

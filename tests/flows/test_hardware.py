@@ -80,7 +80,7 @@ def test_a_loop_on_an_uno_is_that_of_the_simulation(uno: Path, board: SimavrBoar
     found = run_hil(scenario, link, read_description(uno), word="ARM", duration=5.0)
     far = {name: share for name, _, _, share in compare_runs(scenario, found)}
     assert far["position"] < 1e-4 and far["temperature"] < 1e-4 and len(found.times) == 251
-    assert found.lost == 0 and link.reader.counts.garbled == 0
+    assert found.lost_frames == 0 and link.reader.counts.garbled == 0
 
 
 @needs_avr
@@ -92,7 +92,7 @@ def test_a_nano_runs_the_loop_as_an_uno_does(tmp_path: Path) -> None:
     scenario = ms.load(EXAMPLES / "closed_loop.toml")
     found = run_hil(scenario, link, read_description(folder), word="ARM", duration=1.0)
     board.close()
-    assert max(share for _, _, _, share in compare_runs(scenario, found)) < 1e-3 and found.lost == 0
+    assert max(share for _, _, _, share in compare_runs(scenario, found)) < 1e-3 and found.lost_frames == 0
 
 
 @needs_avr
@@ -241,7 +241,7 @@ def test_a_sensorless_loop_on_a_cortex_is_that_of_the_simulation(tmp_path: Path)
     finally:
         board.close()
     far = {name: share for name, _, _, share in compare_runs(scenario, found)}
-    assert far["position"] < 2e-3 and found.lost == 0
+    assert far["position"] < 2e-3 and found.lost_frames == 0
 
 
 @needs_arm

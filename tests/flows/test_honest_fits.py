@@ -41,7 +41,7 @@ def test_number_with_an_interval_wider_than_its_range_is_not_determined() -> Non
     keep = [k for k, t in enumerate(log["temperature"]) if t < TRUE["A_s"] + 2.0][:60]
     short = replace(log, columns={name: [column[k] for k in keep] for name, column in log.columns.items()})
     fit = fitted(short, "A_s,A_f,eps_L")
-    low, high = fit.uncertainty.widened("A_f")
+    low, high = fit.uncertainty.widen_interval("A_f")
     assert not high - low < 100.0 or "A_f" in fit.at_bound()
     assert "A_f" in fit.undetermined
     assert not fit.identifiability.determined

@@ -49,12 +49,12 @@ def test_a_pass_is_made_on_one_runtime() -> None:
 
     def march(plan: Any) -> Marched:
         rows = [[time] for time in plan.times]
-        return Marched(rows, used=next(used), state=(0.0,), extremes=((0.0,), (0.0,)))
+        return Marched(rows, runtime=next(used), state=(0.0,), extremes=((0.0,), (0.0,)))
 
     relay = Relay(march, HOME, [1.0])
     plan: Any = Leg([0.0, 1.0, 2.0])
     assert relay(plan).rows == [[0.0], [1.0], [2.0]]
-    assert {leg.used for _, legs in relay.passes for leg in legs} == {"C"} and len(relay.passes) == 1
+    assert {leg.runtime for _, legs in relay.passes for leg in legs} == {"C"} and len(relay.passes) == 1
 
 
 def place_restarts(scenario: Scenario) -> list[float]:

@@ -251,7 +251,7 @@ def test_units_of_shipped_numbers_are_units(study: TableStudy) -> None:
 @each_study
 def test_what_ships_is_complete_and_of_this_program(study: TableStudy) -> None:
     """Numbers are those of the files beside them, verdicts rest on narrow tolerances, and the digest fits a screen."""
-    found = study.shipped()
+    found = study.load_shipped_answer()
     assert found is not None and shipped_numbers.fingerprint_study(study.folder()) in found.made_by, (
         f"`python -m martensite.studies.shipped_numbers {study.key}` computes what ships anew"
     )

@@ -121,7 +121,7 @@ def test_failed_runs_keep_their_status_and_no_numbers() -> None:
     )
     for words in MEASURES:
         assert np.isfinite(kept.scalars[words]).tolist() == [True, False, True]
-    lost = known.lost(range(5, 7))
+    lost = known.make_lost_piece(range(5, 7))
     assert lost.status.tolist() == [Status.LOST] * 2
     assert np.isnan(lost.traces["position"]).all()
     assert np.array_equal(lost.values, known.compute(range(5, 7)).values)

@@ -216,7 +216,7 @@ def test_what_is_judged_is_the_truth(sensed: LoopRuns) -> None:
 
 # ---------------------------------------------------------------- searches
 
-QUICK = TuningSearch(scattered=8, searches=1, iterations=8, clouds=0, slopes=4)
+QUICK = TuningSearch(random_starts=8, searches=1, iterations=8, clouds=0, slopes=4)
 
 
 def test_tuning_lowers_the_cost_over_plants(sensed: LoopRuns) -> None:

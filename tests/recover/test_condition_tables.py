@@ -54,14 +54,14 @@ def write_table(folder: Path, *lines: str) -> Path:
 def test_what_was_put_in_is_found(fit: Fit):
     assert fit.reason == "converged"
     for name, true in (("A_s", 339.15), ("A_f", 353.15), ("h", 60.0)):
-        low, high = fit.uncertainty.widened(name)
+        low, high = fit.uncertainty.widen_interval(name)
         assert low <= true <= high
     assert fit["A_f"] == pytest.approx(353.15, abs=2.0)
 
 
 def test_a_specimen_that_was_left_out_is_predicted(fit: Fit):
     held = [one for one in list_compared(fit) if one.record == "B"]
-    assert [one.used.any() for one in held] == [False] * 3
+    assert [one.training_rows.any() for one in held] == [False] * 3
     assert compute_rms([one for one in held if one.output == "stroke"], HELD_OUT) < 1e-3  # of 60 mm
 
 
@@ -87,7 +87,7 @@ def test_rows_are_the_runs_of_their_conditions(table: Path):
     found = problem.problem.evaluate(problem.problem.start)
     assert found is not None
     stroke, force, time = measure_run({**TRUTH, "element.turns": 19, "drive.waveform.high": "3.2 A"})
-    assert found.fitted[2].model[2] == pytest.approx([1e-3 * stroke, force, time], rel=5e-3)
+    assert found.fitted_records[2].model[2] == pytest.approx([1e-3 * stroke, force, time], rel=5e-3)
 
 
 PULSES = """

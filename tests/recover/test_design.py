@@ -198,21 +198,21 @@ def test_it_leaves_a_start_that_does_not_move() -> None:
     assert np.abs(flat.slopes[0, 1]).max() < 1e-9  # of the stroke
     best = found(free, begin=begin)
     assert best.feasible
-    assert best.reported[1].before[0] < 1e-4 < 7.5e-3 <= best.reported[1].after[0] * (1.0 + 1e-4)
+    assert best.measures[1].before[0] < 1e-4 < 7.5e-3 <= best.measures[1].after[0] * (1.0 + 1e-4)
 
 
 def test_what_cannot_be_kept_is_said() -> None:
     search = DesignSearch(sample=8, more=1, descents=1, clouds=0, iterations=20)
     best = found((DIAMETER, POWER), "stroke >= 50 mm", "max(stress) <= 300 MPa", search=search)
     assert not best.feasible
-    assert "stroke >= 50 mm" in best.missed
+    assert "stroke >= 50 mm" in best.violated_constraints
     assert "Widen the bounds" in best.notes[0]
 
 
 def test_cases_are_all_kept() -> None:
     warm = found((DIAMETER, POWER), cases=("environment.temperature=35 degC",))
     alone = found((DIAMETER, POWER))
-    times = {one.words: one.after for one in warm.reported}
+    times = {one.words: one.after for one in warm.measures}
     assert warm.feasible
     assert times["fall-time"][0] < times["fall-time"][1] <= 1.0 * (1.0 + 1e-4)
     assert times["rise-time"][1] < times["rise-time"][0] <= 0.5 * (1.0 + 1e-4)
@@ -251,7 +251,7 @@ def test_limits_are_kept_unless_told_otherwise() -> None:
     """Thin wires that carry a lot are best, and break soon."""
     thin = (DIAMETER, POWER), "stroke >= 5 mm", "max(stress) <= 450 MPa"
     bold, kept = (found(*thin, life=life) for life in (None, 0.0))
-    stress = [max(next(m.after for m in one.reported if m.words == "max(stress)")) for one in (bold, kept)]
+    stress = [max(next(m.after for m in one.measures if m.words == "max(stress)")) for one in (bold, kept)]
     assert stress[0] > 1.5 * 172e6
     assert stress[1] <= 172e6 * (1.0 + 1e-3)
     assert "are ignored, as asked" in bold.life

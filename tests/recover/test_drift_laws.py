@@ -72,7 +72,7 @@ def test_the_data_decide(law: str, tmp_path: Path) -> None:
     assert all(re.search(rf" {name} [\d.e-]+ ", fit.notes[-1]) for name in TRUTHS)
     found = {name: fit.numbers.get(name, 0.0) for name in NAMES}
     for name, true in zip(NAMES, truth, strict=True):
-        low, high = fit.uncertainty.widened(name, 0.99) if name in fit.numbers else (0.0, 0.0)
+        low, high = fit.uncertainty.widen_interval(name, 0.99) if name in fit.numbers else (0.0, 0.0)
         assert low <= true <= high
     # ten times more cycles than measured, within the interval of the prediction
     values = tuple(found.values())

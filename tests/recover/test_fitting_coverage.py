@@ -66,13 +66,13 @@ def test_intervals_hold_the_truth_in_white_noise(place: int, count: int) -> None
 @pytest.mark.parametrize("place", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_noise_with_memory_needs_the_widened_intervals(place: int) -> None:
     short = held(Uncertainty.interval, place, 600, PHI)
-    wide = held(Uncertainty.widened, place, 600, PHI)
+    wide = held(Uncertainty.widen_interval, place, 600, PHI)
     assert short < 0.75 * REPETITIONS
     assert ALLOWED[0] <= wide <= ALLOWED[1]
 
 
 def test_widened_intervals_cost_little_in_white_noise() -> None:
-    assert ALLOWED[0] <= held(Uncertainty.widened, 1, 60, 0.0)
+    assert ALLOWED[0] <= held(Uncertainty.widen_interval, 1, 60, 0.0)
     factors = [fitted(seed, 600, 0.0).widening for seed in range(50)]
     assert max(factors) < 1.5
     assert np.mean(factors) < 1.1

@@ -110,7 +110,7 @@ def test_given_temperatures_are_recognised_and_the_law_is_found(kind: str, name:
     sizes = {"element.length": "200 mm", "element.diameter": "0.5 mm", "element.law.E_A": f"{E_A} Pa"}
     given = {"weight": {"mechanism.mass": f"{100e6 * AREA / 9.80665} kg"}, "recovery": {"element.law.eps_L": f"{EPS}"}}
     found = model_logs(record, overrides=sizes | {"element.law.E_M": f"{E_M} Pa"} | given.get(kind, {}))
-    assert found.predicts and found.chosen.pooled[0].fit_percent > 98.0
+    assert found.predicts and found.chosen_model.pooled_errors[0].fit_percent > 98.0
     ends = {one.name: one.value - 273.15 for one in found.temperatures if one.stress == 0.0}
     assert ends == pytest.approx({n: LAW[n] for n in ("A_s", "A_f", "M_s", "M_f")}, abs=1.0)
     if kind == "recovery":

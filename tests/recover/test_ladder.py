@@ -26,7 +26,7 @@ def climbed():
 
 class TestClimb:
     def test_a_linear_record_ends_at_the_linear_rung(self, climbed):
-        assert climbed.chosen.structure == "oe(2,2,1) | poly1"
+        assert climbed.chosen_trial.structure == "oe(2,2,1) | poly1"
         assert climbed.predicts
         assert climbed.held_out.fit > 98.0
         assert climbed.held_out.fit < 99.5  # the noise leaves 99 %
@@ -39,7 +39,7 @@ class TestClimb:
         y = record.outputs.copy()
         y[800:] = y[:800].mean() + np.random.default_rng(1).normal(size=(200, 1))
         other = climb_ladder(record.with_outputs(y))
-        assert other.chosen.structure == climbed.chosen.structure
+        assert other.chosen_trial.structure == climbed.chosen_trial.structure
         assert np.array_equal(other.model.theta, climbed.model.theta)
         assert not other.predicts
         assert "does not predict better than the mean" in other.verdict
@@ -75,7 +75,7 @@ class TestClimb:
 
     def test_a_time_box_keeps_what_was_found(self):
         found = climb_ladder(noise(105, 800), time_box=3.0)
-        assert found.stopped == "time box"
+        assert found.stop_reason == "time box"
         assert found.rungs[0].name == "linear"
         assert not found.predicts
 
@@ -96,7 +96,7 @@ class TestClimb:
 )
 def test_the_structure_is_that_of_the_system(name, inside, least):
     found = climb_ladder(SYSTEMS[name](201))
-    assert inside in found.chosen.structure
+    assert inside in found.chosen_trial.structure
     assert found.held_out.fit > least
     assert found.predicts
 

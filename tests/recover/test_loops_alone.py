@@ -80,7 +80,7 @@ def check_temperatures(model: LogModel) -> None:
 def test_equal_cycles_give_the_parameters_of_one(cycles: int) -> None:
     record = isobaric(cycles)
     model = model_logs(record)
-    assert model.chosen.proposal.name == "liang-rogers"
+    assert model.chosen_model.proposal.name == "liang-rogers"
     assert model.predicts
     check_temperatures(model)
     assert max(one.half_width for one in model.temperatures) < 0.2
@@ -120,7 +120,7 @@ def test_tangents_of_every_cycle_bear_jitter() -> None:
 @pytest.mark.parametrize("repeat", [1, 12])
 def test_repeated_tensile_loops_give_the_parameters_of_one(repeat: int) -> None:
     found = model_logs([superelastic(repeat, celsius) for celsius in (30, 70)])
-    assert found.predicts and found.chosen.proposal.name == "liang-rogers"
+    assert found.predicts and found.chosen_model.proposal.name == "liang-rogers"
     truth = {"E_A": 60e9, "E_M": 30e9, "eps_L": 0.04, "C_A": 7e6, "C_M": 7e6}
     assert {name: found.fit.numbers[name] for name in truth} == pytest.approx(truth, rel=0.01)
 
@@ -184,7 +184,7 @@ def pull_unknown_section() -> Record:
 
 def test_assumed_section_is_named_at_the_moduli() -> None:
     model = model_logs(pull_unknown_section(), free=["E_A", "E_M", "eps_L"])
-    assert "element.diameter" in model.dependent["E_A"] and not model.untested
+    assert "element.diameter" in model.dependent["E_A"] and not model.untested_assumptions
     assert model.fit["E_A"] == pytest.approx(15e9, rel=0.01)  # by the assumed 1 mm
 
 
@@ -196,7 +196,7 @@ def test_interrupted_fit_calls_nothing_determined_that_may_depend_on_assumptions
             raise KeyboardInterrupt
 
     model = model_logs(pull_unknown_section(), keep=interrupt)
-    assert model.stopped == "interruption" and "element.diameter" in model.untested
+    assert model.stop_reason == "interruption" and "element.diameter" in model.untested_assumptions
     blocks = summarise_log_model(model).blocks
     tables = [one for one in blocks if isinstance(one, DataTable) and "determined" in one.head]
     marks = [row[-1] for table in tables for row in table.rows]

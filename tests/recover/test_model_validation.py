@@ -54,7 +54,7 @@ def test_scores_are_those_of_the_definition_and_leave_out_what_is_missing(truth)
     record.outputs[3] += 50.0
     found = validate_chain(truth, record, skip=10)
     kept = np.r_[10:500, 700 : len(record)]
-    y, e = record.outputs[kept, 0], (found.computed - record.outputs)[kept, 0]
+    y, e = record.outputs[kept, 0], (found.outputs - record.outputs)[kept, 0]
     one = found.score()
     assert one.rms == pytest.approx(np.sqrt(np.mean(e**2)))
     assert one.fit_percent == found.fit
@@ -229,7 +229,7 @@ def test_errors_of_estimates_are_their_scatter_for_any_initial_state():
     assert 0.5 < np.mean([x.error for x in found]) / scatter < 2.0
     one = validate_chain(estimates[0].chain, estimates[0].records[0])
     band = estimates[0].uncertainty.band(one.record, state=one.state)
-    assert band.outputs == pytest.approx(one.computed, rel=1e-12)
+    assert band.outputs == pytest.approx(one.outputs, rel=1e-12)
     assert 0.9 < measure_coverage(band, one.record)[0] < 0.99
     (said,) = (x.text for x in summarise_model([one], estimates[0].uncertainty).blocks if "95 % band" in str(x))
     assert f"{100.0 * measure_coverage(band, one.record)[0]:.1f} %" in said
@@ -245,7 +245,7 @@ def test_figures_show_what_they_say(truth):
     band = estimate_chain_uncertainty(chain, squares).band(record)
     figure = plot_model(found, band)
     measured, computed = figure.axes[1].lines[:2]
-    assert np.array_equal(computed.get_ydata(), found.computed[thin_line(found.computed[:, 0]), 0])
+    assert np.array_equal(computed.get_ydata(), found.outputs[thin_line(found.outputs[:, 0]), 0])
     assert np.array_equal(measured.get_xdata(), record.times[thin_line(record.outputs[:, 0])])
     assert f"{found.fit:.2f} %" in figure.axes[1].get_title("left")
     assert len(plot_model_loop(found).axes) == 2

@@ -58,7 +58,7 @@ def arrange(table: Path, **how: str) -> Problem:
 
 def test_own_numbers_with_a_spread_are_found(fit: Fit):
     for name, true in (("A", 52.0), ("C", 60.0)):
-        low, high = fit.uncertainty.widened(f"environment.cooling.h@{name}")
+        low, high = fit.uncertainty.widen_interval(f"environment.cooling.h@{name}")
         assert low <= true <= high
         assert high - low < 20.0
 

@@ -63,7 +63,7 @@ def sampled(fit: Fit) -> Posterior:
 def test_draws_and_intervals_agree(fit: Fit, sampled: Posterior) -> None:
     assert sampled.converged, sampled.sentence
     for name in fit.problem.names:
-        low, high = fit.uncertainty.widened(name)
+        low, high = fit.uncertainty.widen_interval(name)
         width = high - low
         assert np.allclose(sampled.interval(name), (low, high), atol=0.1 * width), name
 

@@ -37,7 +37,7 @@ class PageJob:
     state: str = "running"
     """running, done, failed, or cancelled."""
     began: float = field(default_factory=time.time)
-    ended: float | None = None
+    end_time: float | None = None
     trail: list[JsonTable] = field(default_factory=list[JsonTable])
     """Past notes, thinned."""
     last: JsonTable | None = None
@@ -53,7 +53,7 @@ class PageJob:
             "call": self.call,
             "state": self.state,
             "began": self.began,
-            "ended": self.ended,
+            "ended": self.end_time,
             "last": self.last,
         }
 
@@ -71,7 +71,7 @@ class PageJob:
 
     def end(self, state: str, outcome: Any) -> None:
         """Record the end and the outcome of the job."""
-        self.state, self.outcome, self.ended = state, outcome, time.time()
+        self.state, self.outcome, self.end_time = state, outcome, time.time()
         self._send({"job": self.whole()})
 
     def _send(self, message: JsonTable) -> None:

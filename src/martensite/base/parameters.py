@@ -87,10 +87,10 @@ class Declared:
         too_low = number <= self.low if self.open_low else number < self.low
         if too_low or number > self.high or math.isnan(number):
             label = "" if isinstance(value, str) else self._label(self.unit)
-            raise ParameterError(f"{title} must be {self.allowed()}, but is {value}{label}.")
+            raise ParameterError(f"{title} must be {self.describe_range()}, but is {value}{label}.")
         return number
 
-    def allowed(self) -> str:
+    def describe_range(self) -> str:
         """Return the allowed range in words, in readable units."""
         unit = self._readable()
         label = self._label(unit)

@@ -46,7 +46,7 @@ class HilRun:
     """Signals of the board, by drive."""
     telemetry: dict[str, NDArray[np.float64]]
     """Further columns of the telemetry."""
-    lost: int
+    lost_frames: int
 
     def to_text(self) -> str:
         """Return the run as a table: times, outputs of the plant, signals of the board; all in SI."""

@@ -73,14 +73,14 @@ class FreeAmbient:
         edges = [e for e in _real_roots(outside.roots()) if ABSOLUTE_ZERO < e < self.coldest]
         ends = sorted({ABSOLUTE_ZERO, self.coldest, *edges})
         parts = [(a, b) for a, b in pairwise(ends) if outside(0.5 * (a + b)) <= 0.0]
-        return self._chosen(_join_intervals(parts))
+        return self._choose_part(_join_intervals(parts))
 
-    def _chosen(self, parts: list[Interval]) -> Interval:
+    def _choose_part(self, parts: list[Interval]) -> Interval:
         """Return the part with the best ambient; the union of all parts without a best ambient."""
         best_parts = [part for part in parts if part[0] <= self.ambient <= part[1]] or parts
         return (best_parts[0][0], best_parts[-1][1]) if best_parts else (math.nan, math.nan)
 
-    def bounded(self, level: float = LEVEL) -> bool:
+    def is_bounded(self, level: float = LEVEL) -> bool:
         """Return whether there is a best ambient with a complete interval."""
         low, high = self.ambient_interval(level)
         return math.isfinite(self.ambient) and ABSOLUTE_ZERO < low and high < self.coldest
@@ -93,7 +93,7 @@ class FreeAmbient:
             "leading_interval": list(self.leading_interval(level)),
             "ambient_degC": self.ambient,
             "ambient_interval_degC": list(self.ambient_interval(level)),
-            "bounded": self.bounded(level),
+            "bounded": self.is_bounded(level),
         }
 
 

@@ -122,7 +122,7 @@ def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confo
         return verdict(False, "The ambient temperature is not tested: that takes at least four points.")
     span = _word_span(fit.ambient_interval(level), fit.coldest)
     share = f"{100.0 * level:g} %"
-    if fit.bounded(level):
+    if fit.is_bounded(level):
         return verdict(
             True,
             f"The points determine the ambient temperature beside {beside} of h: "

@@ -84,7 +84,7 @@ def fit_alone(
     whole = {**search, "keep": keep}
     with rescue_answer(lambda: tell_best(latest, None, json)):
         model = fit_log_model(logs, options, settings, search=whole, report=report, material=material, json=json)
-    if model.stopped == "interruption":
+    if model.stop_reason == "interruption":
         raise Exit(InterruptError.exit_code)
     raise Exit(0 if model.predicts else 1)
 
@@ -133,7 +133,7 @@ def write_records(model: LogModel, scenario: Path) -> list[Path]:
     from martensite.logs.record_text import format_record
 
     written: list[Path] = []
-    for record in model.chosen.proposal.rows:
+    for record in model.chosen_model.proposal.rows:
         written.append(scenario.with_name(f"{scenario.stem}_{record.name}.csv"))
         write_file(written[-1], format_record(record, list(record.columns)))
     return written
@@ -141,7 +141,7 @@ def write_records(model: LogModel, scenario: Path) -> list[Path]:
 
 def write_command(model: LogModel, logs: Sequence[str | Path], scenario: Path, interval: float | None) -> str:
     """Return the command that fits a saved scenario to the same logs."""
-    proposal = model.chosen.proposal
+    proposal = model.chosen_model.proposal
     words = ["martensite", "fit", *map(str, logs), "--scenario", str(scenario), "--free", ",".join(proposal.free)]
     words += [word for one in proposal.each for word in ("--each", one)]
     words += [word for one in proposal.columns for word in ("--column", one)]

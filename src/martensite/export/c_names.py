@@ -40,7 +40,7 @@ class CoreVariable:
     """Ends of the allowed closed range."""
     endless: bool = False
     """True if the value may be infinite, for a disabled limit."""
-    used: bool = True
+    has_effect: bool = True
     """True if the parameter has an effect; parameters that only decide the size of a program have none."""
 
 

@@ -98,7 +98,7 @@ def _print_indices(title: str, name: str, variables: Sequence[CoreVariable]) -> 
     last = len(variables) - 1
     rows = [
         f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} /* [{_escape_comment(v.unit)}] "
-        f"{_escape_comment(v.words)}{'' if v.used else ' (changes nothing)'} */"
+        f"{_escape_comment(v.words)}{'' if v.has_effect else ' (changes nothing)'} */"
         for v in variables
     ]
     return f"/* {title}, with their units. */\nenum {{\n" + "\n".join(rows) + "\n};\n\n"

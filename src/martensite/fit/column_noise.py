@@ -23,7 +23,7 @@ class FollowedNoise(NamedTuple):
     column: str
     sigma: float
     """Standard deviation [SI]."""
-    declared: bool
+    is_declared: bool
     """True if the noise was given, False if it was estimated from the column."""
 
 
@@ -64,7 +64,7 @@ def find_input_noise(problem: Problem) -> tuple[list[FollowedNoise], list[str]]:
     estimates: dict[tuple[str, str], list[tuple[float, float, int]]] = {}
     for one in problem.experiments:
         for drive, column in one.follows.items():
-            table = one.followed(drive)
+            table = one.find_followed_waveform(drive)
             sigma = estimate_column_noise(table.times, table.values)
             estimates.setdefault((drive, column), []).append((sigma, float(np.ptp(table.values)), len(table.times)))
     noises, notes = list[FollowedNoise](), list[str]()

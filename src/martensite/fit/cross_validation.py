@@ -168,7 +168,7 @@ def _judge_fold(fit: Fit, fold: Problem, given_start: bool) -> Iterator[HeldOutE
         held_out_rows = one.held_out_rows
         if not held_out_rows.any():
             continue
-        fitted = [x for x in rows if x.used.any() and x.output == one.output]
+        fitted = [x for x in rows if x.training_rows.any() and x.output == one.output]
         plain = one.model if one.raw is None or given_start else one.raw + _predict_zero(fit, fitted, one)
         measured = one.measured[held_out_rows]
         rivals = {

@@ -40,7 +40,7 @@ def run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: 
         watch.stage, watch.share = stage, k / len(begins)
         ended = descend_from(watch, begin, loss, most)
         if stage != RESUMED:  # which is never far from its end
-            watch.finished(stage)
+            watch.finish_stage(stage)
         if watch.cost < least:
             least, reason = watch.cost, ended
     return reason

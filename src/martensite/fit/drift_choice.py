@@ -53,7 +53,7 @@ class TriedDrift:
 
     def excludes_zero(self, names: Sequence[str]) -> bool:
         """Return whether the intervals of some parameters exclude 0."""
-        ends = (self.fit.uncertainty.widened(name) for name in names)
+        ends = (self.fit.uncertainty.widen_interval(name) for name in names)
         return all(low > 0.0 or high < 0.0 for low, high in ends)
 
     def describe(self) -> str:

@@ -85,7 +85,7 @@ def find_period(experiment: Experiment) -> float:
     """
     if not experiment.follows:
         return 0.0
-    table = experiment.followed(find_drive(experiment))
+    table = experiment.find_followed_waveform(find_drive(experiment))
     x, length = np.asarray(table.values), table.times[-1] - table.times[0]
     share = (x - x.min()) / (np.ptp(x) or 1.0)
     sides = np.sign(np.where(np.abs(share - 0.5) >= 0.25, share - 0.5, 0.0))
@@ -98,7 +98,7 @@ def refine_period(one: Experiment) -> float:
     about = find_period(one)
     if about == 0.0:
         return 0.0
-    table = one.followed(find_drive(one))
+    table = one.find_followed_waveform(find_drive(one))
     times, values = np.asarray(table.times), np.asarray(table.values)
     tried = about * np.linspace(1.0 - TURNED, 1.0 + TURNED, 81)
 

@@ -25,7 +25,7 @@ class FittedRecord:
 class Evaluation:
     """Whole problem with given parameters."""
 
-    fitted: tuple[FittedRecord, ...]
+    fitted_records: tuple[FittedRecord, ...]
     """One record per experiment."""
     residuals: Any
     """(n,): used residuals, in the order of experiments and outputs."""

@@ -122,14 +122,15 @@ class Experiment:
         runner = self.runner(step, outputs)
         return runner.run_many(np.array([runner.compiled.values(system)]))[0][rows]
 
-    def followed(self, drive: str) -> Table:
+    def find_followed_waveform(self, drive: str) -> Table:
         """Return the waveform of a drive that follows a column."""
         return cast("Table", by_name(self.system, self.waveform)[drive])
 
     def with_inputs(self, inputs: Mapping[str, Any]) -> Experiment:
         """Return the experiment with other rows in its followed columns, by drive."""
         changed = {
-            name: Table(times=self.followed(name).times, values=tuple(map(float, row))) for name, row in inputs.items()
+            name: Table(times=self.find_followed_waveform(name).times, values=tuple(map(float, row)))
+            for name, row in inputs.items()
         }
         return replace(self, waveform={**by_name(self.system, self.waveform), **changed})
 
@@ -145,7 +146,7 @@ class Experiment:
         moments = np.repeat(moments.reshape(len(lengths), -1)[:, :, None], len(variants), axis=2)
         wide = 1 if all(late) else (moments.shape[1] - sum(late)) // (len(late) - sum(late))
         for name in variants[0]:
-            place, times = names.index(name), np.asarray(self.followed(name).times)
+            place, times = names.index(name), np.asarray(self.find_followed_waveform(name).times)
             column = sum(1 if end else wide for end in late[:place])
             for lane, inputs in enumerate(variants):
                 sampled[:, place, lane] = np.interp(grid.times, times, inputs[name])

@@ -46,7 +46,7 @@ class ComparedOutput:
     """(rows,); NaN for missing samples."""
     model: Any
     """(rows,), with the offset of the record."""
-    used: Any
+    training_rows: Any
     """(rows,): True for fitted samples."""
     raw: Any = None
     """(rows,) of a held-out record, without parameters fitted to this record; None if there are no such parameters."""
@@ -69,7 +69,7 @@ class ComparedOutput:
     @property
     def held_out_rows(self) -> Any:
         """(rows,): True for held-out samples."""
-        return np.isfinite(self.measured) & ~self.used
+        return np.isfinite(self.measured) & ~self.training_rows
 
     @property
     def missing(self) -> int:
@@ -78,7 +78,7 @@ class ComparedOutput:
 
     def score(self) -> Iterator[Score]:
         """Yield the errors of `training` rows, and of `held-out` rows if there are any."""
-        for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held_out_rows)):
+        for part, rows in ((TRAINING, self.training_rows), (HELD_OUT, self.held_out_rows)):
             if rows.any():
                 score = score_model(
                     self.times[rows],
@@ -108,14 +108,14 @@ def list_compared(fit: Fit) -> list[ComparedOutput]:
 
 def compute_rms(rows: Iterable[ComparedOutput], part: str) -> float:
     """Return the root-mean-square error of all `training` or `held-out` rows; NaN without rows."""
-    pieces = [one.residuals[one.used if part == TRAINING else one.held_out_rows] for one in rows]
+    pieces = [one.residuals[one.training_rows if part == TRAINING else one.held_out_rows] for one in rows]
     errors = np.concatenate(pieces) if pieces else np.zeros(0)
     return math.sqrt(float(np.mean(errors**2))) if errors.size else math.nan
 
 
 def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     problem = fit.problem
-    triples = zip(problem.experiments, fit.evaluation.fitted, problem.used, strict=True)
+    triples = zip(problem.experiments, fit.evaluation.fitted_records, problem.training_rows, strict=True)
     for one, fitted, used in triples:
         yield from _split_outputs(one, fitted.model, used)
     for held_out_record in fit.held_out_records:
@@ -146,7 +146,7 @@ def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
         system = fit.system(k)
         for name in COVERED:
             outputs = [system.label(port, name) for port in system.actuators()]
-            rows = one.sample_outputs(system, outputs, fit.problem.used[k].any(axis=1), fit.problem.step)
+            rows = one.sample_outputs(system, outputs, fit.problem.training_rows[k].any(axis=1), fit.problem.step)
             ends = [float(rows.min()), float(rows.max()), *ranges.get(name, ())]
             ranges[name] = min(ends), max(ends)
     return ranges
@@ -231,7 +231,7 @@ class Fit:
         return {name: why for name, why in reasons.items() if why}
 
     def _refuse_number(self, free: FreeNumber, u: float) -> str:
-        low, high = self.uncertainty.widened(free.name)
+        low, high = self.uncertainty.widen_interval(free.name)
         if not math.isfinite(high - low):
             return "the data give it no interval"
         if free.name in self.at_bound():
@@ -240,13 +240,13 @@ class Fit:
         wide = format_change(0.5 * (high - low), free.unit, 3)
         if high - low > free.high - free.low:
             return f"its 95 % interval, ± {wide}, is wider than the range in which it was searched"
-        least, most = self._allowed(free)
+        least, most = self._find_bounds(free)
         finite = math.isfinite(most - least) and high - low < 0.5 * (most - least)
         if (low < least or high > most) and not finite:
             return f"its 95 % interval, ± {wide}, reaches values that it cannot have"
         return ""
 
-    def _allowed(self, free: FreeNumber) -> tuple[float, float]:
+    def _find_bounds(self, free: FreeNumber) -> tuple[float, float]:
         """Return the declared bounds of a parameter; separate parameters of records are unbounded."""
         leaves = () if is_nuisance(free.path) or free.base else self.system().leaves()
         return next((leaf.declared.bounds for leaf in leaves if free.moves(leaf.path)), (-math.inf, math.inf))
@@ -295,8 +295,8 @@ class Fit:
     @cached_property
     def whiteness(self) -> tuple[Whiteness, ...]:
         """Return the whiteness test of the residuals of every record and output."""
-        rows = [one for one in list_compared(self) if one.used.any()]
-        parts = [one.residuals[one.used] for one in rows]
+        rows = [one for one in list_compared(self) if one.training_rows.any()]
+        parts = [one.residuals[one.training_rows] for one in rows]
         if self.input_noise:  # uneven scatter before whitening
             parts = np.split(self.evaluation.residuals, np.cumsum(self.problem.lengths)[:-1])
         return tuple(

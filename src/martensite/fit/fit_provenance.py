@@ -78,7 +78,7 @@ def _describe_free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
     entries: dict[str, Any] = {
         "value": exact_text(fit[free.name], free.unit),
         "interval": format_interval(fit.uncertainty.interval(free.name), free.unit),
-        "widened": format_interval(fit.uncertainty.widened(free.name), free.unit),
+        "widened": format_interval(fit.uncertainty.widen_interval(free.name), free.unit),
         "start": format_quantity(free.start, free.unit),
         "low": format_quantity(free.low, free.unit),
         "high": format_quantity(free.high, free.unit),
@@ -103,7 +103,7 @@ def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
 
 def _describe_output(one: ComparedOutput) -> dict[str, Any]:
     entries: dict[str, Any] = {"column": one.column}
-    for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held_out_rows)):
+    for part, rows in ((TRAINING, one.training_rows), (HELD_OUT, one.held_out_rows)):
         if rows.any():
             key, unit = part.replace("-", "_"), one.description.unit
             entries[f"{key}_rows"] = int(rows.sum())

@@ -198,7 +198,7 @@ def _describe_input_noise(fit: Fit) -> Iterator[str]:
         units = {c: one.record.units[c] for one in fit.problem.experiments for c in one.follows.values()}
         phrases = {
             one.column: f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}` "
-            f"({'declared' if one.declared else 'estimated from neighbouring rows'})"
+            f"({'declared' if one.is_declared else 'estimated from neighbouring rows'})"
             for one in fit.input_noise
         }
         yield f"Values and intervals include the input noise: {join_phrases(list(phrases.values()))}."
@@ -226,9 +226,9 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
     for one in rows:
         period = find_period(one.experiment)
         apart = [max(period / p, p / period) for p in fitted if p and period]
-        if one.used.any() or not apart or min(apart) < OTHER_CADENCE:
+        if one.training_rows.any() or not apart or min(apart) < OTHER_CADENCE:
             continue
-        shares = [_compute_share(x, x.used) for x in rows if x.output == one.output and x.used.any()]
+        shares = [_compute_share(x, x.training_rows) for x in rows if x.output == one.output and x.training_rows.any()]
         worse = _compute_share(one, one.held_out_rows) / max(shares, default=math.nan)
         if worse > WORSE:
             speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "different in speed"
@@ -294,7 +294,7 @@ def warn_of_directions(fit: Fit) -> Iterator[str]:
     yield from (one.sentence for one in fit.identifiability.weak)
     weak = {name for one in fit.identifiability.weak for name in one.names} | set(fit.at_bound())
     yield from (f"`{name}` is not determined: {why}." for name, why in fit.undetermined.items() if name not in weak)
-    pairs = fit.uncertainty.confounded()
+    pairs = fit.uncertainty.list_confounded()
     for group in _group_pairs([{one, other} for one, other, _ in pairs]):
         names = [name for name in fit.problem.names if name in group]
         most = max(abs(value) for one, _, value in pairs if one in group)

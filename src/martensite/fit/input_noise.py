@@ -64,7 +64,7 @@ class _FollowedRuns:
     def __init__(self, problem: Problem, k: int, noise: Sequence[FollowedNoise]) -> None:
         self.problem, self.k, self.one = problem, k, problem.experiments[k]
         self.drives = [one for one in noise if one.drive in self.one.follows]
-        self.tables = [self.one.followed(one.drive) for one in self.drives]
+        self.tables = [self.one.find_followed_waveform(one.drive) for one in self.drives]
         sizes = [len(table.times) for table in self.tables]
         self.ends = np.cumsum([0, *sizes])
         self.logged = np.concatenate([np.asarray(table.values, float) for table in self.tables] or [np.zeros(0)])
@@ -77,7 +77,7 @@ class _FollowedRuns:
         self.blocks = False
         self.step = 1.0
         """Step of the rows, in standard deviations of their noise."""
-        used = problem.used[k]
+        used = problem.training_rows[k]
         self.used_places = np.nonzero(used.T)
         """Output and row of every used residual."""
         self.at = self.one.times[self.used_places[1]] + self.one.lead
@@ -159,12 +159,12 @@ class _FollowedRuns:
     def correct(self, noise: float) -> InputCorrection:
         """Return the correction of the experiment for noise s of its residuals."""
         parts = list[tuple[Any, Any, Any]]()
-        for samples, _, part in self._merged():
+        for samples, _, part in self._merge_pieces():
             left, sizes, _ = np.linalg.svd(part, full_matrices=False)
             parts.append((samples, left, 1.0 - noise / np.hypot(noise, sizes)))
         return InputCorrection(self.inputs(self.rows), self.shift(), tuple(parts))
 
-    def _merged(self) -> list[tuple[Any, Any, Any]]:
+    def _merge_pieces(self) -> list[tuple[Any, Any, Any]]:
         """Merge the pieces of several columns over the same residuals."""
         joined: dict[bytes, tuple[Any, list[Any], list[Any]]] = {}
         for samples, rows, part in self.pieces:
@@ -176,7 +176,7 @@ class _FollowedRuns:
     def spectrum(self, residuals: Any) -> tuple[Any, Any, float]:
         """Return the variances δ² along directions, squared residuals along them, and the squares of the remainder."""
         sizes, along = list[Any](), list[Any]()
-        for samples, _, part in self._merged():
+        for samples, _, part in self._merge_pieces():
             left, singular_values, _ = np.linalg.svd(part, full_matrices=False)
             sizes.append(singular_values**2)
             along.append((left.T @ residuals[samples]) ** 2)

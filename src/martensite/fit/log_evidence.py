@@ -88,7 +88,7 @@ def count_jitter(fit: Fit, jitter: Mapping[str, float]) -> Fit:
     problem, uncertainty = fit.problem, fit.uncertainty
     sizes = np.array([free.slope(u) for free, u in _pair_free(fit)])
     extra = np.zeros((len(sizes), len(sizes)))
-    places = np.cumsum([0, *(int(used.sum()) for used in problem.used)])
+    places = np.cumsum([0, *(int(used.sum()) for used in problem.training_rows)])
     for k, one in enumerate(problem.experiments):
         if error := jitter.get(one.record.name, 0.0):
             for change in _shift_legs(fit, k, error):
@@ -112,7 +112,7 @@ def _shift_legs(fit: Fit, k: int, error: float) -> Iterator[Any]:
     """Yield the changes of the residuals of a record, (rows,), for an offset of each leg of its drive."""
     one = fit.problem.experiments[k]
     drive = find_drive(one)
-    values = np.array(one.followed(drive).values)
+    values = np.array(one.find_followed_waveform(drive).values)
     ratio = fit.problem.scale(one.outputs[0])
     alone = replace(fit.problem, experiments=(one,))
     before = alone.evaluate(fit.values)
@@ -128,7 +128,7 @@ def list_dependent(fit: Fit, moves: Sequence[AssumedMove]) -> dict[str, tuple[st
     """Return the free parameters that depend on assumed values, with the paths of these values."""
     dependences: dict[str, tuple[str, ...]] = {}
     for i, free in enumerate(fit.problem.free):
-        low, high = fit.uncertainty.widened(free.name)
+        low, high = fit.uncertainty.widen_interval(free.name)
         slope = abs(free.slope(fit.values[i]))
         paths = tuple(one.path for one in moves if abs(one.move[i]) * slope > 0.5 * (high - low))
         if paths:

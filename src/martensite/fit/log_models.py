@@ -65,45 +65,47 @@ class LogModel:
     """Model made from logs."""
 
     experiment: RecognisedExperiment
-    chosen: TriedModel
-    tried: tuple[TriedModel, ...]
+    chosen_model: TriedModel
+    tried_models: tuple[TriedModel, ...]
     notes: tuple[str, ...]
     """Assumptions, changes of the logs, and failures."""
     records: tuple[Record, ...] = ()
     """Records as in the logs."""
     heading_options: tuple[str, ...] | None = ()
     """Texts for `--as` that reproduce the column assignment; None if it differs between files."""
-    stopped: str = ""
+    stop_reason: str = ""
     """Stop reason of an early end: `interruption` or `time box`."""
     moves: tuple[AssumedMove, ...] = ()
     """Sensitivity of the parameters to each assumed value."""
-    untested: tuple[str, ...] = ()
+    untested_assumptions: tuple[str, ...] = ()
     """Paths of assumed values whose effect on the parameters was not computed."""
 
     @property
     def fit(self) -> Fit:
         """Return the fit of the chosen model to all records."""
-        return self.chosen.fit
+        return self.chosen_model.fit
 
     @property
     def predicts(self) -> bool:
         """Return whether the model predicts the main output of the experiment, tested on held-out data."""
-        return bool(self.chosen.pooled) and self.chosen.pooled[0].predicts
+        return bool(self.chosen_model.pooled_errors) and self.chosen_model.pooled_errors[0].predicts
 
     @property
     def follows_logs(self) -> bool:
         """Return whether the scenario follows logged columns, and not columns computed from them."""
         log_columns = {one.name: set(one.columns) for one in self.records}
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
-        computed_columns = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
+        computed_columns = {
+            read_columns([text])[0].output for text in self.chosen_model.proposal.columns if "*" in text
+        }
         whole = all(
             need - computed_columns <= log_columns[one.name]
-            for need, one in zip(needed, self.chosen.proposal.rows, strict=True)
+            for need, one in zip(needed, self.chosen_model.proposal.rows, strict=True)
         )
         drive = self.experiment.drive or "temperature"
         same = all(
             len(own) == len(one) and (drive not in own.columns or np.array_equal(own[drive], one[drive]))
-            for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
+            for own, one in zip(self.records, self.chosen_model.proposal.rows, strict=False)
         )
         return whole and same and self.heading_options is not None
 
@@ -125,7 +127,7 @@ class LogModel:
         fit = self.fit
         reasons = dict(fit.undetermined)
         for free in fit.problem.free:
-            low, high = fit.uncertainty.widened(free.name)
+            low, high = fit.uncertainty.widen_interval(free.name)
             if free.unit == "K" and high - low > 2.0 * UNCERTAIN and free.name not in reasons:
                 reasons[free.name] = f"its 95 % interval is ± {0.5 * (high - low):.2g} K"
         return reasons
@@ -149,7 +151,7 @@ class LogModel:
             InputError: the record lacks a drive or compared column.
             SolveError: the run fails.
         """
-        proposal, numbers = self.chosen.proposal, self.fit.numbers
+        proposal, numbers = self.chosen_model.proposal, self.fit.numbers
         if self.experiment.kind.axis and self.experiment.drive in record.columns:
             record = smooth_drive(record, self.experiment.drive)
         scenario = read_scenario(self.write_scenario(), log=record)
@@ -162,20 +164,20 @@ class LogModel:
         outputs = problem.experiments[0].outputs
         zeros = {one: [x for n, x in numbers.items() if n.startswith(f"offset.{one}@")] for one in outputs}
         return {
-            one: evaluation.fitted[0].model[:, k] + (float(np.mean(zeros[one])) if zeros[one] else 0.0)
+            one: evaluation.fitted_records[0].model[:, k] + (float(np.mean(zeros[one])) if zeros[one] else 0.0)
             for k, one in enumerate(outputs)
         }
 
     def write_scenario(self) -> str:
         """Return the scenario with the fitted parameters, as TOML."""
-        fit, places = self.fit, read_proposal(self.chosen.proposal).places
+        fit, places = self.fit, read_proposal(self.chosen_model.proposal).places
         shared = [free for free in fit.problem.free if free.record is None]
         settings = {
             places.path(leaf.path): exact_text(leaf.value, leaf.declared.unit)
             for leaf in fit.system().leaves()
             if any(free.moves(leaf.path) for free in shared)
         }
-        return as_toml(change_document(self.chosen.proposal.document, settings))
+        return as_toml(change_document(self.chosen_model.proposal.document, settings))
 
 
 def _read_files(
@@ -201,7 +203,7 @@ def _read_files(
 
 def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None:
     """Return texts that assign the columns of files with headings `name [unit]` and unknown names."""
-    own = [one for one in files if one.renamed]
+    own = [one for one in files if one.has_renamed_columns]
     assignments = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
     if not own:
         return ()
@@ -275,8 +277,8 @@ def model_logs(
     trials = ModelTrials(recognised_experiment.kind, TimeBox(time_box), announce, starts, hold_out, keep)
     trials.run(proposals)
     notes = list(dict.fromkeys([*notes, *trials.notes]))
-    best = choose_model(trials.tried)
-    if trials.stopped != INTERRUPTION:
+    best = choose_model(trials.tried_models)
+    if trials.stop_reason != INTERRUPTION:
         best = replace(best, fit=count_jitter(best.fit, best.proposal.jitter))
 
     def rebuild(path: str, text: str) -> Problem:
@@ -290,10 +292,10 @@ def model_logs(
         f"`{path}` is held at {write_value(*x)}: the logs do not determine it." for path, x in fixed_parameters.items()
     ]
     assumed |= {path: value for path, (value, _) in fixed_parameters.items()}
-    moves = [] if trials.stopped == INTERRUPTION else trace_assumptions(best.fit, assumed, rebuild)
+    moves = [] if trials.stop_reason == INTERRUPTION else trace_assumptions(best.fit, assumed, rebuild)
     traced = {one.path for one in moves}
     untested = tuple(path for path in assumed if path not in traced)
-    tried = tuple(trials.tried)
+    tried = tuple(trials.tried_models)
     return LogModel(
         recognised_experiment,
         best,
@@ -301,7 +303,7 @@ def model_logs(
         tuple(notes),
         tuple(records),
         assignments,
-        trials.stopped,
+        trials.stop_reason,
         tuple(moves),
         untested,
     )

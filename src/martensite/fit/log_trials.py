@@ -84,14 +84,14 @@ class TriedModel:
     errors: tuple[HeldOutError, ...]
 
     @cached_property
-    def pooled(self) -> list[PooledError]:
+    def pooled_errors(self) -> list[PooledError]:
         """Return the held-out errors by output, the main output first; empty if not tested."""
         return pool_errors(self.errors)
 
     @property
     def error(self) -> float:
         """Return the held-out error of the first output [SI]; infinite if not tested."""
-        return self.pooled[0].rms if self.pooled else math.inf
+        return self.pooled_errors[0].rms if self.pooled_errors else math.inf
 
 
 @dataclass
@@ -106,9 +106,9 @@ class ModelTrials:
     hold_out: str = AUTO
     keep: Keep | None = None
     """Callback after every evaluation, with the problem and the best point."""
-    tried: list[TriedModel] = field(default_factory=list[TriedModel])
+    tried_models: list[TriedModel] = field(default_factory=list[TriedModel])
     notes: list[str] = field(default_factory=list[str])
-    stopped: str = ""
+    stop_reason: str = ""
     """Reason for an early end; empty without one."""
 
     def run(self, proposals: Sequence[Proposal]) -> None:
@@ -118,37 +118,37 @@ class ModelTrials:
             SolveError: no proposal can be run.
         """
         waiting = list(proposals)
-        while waiting and not self.stopped:
+        while waiting and not self.stop_reason:
             self._try_next(waiting.pop(0))
             if self._is_enough():
                 break
-            if not waiting and self.tried and (more := self._propose_rounder()):
+            if not waiting and self.tried_models and (more := self._propose_rounder()):
                 waiting.append(more)
-        if self.stopped and waiting:
+        if self.stop_reason and waiting:
             names = list_names([one.name for one in waiting])
-            self.notes.append(f"Not tried, because of the {self.stopped}: {names} (`--time-box`).")
-        if not self.tried:
+            self.notes.append(f"Not tried, because of the {self.stop_reason}: {names} (`--time-box`).")
+        if not self.tried_models:
             raise SolveError(f"None of the proposed models can be run. {' '.join(self.notes)}")
 
     def _try_next(self, proposal: Proposal) -> None:
         """Try a proposal, and then a simplified one if parameters are undetermined."""
         try:
             model = self._try_proposal(proposal)
-            self.tried.append(model)
-            simpler = None if self.stopped else simplify_proposal(model)
+            self.tried_models.append(model)
+            simpler = None if self.stop_reason else simplify_proposal(model)
             if simpler is not None:
-                self.tried.append(self._try_proposal(simpler))
+                self.tried_models.append(self._try_proposal(simpler))
         except (SolveError, ParameterError) as error:
             self.notes.append(f"Left out: {proposal.name}. {error}")
         except OutOfTimeError:
-            self.stopped = BOX
+            self.stop_reason = BOX
         except KeyboardInterrupt:
             accept_interrupt()
-            self.stopped = INTERRUPTION
-            if not self.tried:
+            self.stop_reason = INTERRUPTION
+            if not self.tried_models:
                 raise
         if self.box.share >= ENOUGH:
-            self.stopped = self.stopped or BOX
+            self.stop_reason = self.stop_reason or BOX
 
     def _try_proposal(self, proposal: Proposal) -> TriedModel:
         self.tell(proposal.name)
@@ -156,13 +156,13 @@ class ModelTrials:
         problem = arrange_proposal(proposal, scenario)
         fit = replace(self._solve_from_starts(problem, proposal), scenario=scenario)
         if fit.reason == INTERRUPTED:
-            self.stopped = INTERRUPTION
+            self.stop_reason = INTERRUPTION
             return TriedModel(proposal, fit, ())
         try:
             errors = cross_validate(fit, problem.free, kind=self.kind, hold_out=self.hold_out, box=self.box)
         except KeyboardInterrupt:
             accept_interrupt()
-            self.stopped, errors = INTERRUPTION, []
+            self.stop_reason, errors = INTERRUPTION, []
         return TriedModel(proposal, fit, tuple(errors))
 
     def _solve_from_starts(self, problem: Problem, proposal: Proposal) -> Fit:
@@ -193,19 +193,19 @@ class ModelTrials:
 
     def _is_enough(self) -> bool:
         """Return whether the best model has a small error, or an error within the scatter."""
-        if not self.tried or not self.tried[-1].pooled:
+        if not self.tried_models or not self.tried_models[-1].pooled_errors:
             return False
-        best = choose_model(self.tried)
-        pooled = best.pooled[0]
+        best = choose_model(self.tried_models)
+        pooled = best.pooled_errors[0]
         good = bool(self.kind.axis) and pooled.predicts and pooled.fit_percent >= EXCELLENT
         return good or best.error <= FLOOR * measure_scatter(best)
 
     def _propose_rounder(self) -> Proposal | None:
         """Return the best proposal of a driven element with rounder transformations, if its error is too large."""
-        best = choose_model(self.tried)
-        if not (self.kind.shows_shape and best.proposal.spread and best.pooled):
+        best = choose_model(self.tried_models)
+        if not (self.kind.shows_shape and best.proposal.spread and best.pooled_errors):
             return None
-        return add_waist(best.proposal, best.fit.numbers) if best.pooled[0].fit_percent < GOOD else None
+        return add_waist(best.proposal, best.fit.numbers) if best.pooled_errors[0].fit_percent < GOOD else None
 
 
 def read_proposal(proposal: Proposal) -> Scenario:
@@ -292,7 +292,7 @@ def _list_needless(fit: Fit) -> tuple[list[str], list[str]]:
     names = [free.name for free in fit.problem.free if free.record is None]
     can = [name for name in names if name.partition("-")[0] not in ALWAYS_FREE]
     undetermined = [name for name in can if name in fit.undetermined]
-    pairs = [(other, one) for one, other, _ in fit.uncertainty.confounded(CONFUSED)]
+    pairs = [(other, one) for one, other, _ in fit.uncertainty.list_confounded(CONFUSED)]
     candidates = [next((name for name in pair if name in can), "") for pair in pairs]
     return undetermined, [name for name in candidates if name and name not in undetermined]
 

@@ -129,7 +129,7 @@ def _describe_limits(numbers: MaterialNumbers) -> str:
     fit = numbers.fit
     units = {"temperature": "K", "stress": "Pa"}
     ranges = [f"{name} {shown_range(r, units[name])}" for name, r in find_covered_range(fit).items()]
-    held_out_names = [one.record for one in list_compared(fit) if not one.used.any()]
+    held_out_names = [one.record for one in list_compared(fit) if not one.training_rows.any()]
     words = [f"They hold for this law, and were fitted at {join_phrases(ranges)}."]
     if held_out_names:
         words.append(f"Kept back: {join_phrases(list(dict.fromkeys(held_out_names)))}.")

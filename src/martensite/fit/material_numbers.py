@@ -74,7 +74,7 @@ class MaterialNumbers:
         leaves = self._leaves()
         finite = {name: leaf for name, leaf in leaves.items() if math.isfinite(leaf.value)}
         numbers = {name: self._number(name, leaf) for name, leaf in finite.items()}
-        numbers |= dict(self._carried(leaves))
+        numbers |= dict(self._carry_numbers(leaves))
         return {name: numbers[name] for name in NAMES if name in numbers}
 
     def others(self) -> list[FreeNumber]:
@@ -95,7 +95,7 @@ class MaterialNumbers:
         physical = [free for free in self.fit.problem.free if not is_nuisance(free.path)]
         moving = [free for free in physical if free.moves(leaf.path)]
         if not moving:
-            return self._inherited(name, leaf)
+            return self._inherit_number(name, leaf)
         if moving[0].name in self.fit.identifiability.without_effect:
             return self._idle(name, leaf, moving[0])
         if moving[0].record is None:
@@ -114,15 +114,15 @@ class MaterialNumbers:
     def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> MaterialNumber:
         """Return an idle parameter as not fitted."""
         start_leaf = replace(leaf, value=free.start)
-        number = self._inherited(name, start_leaf)
+        number = self._inherit_number(name, start_leaf)
         words = "free in the fit, but without effect on it: as at the start"
         return replace(number, note="; ".join(filter(None, (number.note, words))))
 
-    def _inherited(self, name: str, leaf: Leaf) -> MaterialNumber:
+    def _inherit_number(self, name: str, leaf: Leaf) -> MaterialNumber:
         if self.material and name in self.material.values:
             number = self.material.values[name]
             if number.value == leaf.value:
-                return self._copied(self.material, number)
+                return self._copy_number(self.material, number)
         text = exact_text(leaf.value, leaf.declared.unit)
         origins = self.scenario.origins if self.scenario else {}
         if origins.get(scenario_path(leaf.path)) == DEFAULT:
@@ -130,14 +130,14 @@ class MaterialNumbers:
             return _build_number(leaf, text, "assumed", DEFAULT, "")
         return _build_number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
 
-    def _carried(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
+    def _carry_numbers(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
         """Yield the material parameters of the scenario that the fitted system does not use."""
         if self.material:
             for name, number in self.material.values.items():
                 if name not in leaves:
-                    yield name, self._copied(self.material, number)
+                    yield name, self._copy_number(self.material, number)
 
-    def _copied(self, material: Material, number: MaterialNumber) -> MaterialNumber:
+    def _copy_number(self, material: Material, number: MaterialNumber) -> MaterialNumber:
         """Return a parameter of another material, with its source."""
         key = number.source
         if key in (FIT, SCENARIO, DEFAULT):
@@ -154,7 +154,7 @@ class MaterialNumbers:
 def describe_trust(fit: Fit, free: FreeNumber) -> str:
     """Describe the interval and bounds of a fitted parameter, with their problems."""
     uncertainty = fit.uncertainty
-    wide = format_interval(uncertainty.widened(free.name), free.unit)
+    wide = format_interval(uncertainty.widen_interval(free.name), free.unit)
     plain = format_interval(uncertainty.interval(free.name), free.unit)
     of = f" of {free.name}" if free.base else ""
     words = [f"{wide}{of}" if wide == NOT_DETERMINED else f"95 % interval{of} {wide}"]

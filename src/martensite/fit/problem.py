@@ -155,12 +155,12 @@ class Problem:
     def with_corrections(self, corrections: Sequence[InputCorrection]) -> Problem:
         """Return the problem with corrections for noise of its drives."""
         problem = replace(self, corrections=tuple(corrections))
-        caches = {name: getattr(self, name) for name in ("_ranges", "used", "_moving", "_values")}
+        caches = {name: getattr(self, name) for name in ("_ranges", "training_rows", "_moving", "_values")}
         problem.__dict__.update(caches, runners=problem._drive_runners(self.runners))  # cached values that stay valid
         return problem
 
     @cached_property
-    def used(self) -> list[Any]:
+    def training_rows(self) -> list[Any]:
         """Return the fitted samples of every experiment, True in arrays (rows, outputs)."""
         return [np.isfinite(one.measured) & ~one.held_out_rows[:, None] for one in self.experiments]
 
@@ -190,7 +190,7 @@ class Problem:
 
     def split(self, residuals: Any) -> list[Any]:
         """Return the residuals of fitted samples, by experiment."""
-        ends = np.cumsum([int(used.sum()) for used in self.used])
+        ends = np.cumsum([int(used.sum()) for used in self.training_rows])
         return np.split(residuals[: ends[-1]], ends[:-1])
 
     @property
@@ -212,7 +212,7 @@ class Problem:
             for i, (u, model) in enumerate(zip(points, runner.run_many(table), strict=True)):
                 fitted = self._compare_model(k, None if refused[i] else model, u, None)
                 totals[i] += math.inf if fitted is None else self._sum_squares(k, fitted)
-            counts += int(self.used[k].sum())
+            counts += int(self.training_rows[k].sum())
         if self.spreads:
             totals += np.array(
                 [float(np.sum(weigh_spreads(self.free, self.spreads, u, self.prior_scale)[0] ** 2)) for u in points]
@@ -221,7 +221,7 @@ class Problem:
 
     def _list_slopes(self, k: int, fitted: FittedRecord) -> Any:
         """Return the derivatives (n, free) of the used residuals of an experiment."""
-        slopes = fitted.jacobian.transpose(1, 0, 2)[self.used[k].T]
+        slopes = fitted.jacobian.transpose(1, 0, 2)[self.training_rows[k].T]
         return self.corrections[k].whiten(slopes) if self.corrections else slopes
 
     def _sum_squares(self, k: int, fitted: FittedRecord) -> float:
@@ -230,7 +230,7 @@ class Problem:
 
     def _list_residuals(self, k: int, fitted: FittedRecord) -> Any:
         """Return the used residuals (n,) of an experiment, corrected for noise of its drives."""
-        residuals = fitted.residuals.T[self.used[k].T]
+        residuals = fitted.residuals.T[self.training_rows[k].T]
         if not self.corrections:
             return residuals
         fix = self.corrections[k]
@@ -239,7 +239,7 @@ class Problem:
     @property
     def lengths(self) -> list[int]:
         """Return the number of residuals of each output of each experiment."""
-        counts = (int(n) for used in self.used for n in used.sum(axis=0))
+        counts = (int(n) for used in self.training_rows for n in used.sum(axis=0))
         return [n for n in counts if n] + [1] * len(self.spreads)
 
     @cached_property

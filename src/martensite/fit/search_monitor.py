@@ -99,7 +99,7 @@ class SearchMonitor:
             point = self.best or tuple(map(float, u))
             self.tell(SearchNote(self.stage, self.cost, point, self.simulations, self.share))
 
-    def finished(self, stage: str) -> None:
+    def finish_stage(self, stage: str) -> None:
         """Note that a stage need not be repeated."""
         self.done.append(stage)
         self.save()

@@ -163,7 +163,7 @@ def _correct_end(end: _CorrectedEnd, loss: Loss) -> _CorrectedEnd:
     if noise:
         again, corrected_evaluation = (one.evaluate(point.tolist(), slopes=True) for one in (end.problem, problem))
         if again is not None and corrected_evaluation is not None:
-            evaluation = Evaluation(again.fitted, corrected_evaluation.residuals, corrected_evaluation.jacobian)
+            evaluation = Evaluation(again.fitted_records, corrected_evaluation.residuals, corrected_evaluation.jacobian)
     return _CorrectedEnd(problem, point, evaluation, tuple(noise), tuple(notes))
 
 
@@ -231,11 +231,11 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
     evaluation = whole.evaluate(at)
     if evaluation is None:
         raise SolveError(f"The run of record `{one.name}`, which was held out, fails.")
-    raw = evaluation.fitted[0].model
+    raw = evaluation.fitted_records[0].model
     if own:  # fitted to it, everything else as found
         alone = replace(one, held_out_intervals=(), system=whole.system(0, at))
         fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()), inputs=False)
-        return HeldOutRecord(one, fit.evaluation.fitted[0].model, fit.numbers, raw)
+        return HeldOutRecord(one, fit.evaluation.fitted_records[0].model, fit.numbers, raw)
     return HeldOutRecord(one, raw, {}, raw)
 
 
@@ -248,7 +248,7 @@ def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed
         watch.stage = "differential evolution"
         best = evolve_start(_count_costs(watch), len(problem.free), seed=seed).values
         begins = [("best of evolution", problem.order.find_shares(best))]
-        watch.finished("evolution")
+        watch.finish_stage("evolution")
     if watch.best is not None:
         begins = [(RESUMED, np.array(watch.best))]
     if starts:

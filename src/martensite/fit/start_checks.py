@@ -72,7 +72,7 @@ def detect_transformation(problem: Problem, u: Any) -> bool:
     for k, one in enumerate(problem.experiments):
         system = problem.system(k, u)
         outputs = [system.label(port, "martensite_fraction") for port in system.actuators()]
-        fractions = one.sample_outputs(system, outputs, problem.used[k].any(axis=1), problem.step)
+        fractions = one.sample_outputs(system, outputs, problem.training_rows[k].any(axis=1), problem.step)
         if not np.isfinite(fractions).all() or (np.ptp(fractions, axis=0) > LEAST_CHANGE).any():
             return True
     return False
@@ -86,7 +86,7 @@ def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
     own = [i for i, free in enumerate(problem.free) if not is_nuisance(free.path)]
     return [
         (one.name, output)
-        for one, fitted in zip(problem.experiments, evaluation.fitted, strict=True)
+        for one, fitted in zip(problem.experiments, evaluation.fitted_records, strict=True)
         for k, output in enumerate(one.outputs)
         if not np.any(np.abs(fitted.jacobian[:, k, own]) > NO_EFFECT)
     ]
@@ -184,9 +184,9 @@ def _find_doubtful(problem: Problem, evaluation: Evaluation) -> list[tuple[int, 
 
 
 def _compare_ranges(problem: Problem, evaluation: Evaluation, e: int, k: int) -> float:
-    used = problem.used[e][:, k]
+    used = problem.training_rows[e][:, k]
     measured = np.ptp(problem.experiments[e].measured[used, k])
-    modelled = np.ptp(evaluation.fitted[e].model[used, k])
+    modelled = np.ptp(evaluation.fitted_records[e].model[used, k])
     return float(measured / modelled) if modelled > 0.0 else math.inf
 
 
@@ -201,8 +201,8 @@ def _refuse_units(
     for e, k in doubtful:
         one, ratio = problem.experiments[e], _compare_ranges(problem, first, e, k)
         output, elsewhere = one.outputs[k], [_compare_ranges(problem, f, e, k) for _, f in others]
-        measured = float(np.ptp(one.measured[problem.used[e][:, k], k]))
-        modelled = float(np.ptp(first.fitted[e].model[problem.used[e][:, k], k]))
+        measured = float(np.ptp(one.measured[problem.training_rows[e][:, k], k]))
+        modelled = float(np.ptp(first.fitted_records[e].model[problem.training_rows[e][:, k], k]))
         unit = one.describe_outputs()[output].unit
         clause = (
             f"Column `{one.columns[output]}` of record `{one.record.name}` ranges over "

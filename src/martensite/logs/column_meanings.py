@@ -105,7 +105,7 @@ def _find_special(raw: RawTable, column: RawColumn, listed: str) -> Meaning | No
     if listed:
         return None
     counts = COUNTER.fullmatch(words) and is_even_time(column.numbers)
-    if counts or (raw.headed and not words and _is_row_count(column.numbers)):
+    if counts or (raw.has_headings and not words and _is_row_count(column.numbers)):
         return Meaning(IGNORED, "", "")
     return None
 
@@ -113,12 +113,12 @@ def _find_special(raw: RawTable, column: RawColumn, listed: str) -> Meaning | No
 def _guess_quantity(raw: RawTable, column: RawColumn, listed: str) -> Meaning:
     """Return the quantity of a column; a missing unit is guessed from the values."""
     plain = guess_heading(column.heading)
-    if listed and plain.worded and plain.unit not in ("", listed):
+    if listed and plain.has_words and plain.unit not in ("", listed):
         return Meaning(plain.name, plain.unit, "heading", False)
     guess = _add_unit(column, plain, listed or _find_scope_unit(raw, column, plain))
     if not guess.name and not guess.unit and column.heading and "emissivity" in raw.header_entries:
         return Meaning("temperature", "degC", "values")  # an infrared camera writes nothing else
-    if not guess.name or (guess.name == "time" and not guess.worded and not is_rising(column.numbers)):
+    if not guess.name or (guess.name == "time" and not guess.has_words and not is_rising(column.numbers)):
         return Meaning("", guess.unit, "")
     if guess.unit:
         return Meaning(guess.name, guess.unit, _find_source(plain, guess))
@@ -127,7 +127,7 @@ def _guess_quantity(raw: RawTable, column: RawColumn, listed: str) -> Meaning:
 
 def _find_source(plain: Guess, guess: Guess) -> str:
     """Return whether the words of a heading or its unit gave a meaning."""
-    return "heading" if plain.name == guess.name and (guess.worded or plain.worded) else "unit"
+    return "heading" if plain.name == guess.name and (guess.has_words or plain.has_words) else "unit"
 
 
 def _add_unit(column: RawColumn, plain: Guess, listed: str) -> Guess:

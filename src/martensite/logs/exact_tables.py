@@ -105,7 +105,7 @@ def refuse_mistaken(texts: Sequence[str], headings: Sequence[FileColumn], where:
     """
     for text, head in zip(texts, headings, strict=True):
         guess = guess_heading(text)
-        if guess.worded and guess.name and guess.unit not in ("", CLOCK, head.spelling):
+        if guess.has_words and guess.name and guess.unit not in ("", CLOCK, head.spelling):
             try:
                 find_conversion(guess.unit, head.unit)
             except UnitError:

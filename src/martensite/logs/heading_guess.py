@@ -98,7 +98,7 @@ class Guess:
     """Known column (`layout.CANONICAL`), optionally with a port; may be empty."""
     unit: str
     """Unit as `martensite.base.units` reads it; empty if the heading has no unit."""
-    worded: bool = True
+    has_words: bool = True
     """True if a word of the heading names the quantity; False if only the unit does."""
 
 

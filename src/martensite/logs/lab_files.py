@@ -75,9 +75,9 @@ class LabFile:
     has_time: bool
     start: float | None = None
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 the time of day."""
-    titled: bool = False
+    has_preamble: bool = False
     """True if lines precede the table."""
-    renamed: bool = False
+    has_renamed_columns: bool = False
     """True if complete headings were read by their meaning, such as `Load [N]` as `force`."""
     labels: tuple[str, ...] = ()
     """Cells above the headings, one per column."""
@@ -90,7 +90,7 @@ class LabFile:
     def is_given(self) -> bool:
         """Return whether nothing was guessed, omitted or corrected."""
         guessed = any(one.si and one.source != "given" for one in self.columns)
-        return not (self.notes or self.dropped or self.titled or guessed)
+        return not (self.notes or self.dropped or self.has_preamble or guessed)
 
     def with_interval(self, interval: float) -> LabFile:
         """Return the file with a time between rows [s]."""
@@ -177,7 +177,7 @@ def interpret_table(raw: RawTable, path: Path, new_headings: Mapping[str, str]) 
     count = sum(one.count for one in left if one.reason != "below the table")
     file, sheet = part_sheet(path)
     record = Record(f"{file.stem} {sheet}".strip(), columns, si_units, file, count, None if timed else 1.0)
-    titled = len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
+    titled = len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.has_headings)
     parts = tuple(listed), left, tuple(notes)
     return LabFile(
         path, raw.form, record, *parts, timed, times.start, titled, labels=raw.labels, header_entries=raw.header_entries

@@ -78,7 +78,7 @@ class RawTable:
     """Format of the table, in words."""
     separator: str
     """Key of `SEPARATORS`; empty for a binary file."""
-    headed: bool
+    has_headings: bool
     columns: tuple[RawColumn, ...]
     numbers: NDArray[np.intp]
     """Row numbers in the file."""

@@ -85,7 +85,7 @@ def read_log(
     if file is not None and exact and (is_published(source) or not known or is_all_known(file.record)):
         return file
     if file is None or exact:
-        file = replace(read_lab_file(source, new_headings), renamed=exact)
+        file = replace(read_lab_file(source, new_headings), has_renamed_columns=exact)
     return file.with_interval(interval) if interval is not None and not file.has_time else file
 
 

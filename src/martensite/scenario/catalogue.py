@@ -176,11 +176,11 @@ def _describe_allowed(declared: Declared) -> str:
     if declared.unit == DRIVE:
         return "any level in the unit of the source"
     if declared.unit in OF_LOOPS:
-        return f"{declared.allowed()}, in units of signal and reading"
+        return f"{declared.describe_range()}, in units of signal and reading"
     if declared.unit in OF_READINGS:
-        return f"{declared.allowed()}, in the unit of the reading"
+        return f"{declared.describe_range()}, in the unit of the reading"
     if declared.kind == "parameter":
-        return declared.allowed()
+        return declared.describe_range()
     if declared.kind == "option":
         return " | ".join(declared.choices)
     if declared.kind == "text":

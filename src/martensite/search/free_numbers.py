@@ -76,7 +76,7 @@ class Target:
             float(leaf.value),
             declared.doc,
             bounds=declared.bounds,
-            allowed=declared.allowed(),
+            allowed=declared.describe_range(),
         )
 
 

@@ -36,7 +36,7 @@ class TimeBox:
         return check
 
     @contextmanager
-    def watched(self, part: float) -> Generator[None]:
+    def watch(self, part: float) -> Generator[None]:
         """Set the event after a fraction of the time box."""
 
         def look() -> None:

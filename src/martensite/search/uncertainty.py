@@ -79,7 +79,7 @@ class Uncertainty:
         """Return the confidence interval of a parameter for independent samples."""
         return self._about(name, level, self.freedom, 1.0)
 
-    def widened(self, name: str, level: float = LEVEL) -> Interval:
+    def widen_interval(self, name: str, level: float = LEVEL) -> Interval:
         """Return the confidence interval of a parameter for n_eff samples."""
         return self._about(name, level, self._spare, self.widening)
 
@@ -98,7 +98,7 @@ class Uncertainty:
         """Return the degrees of freedom of the independent samples."""
         return min(max(int(self.effective) - self.rank, 1) if self.freedom > 0 else 0, self.freedom)
 
-    def confounded(self, limit: float = CONFOUNDED) -> list[tuple[str, str, float]]:
+    def list_confounded(self, limit: float = CONFOUNDED) -> list[tuple[str, str, float]]:
         """Return the pairs of parameters with a stronger correlation, the strongest first."""
         count = len(self.names)
         pairs = [
@@ -115,7 +115,7 @@ class Uncertainty:
         sentences: list[str] = []
         if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
             sentences.append(f"The data do not determine {list_names(lost)}.")
-        for one, other, value in self.confounded():
+        for one, other, value in self.list_confounded():
             together = "increase together" if value > 0.0 else "compensate each other"
             sentences.append(
                 f"`{one}` and `{other}` {together} (correlation {value:.3f}), so the data hardly separate them."
@@ -137,7 +137,7 @@ class Uncertainty:
                     "value": value,
                     "standard_error": error,
                     "interval": list(self.interval(name, level)),
-                    "widened_interval": list(self.widened(name, level)),
+                    "widened_interval": list(self.widen_interval(name, level)),
                 }
                 for name, value, error in columns
             },

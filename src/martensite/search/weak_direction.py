@@ -59,7 +59,7 @@ class WeakDirection:
         """Return a sentence on the undetermined parameters, with amounts in everyday units."""
         if len(self.names) == 1:
             return self._single()
-        return f"{self._determined()}: {self._moves()} {self._outcome()}."
+        return f"{self._describe_names()}: {self._moves()} {self._outcome()}."
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields by name and the sentence, for JSON."""
@@ -72,7 +72,7 @@ class WeakDirection:
         move = f"its whole range, {format_change(abs(self.changes[0]), self.units[0])},"
         return f"`{name}` is not determined: {move} {self._outcome()}."
 
-    def _determined(self) -> str:
+    def _describe_names(self) -> str:
         first, second, *others = self.names
         if others:
             return f"{list_names(self.names)} are not determined separately"
@@ -88,12 +88,12 @@ class WeakDirection:
 
     def _moves(self) -> str:
         if self.gauge:
-            up, down = self._parted(list(self.names), [r / self.relative[0] for r in self.relative])
+            up, down = self._part_phrases(list(self.names), [r / self.relative[0] for r in self.relative])
             dividing = f" and dividing {list_names(down)}" if down else ""
             return f"multiplying {list_names(up)}{dividing} by the same factor"
         amounts = zip(self.names, self.changes, self.units, strict=True)
         phrases = [f"`{name}` by {format_change(abs(move), unit)}" for name, move, unit in amounts]
-        up, down = self._parted(phrases, self.changes)
+        up, down = self._part_phrases(phrases, self.changes)
         if not down:
             return f"raising {up[0]} together with {join_phrases(up[1:])}"
         return f"raising {join_phrases(up)} while lowering {join_phrases(down)}"
@@ -106,7 +106,7 @@ class WeakDirection:
         return f"changes nothing (the error changes by {share} of its noise{factor})"
 
     @staticmethod
-    def _parted(phrases: list[str], signs: Sequence[float]) -> tuple[list[str], list[str]]:
+    def _part_phrases(phrases: list[str], signs: Sequence[float]) -> tuple[list[str], list[str]]:
         """Return the phrases of the rising and of the falling parameters."""
         pairs = list(zip(phrases, signs, strict=True))
         return [p for p, s in pairs if s > 0.0], [p for p, s in pairs if not s > 0.0]

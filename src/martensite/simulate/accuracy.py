@@ -85,7 +85,7 @@ class RunEngine:
     tell: Tell | None = None
     budget: float | None = None
     """CPU time [s] for all passes together."""
-    used: str = "floats"
+    last_runtime: str = "floats"
     """Runtime of the last pass."""
     marching: Any = None
     """Last pass in C, whose arrays the next pass uses again."""
@@ -95,7 +95,7 @@ class RunEngine:
         """Run a plan; raise `BudgetError` if the budget is spent."""
         ways = {"auto": self._quickest, "c": self._on_c, "floats": self._on_floats}
         run = ways[self.runtime](plan)
-        run.used = self.used
+        run.runtime = self.last_runtime
         return run
 
     def _quickest(self, plan: MarchPlan) -> Marched:
@@ -104,7 +104,7 @@ class RunEngine:
 
         if find_compiler() is None:
             return self._on_floats(plan)
-        if self.used == "C" or (NATIVE in sys.modules and self._readiness(plan) == "loaded"):
+        if self.last_runtime == "C" or (NATIVE in sys.modules and self._readiness(plan) == "loaded"):
             return self._on_c(plan)
         if len(self.compiled.program.graph.depends) > LARGE and _compiles_at_once():
             return self._on_c_if_possible(plan)
@@ -134,7 +134,7 @@ class RunEngine:
 
     def _on_floats(self, plan: MarchPlan, hasty: bool = False) -> Marched:
         """Run on floats; raise `TimeoutError` if `hasty` and C would be faster."""
-        self.used = "floats"
+        self.last_runtime = "floats"
         functions = self.compiled.program.bind_floats(*self.values)
         march = FixedMarch if plan.step else AdaptiveMarch
         begin, watch = time.process_time(), self._watch("simulating")
@@ -160,7 +160,7 @@ class RunEngine:
         outputs = range(len(self.compiled.outputs))
         if self.tell is not None and self._readiness(plan) == "new":
             self.tell("compiling", 0.0)
-        self.used = "C"
+        self.last_runtime = "C"
         self.marching = Marching(Runs(plan, self.values, 1, tuple(outputs), 1), self.marching)
         return self.marching.go(self._watch("simulating")).take_run(0, plan.times)
 

@@ -160,7 +160,7 @@ def _in_discrete_time(
     times, stored = np.asarray(grid.times), np.asarray(whole.times)[whole.stored]
     places: list[int] = np.flatnonzero(np.isin(times, [start.time, *stored])).tolist()
     plan = replace(plan, times=times[places])
-    run = replace(run, rows=choose_rows(run.rows, places), used="C" if runtime == "c" else "floats")
+    run = replace(run, rows=choose_rows(run.rows, places), runtime="C" if runtime == "c" else "floats")
     notes = list[str]()
     if not kept_all and len(whole.lengths) > len(whole.times):
         notes.append(
@@ -247,7 +247,7 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context
         notes=[*notes, *context.notes],
         judged=judge_limits,
         profiles=_part_profiles(len(names), rows),
-        runtime=run.used,
+        runtime=run.runtime,
         rejected=run.rejected,
         heat=heat,
         work=work,

@@ -145,7 +145,7 @@ class Marched:
     """Largest difference of judged outputs from the previous pass up to this leg; empty for the first pass."""
     gaps: Any = ()
     """Differences at every compared sample, (samples, judged)."""
-    used: str = ""
+    runtime: str = ""
     """Runtime of the run, `C` or `floats`."""
 
     def find_largest_gap(self, before: Row, samples: int | None = None) -> Row:

@@ -190,7 +190,7 @@ class Relay:
     def __call__(self, plan: MarchPlan) -> Marched:
         """Run one more pass on a single runtime, since row types differ between runtimes."""
         legs, rows = self._make_legs(plan)
-        if len({leg.used for leg in legs}) > 1:
+        if len({leg.runtime for leg in legs}) > 1:
             legs, rows = self._make_legs(plan)
         whole = join_legs(legs, rows, self._begin(len(self.passes)))
         for one in (*(earlier for earlier, _ in self.passes), *(leg for leg in legs if leg is not whole)):

@@ -107,7 +107,7 @@ class RunTrace(AbstractTrace):
 
     def _observe(self, run: Marched) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
-        observe = self.engine.observe(plan, outputs, run.used)
+        observe = self.engine.observe(plan, outputs, run.runtime)
         track = assemble_track(plan, run.record, outputs, observe, [plan.waveforms])
         return cut_outside(self.system, track) if run.status is Status.OUT_OF_ENVELOPE else track
 

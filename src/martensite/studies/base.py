@@ -180,7 +180,7 @@ class AbstractStudy:
         """Return digest, claims and reports, computed now."""
         return Answer.join([part() for part in self.parts().values()], self.digest())
 
-    def shipped(self) -> Answer | None:
+    def load_shipped_answer(self) -> Answer | None:
         """Return the answer from shipped numbers, or None."""
         return None
 
@@ -190,7 +190,7 @@ class AbstractStudy:
 
     def find_answer(self, recompute: bool = False) -> Answer:
         """Return the shipped answer; without one or on demand, compute the full answer."""
-        if not recompute and (shipped := self.shipped()):
+        if not recompute and (shipped := self.load_shipped_answer()):
             return shipped
         self.full = True
         return self.compute()

@@ -119,7 +119,7 @@ def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:
     Searches of wandering parts depend on the machine. Only claims of these parts are compared, with a loose tolerance,
     and only if `wandering` is true.
     """
-    shipped = study.shipped()
+    shipped = study.load_shipped_answer()
     if shipped is None:
         return [f"It has no `{RESULTS}`."]
     if study.lacks_compiler():

@@ -119,7 +119,7 @@ class TableStudy(AbstractStudy):
             return {}
         return self._write_digest({key: self.part_numbers(key) for key in self.table["parts"]})
 
-    def shipped(self) -> Answer | None:
+    def load_shipped_answer(self) -> Answer | None:
         """Return digest, claims and reports from the shipped numbers."""
         results = read_results(self.folder())
         if results is None:

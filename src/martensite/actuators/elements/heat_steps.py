@@ -27,7 +27,7 @@ class HeatLine(NamedTuple):
     """Heat per R-phase ratio, by resistance."""
     latent: Scalar
     """Latent heat of the whole transformation [J]."""
-    released: Callable[[Fractions], Scalar]
+    released_fraction: Callable[[Fractions], Scalar]
     """Released fraction of it in a phase state [-]."""
     bend_martensite: Scalar
     """Change of the latent heat along the step, per martensite, oriented fraction and kelvin."""
@@ -41,7 +41,7 @@ class HeatLine(NamedTuple):
         m, o, *more = (a - b for a, b in zip(end, self.fractions, strict=True))
         heat = self.heat + self.by_martensite * m + self.by_oriented * o
         for r in more:
-            beyond = self.released(end) - self.released(self.fractions) - m
+            beyond = self.released_fraction(end) - self.released_fraction(self.fractions) - m
             heat = heat + self.by_rphase * r + self.latent * beyond
         bend = self.bend_martensite * m + self.bend_oriented * o
         bend = bend + self.bend_temperature * (self.share * heat)

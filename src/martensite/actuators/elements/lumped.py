@@ -272,7 +272,7 @@ class AbstractLumped(AbstractElement):
             by_oriented=0.5 * dt * by_point[1] * by_strain[1],
             by_rphase=0.5 * dt * (by_point[3] + by_point[1] * by_strain[3]) if rphase else 0.0,
             latent=heat,
-            released=law.released,
+            released_fraction=law.released_fraction,
             bend_martensite=0.5 * by_state[0] * by_stress[0],
             bend_oriented=0.5 * by_state[0] * by_stress[1],
             bend_temperature=0.5 * (by_state[0] * by_stress[2] + by_state[1]),
@@ -298,14 +298,14 @@ class AbstractLumped(AbstractElement):
             return None
         memory = state.memory
         latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
-        released = self.law.released(self.law.fractions(memory))
+        released = self.law.released_fraction(self.law.fractions(memory))
         return self.heat_capacity_total() * memory.temperature - latent * released
 
     @override
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
         memory = state.memory
         latent = self.apply_wear(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
-        released = self.law.released(self.law.fractions(memory))
+        released = self.law.released_fraction(self.law.fractions(memory))
         sensible = self.heat_capacity_total() * memory.temperature
         return StoredHeat(sensible, (Effort(-latent, released),))
 

@@ -263,7 +263,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
         def hold(volume: Scalar, memory: Any) -> Effort:
             heat = volume * law.heat(xp, latent, memory.stress, memory.temperature)
-            return Effort(-heat, law.released(law.fractions(memory)))
+            return Effort(-heat, law.released_fraction(law.fractions(memory)))
 
         efforts = map_tuples(hold, xp, self.fibre_columns(xp)[1], state.memories)
         if law.constant_heat:  # the energy itself, as one number

@@ -167,7 +167,7 @@ class SectionStep:
         """Return the heat [J] released by a fibre on its way to an end, at mean stress and temperature."""
         element, middle = self.element, (0.5 * (memory.stress + stress), 0.5 * (memory.temperature + temperature))
         latent = element.law.heat(xp, element.density * element.latent_heat, *middle)
-        change = element.law.released(end) - element.law.released(element.law.fractions(memory))
+        change = element.law.released_fraction(end) - element.law.released_fraction(element.law.fractions(memory))
         return volume * (latent + self.heat.by_martensite) * change
 
     def linearise_fibres(

@@ -87,7 +87,7 @@ def find_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
     """Return cached results, else shipped results, else None."""
     if (results := read_results(study, folder)) is not None:
         return results
-    shipped = study.shipped()
+    shipped = study.load_shipped_answer()
     if shipped is None:
         return None
     return describe_answer(study, shipped) | {"figure": "" if study.shipped_figure() is None else SHIPPED}

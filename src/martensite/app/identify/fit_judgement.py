@@ -75,7 +75,7 @@ def _write_headline(fit: Fit, judgement: FitJudgement) -> str:
 
 def _describe_number(fit: Fit, name: str) -> str:
     free = next(one for one in fit.problem.free if one.name == name)
-    low, high = fit.uncertainty.widened(name)
+    low, high = fit.uncertainty.widen_interval(name)
     within = f" ({format_quantity(low, free.unit)} to {format_quantity(high, free.unit)})"
     return f"`{name}` = {format_quantity(fit[name], free.unit)}{within if math.isfinite(high - low) else ''}"
 

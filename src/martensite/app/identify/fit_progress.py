@@ -75,7 +75,7 @@ class FitProgress:
 
     def finish(self, fit: Fit) -> None:
         """Send the note on the end of the search."""
-        pairs = zip(self.problem.experiments, fit.evaluation.fitted, strict=True)
+        pairs = zip(self.problem.experiments, fit.evaluation.fitted_records, strict=True)
         self.tell(
             {
                 "stage": "looking at the result",
@@ -97,7 +97,7 @@ class FitProgress:
         if evaluation is None:
             return {}
         self._sent_values = values
-        pairs = zip(self.problem.experiments, evaluation.fitted, strict=True)
+        pairs = zip(self.problem.experiments, evaluation.fitted_records, strict=True)
         return {"curves": [model_curves(one, fitted.model) for one, fitted in pairs]}
 
 
@@ -179,7 +179,7 @@ def _list_warnings(fit: Fit) -> list[str]:
 
 
 def _describe_found(fit: Fit, free: FreeNumber) -> JsonTable:
-    low, high = fit.uncertainty.widened(free.name)
+    low, high = fit.uncertainty.widen_interval(free.name)
     bounded = math.isfinite(low) and math.isfinite(high)
     return {
         **describe_parameter(free),

@@ -174,7 +174,7 @@ class ReportingBackend(AbstractBackend):
 class SweepProgress:
     """Progress of one sweep."""
 
-    begun: PlannedSweep
+    planned_sweep: PlannedSweep
     key: str
     desk: Desk
     fresh: list[int] = field(default_factory=list[int])
@@ -186,15 +186,15 @@ class SweepProgress:
 
     def run(self) -> Progress:
         """Run the missing chunks."""
-        self._before = count_statuses(self.begun.store, 0)[0]
+        self._before = count_statuses(self.planned_sweep.store, 0)[0]
         self._began = time.monotonic()
-        heard = replace(self.begun, backend=ReportingBackend(self.begun.backend, self.fresh))
+        heard = replace(self.planned_sweep, backend=ReportingBackend(self.planned_sweep.backend, self.fresh))
         return heard.run(self._tell)
 
     @cached_property
     def drawing(self) -> SweepDrawing:
         """Return the drawing of the sweep."""
-        return SweepDrawing(self.begun.store)
+        return SweepDrawing(self.planned_sweep.store)
 
     def _tell(self, progress: Progress) -> None:
         now = time.monotonic()

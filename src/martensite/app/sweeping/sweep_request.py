@@ -136,7 +136,7 @@ def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | Non
     if plan is not None:
         field_faults.attempt("sample", lambda: require_size(plan))
     if plan is not None and not field_faults:
-        field_faults.attempt("", lambda: plan.lost(range(1)))
+        field_faults.attempt("", lambda: plan.make_lost_piece(range(1)))
     return (None if field_faults else plan), field_faults
 
 

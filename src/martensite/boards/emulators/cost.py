@@ -45,7 +45,7 @@ class StepCost:
     """[bytes]"""
     failed: bool
     """True if a step did not solve in float32."""
-    counted: str
+    unit: str
     """Unit of `most`: cycles or instructions."""
     clock: float
     """[Hz]"""
@@ -58,7 +58,7 @@ class StepCost:
     @property
     def least(self) -> bool:
         """Return whether the time is a lower bound."""
-        return self.counted == "instructions"
+        return self.unit == "instructions"
 
 
 def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, list[StepCost]]:

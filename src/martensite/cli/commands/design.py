@@ -193,7 +193,7 @@ def write_design(optimum: OptimisedDesign, scenario: Scenario) -> str:
     sense = "most" if optimum.question.most else "least"
     goal = f"# designed for the {sense} {optimum.question.goal.words}"
     limits = [f"# subject to {one.words}" for one in optimum.question.subject]
-    missed = [f"# NOT KEPT: {words}" for words in optimum.missed]
+    missed = [f"# NOT KEPT: {words}" for words in optimum.violated_constraints]
     return "\n".join(
         [goal, *limits, *missed, f"# {optimum.life}", "", _write_numbers(optimum.question, optimum.numbers, scenario)]
     )

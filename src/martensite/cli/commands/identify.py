@@ -291,7 +291,7 @@ def _climb(
     if report is not None:
         written += write_page(summary, report)
     print_summary(summary, answer.json, written)
-    if ladder.stopped == "interrupted":
+    if ladder.stop_reason == "interrupted":
         raise typer.Exit(InterruptError.exit_code)
     if ladder.doubts or not ladder.predicts:
         raise typer.Exit(1)

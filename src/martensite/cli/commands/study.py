@@ -126,7 +126,7 @@ def _summarise_all(studies: list[AbstractStudy], failures: list[str]) -> Summary
     tallies: dict[str, Counter[str]] = {}
     for one in studies:
         with _note_failure(one, failures, alone=False):
-            tallies[one.key] = Counter(shipped.count_all() if (shipped := one.shipped()) else ())
+            tallies[one.key] = Counter(shipped.count_all() if (shipped := one.load_shipped_answer()) else ())
     entries = [one for one in studies if one.key in tallies]
     rows: dict[str, Counter[str]] = {}
     for source, group in groupby(entries, lambda one: (*one.cites, one.key)[0]):

@@ -71,20 +71,20 @@ class ThermalBound(AbstractCheck):
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> CheckResult:
         memory = (memory[0], *(readings[name] for name in self.reads()))
-        then = self._cooled(memory).after(xp, memory[0], wanted[self.drive], dt)
+        then = self._adapt_conductance(memory).after(xp, memory[0], wanted[self.drive], dt)
         return CheckResult(xp.negate(then <= self.limit), then <= self.limit - self.band, memory)
 
     def find_most(self, xp: Namespace, memory: Column, dt: Scalar) -> Named:
-        conductance = self._cooled(memory).conductance
+        conductance = self._adapt_conductance(memory).conductance
         decay = xp.exp(-conductance * dt / self.capacity)
         settled = (self.limit - memory[0] * decay) / xp.maximum(1.0 - decay, SHORT)
         fraction = xp.maximum((settled - self.ambient) * conductance / self.power, 0.0)
         return {self.drive: self.full * (fraction if self.rises == "linear" else xp.sqrt(fraction))}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
-        return (self._cooled(memory).after(xp, memory[0], allowed[self.drive], dt),)
+        return (self._adapt_conductance(memory).after(xp, memory[0], allowed[self.drive], dt),)
 
-    def _cooled(self, memory: Column) -> ThermalBound:
+    def _adapt_conductance(self, memory: Column) -> ThermalBound:
         return self.rebuilt({"conductance": self.conductance * memory[1]}) if self.cooling else self
 
     def after(self, xp: Namespace, bound: Scalar, signal: Scalar, dt: Scalar) -> Scalar:

@@ -80,9 +80,9 @@ class AbstractController(AbstractDrive):
     def needs(self) -> tuple[str, ...]:
         """Return the names of the readings that the controller and its optional parts need."""
         confidence = (self.shaping.confidence,) if self.shaping is not None and self.shaping.confidence else ()
-        return tuple(dict.fromkeys((*self.reads(), *self.filtered(), *confidence)))
+        return tuple(dict.fromkeys((*self.reads(), *self.filtered_readings(), *confidence)))
 
-    def filtered(self) -> tuple[str, ...]:
+    def filtered_readings(self) -> tuple[str, ...]:
         """Return the names of the readings that are filtered."""
         return () if self.reading_filter is None else self.reading_filter.readings or (self.measured,)
 

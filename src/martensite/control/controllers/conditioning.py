@@ -131,7 +131,7 @@ def split_memory(one: AbstractController, memory: Column) -> Conditioned:
     """Return the named memory of a controller from a flat column."""
     rest, shaped = iter(memory), one.shaping is not None
     filters = (
-        tuple(tuple(islice(rest, one.reading_filter.memory_length)) for _ in one.filtered())
+        tuple(tuple(islice(rest, one.reading_filter.memory_length)) for _ in one.filtered_readings())
         if one.reading_filter
         else ()
     )
@@ -144,7 +144,9 @@ def begin_control(
 ) -> tuple[Scalar, Column]:
     """Return signal and memory of the first sample; a shaped reference begins at the reading."""
     start = readings[one.measured] if one.follows_reading else reference
-    filters = tuple(one.reading_filter.rest(readings[name]) for name in one.filtered()) if one.reading_filter else ()
+    filters = (
+        tuple(one.reading_filter.rest(readings[name]) for name in one.filtered_readings()) if one.reading_filter else ()
+    )
     shaped = None if one.shaping is None else one.shaping.begin(start)
     inner = tuple(one.rest(xp, reference if shaped is None else start, readings))
     memory = Conditioned(filters, shaped, 0.0, inner).flatten(one)
@@ -162,7 +164,7 @@ def continue_control(
 ) -> tuple[Scalar, Column]:
     """Return signal and memory of a sample `dt` [s] after the last one."""
     before = split_memory(one, memory)
-    names, low_pass, filters = one.filtered(), one.reading_filter, before.filters
+    names, low_pass, filters = one.filtered_readings(), one.reading_filter, before.filters
     if low_pass is not None:
         rows = zip(names, filters, strict=True)
         filters = tuple(tuple(low_pass.filter(xp, memory, readings[name], dt)) for name, memory in rows)

@@ -28,7 +28,7 @@ class UnknownReading(NamedTuple):
     index: int
     value: Scalar
     variance: Scalar
-    used: Scalar
+    is_used: Scalar
     """1 for a used reading, else 0."""
 
 

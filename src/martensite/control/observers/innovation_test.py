@@ -34,7 +34,7 @@ class RunningTest(NamedTuple):
     def add(self, xp: Namespace, innovation: UnknownReading, weight: Scalar) -> "RunningTest":
         """Return the test with another innovation and its predicted variance."""
         z = xp.clip(innovation.value / xp.sqrt(innovation.variance), -MOST_DEVIATIONS, MOST_DEVIATIONS)
-        gain = weight * innovation.used
+        gain = weight * innovation.is_used
         return RunningTest(self.mean + gain * (z - self.mean), self.square + gain * (z * z - self.square))
 
     def statistic(self, xp: Namespace, weight: Scalar) -> Scalar:

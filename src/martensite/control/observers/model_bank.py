@@ -216,14 +216,14 @@ class ModelBank(ExtendedKalman):
             for i in [row.index]
         ]
         tests = tuple(test.add(xp, one, weight) for test, one in zip(before.tests, innovations, strict=True))
-        nis = sum_column([one.used * one.value * one.value / one.variance for one in innovations])
+        nis = sum_column([one.is_used * one.value * one.value / one.variance for one in innovations])
         memories = tuple(
             tuple(one.list_estimates(xp, row.posterior, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
         )
         misfit = find_misfit(xp, tests, weight, self.bound)
         slow = 1.0 - xp.exp(-dt / self.regain)
         usual = tuple(m + slow * (x - m) for x, m in zip(weights, before.usual_weights, strict=True))
-        fresh = find_largest(xp, [one.used for one in innovations])  # trust comes back by evidence only
+        fresh = find_largest(xp, [one.is_used for one in innovations])  # trust comes back by evidence only
         trust = before.confidence + fresh * dt / self.regain
         now = before._replace(usual_weights=usual, weights=weights, tests=tests, confidence=trust)
         return self._answer(xp, now, [one.posterior for one in rows], nis, misfit, memories)
@@ -272,7 +272,7 @@ class ModelBank(ExtendedKalman):
         for row in rows:
             variance = xp.maximum(matrix[row.index][row.index] + row.variance, covariance.LEAST_VARIANCE)
             short = row.value - mean[row.index]
-            weight = weight - 0.5 * row.used * (short * short / variance + xp.log(variance))
+            weight = weight - 0.5 * row.is_used * (short * short / variance + xp.log(variance))
             mean, matrix, _ = covariance.condition_on_readings(xp, mean, matrix, [row])
         return FilterUpdate(expected, rows, one.place_unknowns(xp, expected.state, mean, matrix, period), weight)
 

@@ -229,7 +229,7 @@ class SelfSensing(UnscentedKalman):
     ) -> tuple[Column, Column]:
         before, trust, probing, memory = _split_memory(memory)
         faster = xp.where(before.phase < READY - 0.5, self.learning, 1.0)
-        surprise = xp.where(before.phase < SETTLE - 0.5, 0.0, 1.0 - self.trust.passed(xp, trust, dt))
+        surprise = xp.where(before.phase < SETTLE - 0.5, 0.0, 1.0 - self.trust.test_innovations(xp, trust, dt))
         period = ObserverPeriod(list_required(self, signals), dt, turns, faster, surprise)
         expected = self.forecast(xp, self.unflatten_memory(memory), period)
         rows = self.pair_readings(xp, expected.mean, readings, dt)
@@ -283,10 +283,12 @@ class SelfSensing(UnscentedKalman):
         (port,), (one,) = self.model.actuators(), self.model.actuators().values()
         outputs = hidden_states.observe_model(xp, self.model, expected.state, period.signals)
         power, ohm = (outputs[self.model.label(port, name)] for name in ("power", "resistance"))
-        energy = one.element.heat_capacity_total() * (self._soaked(xp) - self.model.value_of(AROUND[0]))
+        energy = one.element.heat_capacity_total() * (
+            self._choose_soak_temperature(xp) - self.model.value_of(AROUND[0])
+        )
         return power * ohm / xp.maximum(reading, TINY) * period.dt / energy
 
-    def _soaked(self, xp: Namespace) -> Scalar:
+    def _choose_soak_temperature(self, xp: Namespace) -> Scalar:
         above = self.model.value_of("A_f") + ABOVE if self._paths(("law.A_f",)) else self.hot
         return xp.where(self.hot < GIVEN, self.hot, above)
 
@@ -306,7 +308,7 @@ class SelfSensing(UnscentedKalman):
         wire at rest would hide a draught: the temperature is too high, and with it the heat loss too low.
         """
         mixed = xp.both(own.phase > SETTLE - 0.5, mean[1] > MIXED)
-        limited = covariance.put_unknown(xp, mean, matrix, 0, xp.minimum(mean[0], self._soaked(xp)))
+        limited = covariance.put_unknown(xp, mean, matrix, 0, xp.minimum(mean[0], self._choose_soak_temperature(xp)))
         return [xp.where(mixed, x, y) for x, y in zip(limited, mean, strict=True)]
 
     def _restart(
@@ -347,7 +349,7 @@ class SelfSensing(UnscentedKalman):
     ) -> tuple[list[Scalar], Matrix]:
         """Return the unknowns after a soak of some seconds, and their covariance."""
         around = self.model.value_of("environment.temperature")
-        hot = self._soaked(xp)
+        hot = self._choose_soak_temperature(xp)
         (port,) = self.model.actuators()
         ohm, loss, power = self.reads()[0], self.model.label(port, "heat_loss"), self.model.label(port, "power")
 

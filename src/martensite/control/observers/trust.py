@@ -54,9 +54,9 @@ class Trust(Parametrised):
     def confidence(self, xp: Namespace, now: TrustState, spread: Scalar, dt: Scalar) -> Scalar:
         """Return the confidence between 0 and 1, from the standard deviation of the martensite fraction."""
         ratio = spread / self.fraction
-        return self.passed(xp, now, dt) / (1.0 + ratio * ratio * ratio * ratio)
+        return self.test_innovations(xp, now, dt) / (1.0 + ratio * ratio * ratio * ratio)
 
-    def passed(self, xp: Namespace, now: TrustState, dt: Scalar) -> Scalar:
+    def test_innovations(self, xp: Namespace, now: TrustState, dt: Scalar) -> Scalar:
         """Return 1 if the innovations pass the test, 0 if they fail, and values in between."""
         weight = self._share(dt)
         unit = xp.sqrt(weight / (2.0 - weight))

@@ -59,14 +59,14 @@ class Regulator:
         """Return the plant."""
         return self.readings.linear
 
-    def closed(self) -> Numbers:
+    def closed_loop_matrix(self) -> Numbers:
         """Return the matrix of the closed loop, states and integral."""
         a, b, _ = augment_plant(self.linear, self.measured)
         return a - b @ np.array([[*self.gains, -self.Ki]])
 
     def poles(self) -> Numbers:
         """Return the poles of the closed loop in the z plane, slowest first."""
-        poles = np.linalg.eigvals(self.closed())
+        poles = np.linalg.eigvals(self.closed_loop_matrix())
         return poles[np.argsort(-np.abs(poles), kind="stable")]
 
     def controller(

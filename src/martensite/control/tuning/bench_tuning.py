@@ -41,9 +41,9 @@ class TunedBench:
     after: dict[str, float]
     cost_before: float
     cost: float
-    measured_before: Measures
+    measures_before: Measures
     """Measures on the nominal plant."""
-    measured: Measures
+    measures: Measures
     outputs_before: Seen
     outputs: Seen
     times: Numbers
@@ -76,8 +76,8 @@ class TunedBench:
         """Return name, value before and value after of all parameters and measures, in SI."""
         rows = [(path, self.before[path], value) for path, value in self.after.items()]
         rows.append(("cost", self.cost_before, self.cost))
-        after = self.measured.to_dict()
-        return rows + [(n, v, after[n]) for n, v in self.measured_before.to_dict().items()]
+        after = self.measures.to_dict()
+        return rows + [(n, v, after[n]) for n, v in self.measures_before.to_dict().items()]
 
 
 def tune_bench(

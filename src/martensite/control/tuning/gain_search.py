@@ -80,7 +80,7 @@ CLOUD_SPREAD, LINEAR_SPREAD, START_SPREAD = 0.15, 0.03, 1.0
 class TuningSearch:
     """Settings of the search for parameters."""
 
-    scattered: int = 16
+    random_starts: int = 16
     """Number of starts scattered around the best given start."""
     searches: int = 2
     """Number of best starts that are continued."""
@@ -177,7 +177,7 @@ def search_gains(
     if hunt.best_point.goal >= FAILED_COST:
         raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")
     wide = START_SPREAD / CLOUD_SPREAD
-    points += hunt.judge(hunt.scatter_points(hunt.best_point.z, search.scattered, wide))
+    points += hunt.judge(hunt.scatter_points(hunt.best_point.z, search.random_starts, wide))
     points = sorted(points, key=lambda point: point.goal)[: max(search.searches, 1)]
     for k, start in enumerate(points):
         hunt.tell(f"search {k + 1}", k / (len(points) + 1))

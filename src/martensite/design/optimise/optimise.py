@@ -127,16 +127,16 @@ def optimise_design(
         answer = replace(
             answer,
             rounded_designs=tuple(_describe_rounded(designs, *one) for one in tried.items()),
-            relaxed=tuple(designs.numbers(relaxed.z).tolist()),
+            relaxed_numbers=tuple(designs.numbers(relaxed.z).tolist()),
             relaxed_goal=designs.restore_goal(relaxed.goal),
         )
     return replace(
         answer,
         feasible=answer.feasible and not binding,
-        missed=(*answer.missed, *binding),
-        exceeded=exceeded,
+        violated_constraints=(*answer.violated_constraints, *binding),
+        exceeded_limits=exceeded,
         history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
-        life=describe_life(limits, life, answer.missed, exceeded),
+        life=describe_life(limits, life, answer.violated_constraints, exceeded),
     )
 
 
@@ -242,8 +242,8 @@ def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: Box
         z=tuple(point.z.tolist()),
         numbers=exact,
         feasible=point.feasible,
-        missed=tuple(missed),
-        reported=_report_measures(designs, exact),
+        violated_constraints=tuple(missed),
+        measures=_report_measures(designs, exact),
         balance=find_multipliers(designs, point.z),
         accuracy=apart,
         notes=notes,

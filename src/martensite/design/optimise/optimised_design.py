@@ -184,9 +184,9 @@ class OptimisedDesign:
     """Optimal values [SI], one per free parameter."""
     feasible: bool
     """True if the rounded design keeps all constraints."""
-    missed: tuple[str, ...]
+    violated_constraints: tuple[str, ...]
     """Violated constraints."""
-    reported: tuple[ReportedMeasure, ...]
+    measures: tuple[ReportedMeasure, ...]
     """Goal, then constrained and other measures."""
     balance: OptimalityBalance | None
     """Active constraints with multipliers; None without derivatives."""
@@ -194,7 +194,7 @@ class OptimisedDesign:
     """Largest change of goal and slacks on halving the step, as a fraction of goal and limits."""
     rounded_designs: tuple[RoundedDesign, ...] = ()
     """Best designs by whole numbers."""
-    relaxed: tuple[float, ...] | None = None
+    relaxed_numbers: tuple[float, ...] | None = None
     """Optimal values with continuous instead of whole numbers [SI]; None without whole numbers."""
     relaxed_goal: float | None = None
     """[SI]"""
@@ -204,7 +204,7 @@ class OptimisedDesign:
     """Statement on the life of the design."""
     scan: DesignScan | None = None
     """Grid for comparison."""
-    exceeded: tuple[str, ...] = ()
+    exceeded_limits: tuple[str, ...] = ()
     """Limits that the runs exceed as `run` and `check` find them, in words."""
     notes: list[str] = field(default_factory=list[str])
 
@@ -231,12 +231,12 @@ class OptimisedDesign:
     @property
     def goal(self) -> float:
         """Return the mean over the cases [SI]."""
-        return _compute_mean(self.reported[0].after)
+        return _compute_mean(self.measures[0].after)
 
     @property
     def goal_before(self) -> float:
         """Return the goal of the scenario [SI]."""
-        return _compute_mean(self.reported[0].before)
+        return _compute_mean(self.measures[0].before)
 
     def values_by_name(self) -> dict[str, float]:
         """Return the optimal values by name [SI]."""
@@ -256,8 +256,8 @@ class OptimisedDesign:
                 "after": self.goal,
             },
             "feasible": self.feasible,
-            "missed": list(self.missed),
-            "exceeded": list(self.exceeded),
+            "missed": list(self.violated_constraints),
+            "exceeded": list(self.exceeded_limits),
             "free": {
                 one.name: {
                     "before": one.start,
@@ -274,12 +274,14 @@ class OptimisedDesign:
             "cases": [dict(case) for case in question.cases],
             "measures": {
                 one.words: {"unit": one.unit, "before": list(one.before), "after": list(one.after)}
-                for one in self.reported
+                for one in self.measures
             },
             "pressing": [] if balance is None else [one.to_dict() for one in balance.pressing],
             "imbalance": None if balance is None else balance.residue,
             "whole_numbers": [vars(one) for one in self.rounded_designs],
-            "relaxed": None if self.relaxed is None else {"numbers": list(self.relaxed), "goal": self.relaxed_goal},
+            "relaxed": None
+            if self.relaxed_numbers is None
+            else {"numbers": list(self.relaxed_numbers), "goal": self.relaxed_goal},
             "runs": self.counts.to_dict(),
             "step": self.step,
             "accuracy": self.accuracy,

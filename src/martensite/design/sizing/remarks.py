@@ -57,7 +57,7 @@ def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
         yield from _list_exceeded(static)
     if static.count > request.strands:
         yield f"needs {static.count} strands, at most {request.strands:.0f} are allowed"
-    start = strand.shifted("M_s", cold)
+    start = strand.shift_temperature("M_s", cold)
     if request.ambient >= start:
         yield (
             f"does not return: the ambient of {_format_celsius(request.ambient)} is above M_s = "
@@ -135,7 +135,7 @@ def list_warnings(
 
 def _warn_of_cold(request: WireRequest, static: Statics) -> Iterator[str]:
     """Yield the warnings about an ambient temperature with too little martensite."""
-    finish = static.strand.shifted("M_f", static.cold_stress)
+    finish = static.strand.shift_temperature("M_f", static.cold_stress)
     under = f"M_f = {_format_celsius(finish)} under {_format_megapascal(static.cold_stress)}"
     if request.ambient >= finish:
         yield (

@@ -120,7 +120,7 @@ class Strand:
         """Return ε_L + σ_c/E_M - σ_h/E_A [-], from martensite at `cold` to austenite at `hot` [Pa]."""
         return self.law.eps_L + cold / self.law.E_M - hot / self.law.E_A
 
-    def shifted(self, name: str, stress: float) -> float:
+    def shift_temperature(self, name: str, stress: float) -> float:
         """Return a transformation temperature [K], such as `M_f`, under `stress` [Pa]."""
         slope = self.law.C_M if name in ("M_s", "M_f") else self.law.C_A
         return getattr(self.law, name) + stress / slope

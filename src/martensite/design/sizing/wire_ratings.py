@@ -217,7 +217,7 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
         if free > 0.0 and state is not None:
             cause = f"hot, it is longer under it than the {1e3 * state.length:.4g} mm to which it is drawn out"
         raise ParameterError(f"The load leaves no stroke: {cause}.")
-    holding = strand.shifted("A_f", hot / strand.bearing) + ABOVE
+    holding = strand.shift_temperature("A_f", hot / strand.bearing) + ABOVE
     full = wire.supply / strand.resistance
     places, most = (offset + stroke, offset + RETURNED * stroke), min(full, wire.current_limit)
     cycle, slower = _find_cycle(wire, strand, mechanism, places, most)
@@ -241,7 +241,7 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
         limits["temperature_limit"],
         limits["stress_limit"],
         limits["strain_limit"],
-        wire.ambient < strand.shifted("M_f", cold / strand.bearing),
+        wire.ambient < strand.shift_temperature("M_f", cold / strand.bearing),
         state,
         "" if isinstance(wire, CoilInHand) else wire.find_contradiction(catalogue),
     )

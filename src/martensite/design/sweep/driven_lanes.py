@@ -79,7 +79,7 @@ class DrivenLanes:
             SolveError: a lane failed.
         """
         if self.interval:
-            rows = self._sampled(levels, dt)
+            rows = self._sample_outputs(levels, dt)
         else:
             rows = self.lanes.advance(self._spread(levels), dt)[:, self._output]
         if not ((self.lanes.worst[0] <= SOLVED).all() and np.isfinite(rows).all()):
@@ -87,7 +87,7 @@ class DrivenLanes:
             raise SolveError(f"A lane of `{self.drive}` failed. {worst.sentence}")
         return rows
 
-    def _sampled(self, levels: Numbers, dt: float) -> Numbers:
+    def _sample_outputs(self, levels: Numbers, dt: float) -> Numbers:
         """Return the outputs at samples; a drive that is read ahead acts at the end of a sample."""
         signals = self._spread(levels)
         if self._ahead:

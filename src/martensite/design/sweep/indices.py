@@ -69,7 +69,7 @@ def compute_sensitivity(table: SweepTable, measures: Sequence[str] | None = None
         UnknownNameError: the measure does not exist.
         DataError: there are too few runs.
     """
-    return [_analyse_measure(table, one) for one in table.chosen(None if measures is None else list(measures))]
+    return [_analyse_measure(table, one) for one in table.choose_measures(None if measures is None else list(measures))]
 
 
 def _analyse_measure(table: SweepTable, one: SweepColumn) -> SensitivityIndices:

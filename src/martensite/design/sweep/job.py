@@ -147,9 +147,9 @@ class SweepJob:
         """Compute some runs."""
         return self.plan.compute(rows)
 
-    def lost(self, rows: range) -> SweepPiece:
+    def make_lost_piece(self, rows: range) -> SweepPiece:
         """Return the placeholder for lost runs."""
-        return self.plan.lost(rows)
+        return self.plan.make_lost_piece(rows)
 
     def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
         """Store a chunk."""

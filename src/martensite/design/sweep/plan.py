@@ -55,7 +55,7 @@ class SweepPiece:
     """(runs,)"""
 
     @staticmethod
-    def joined(pieces: Sequence[SweepPiece]) -> SweepPiece:
+    def join(pieces: Sequence[SweepPiece]) -> SweepPiece:
         """Return the results of several pieces."""
         first = pieces[0]
         return SweepPiece(
@@ -167,7 +167,7 @@ class SweepPlan:
             table[one.target.path] = column
         return system, signals
 
-    def lost(self, rows: range) -> SweepPiece:
+    def make_lost_piece(self, rows: range) -> SweepPiece:
         """Return the stored results of lost runs."""
         lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
         return self._collect_results(self.values(rows), lost)

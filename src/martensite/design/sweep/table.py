@@ -122,7 +122,7 @@ class SweepTable:
             raise UnknownNameError("measure or varied number", name, columns)
         return columns[name if name in columns else endings[0]]
 
-    def chosen(self, names: list[str] | tuple[str, ...] | None = None) -> list[SweepColumn]:
+    def choose_measures(self, names: list[str] | tuple[str, ...] | None = None) -> list[SweepColumn]:
         """Return the measures by name, by default all.
 
         Raises:

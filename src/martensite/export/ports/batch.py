@@ -51,7 +51,7 @@ class PortBatch:
 
     def start(self, inputs: Any) -> Array:
         """Return the steady states under inputs of shape (points, inputs) [SI]."""
-        rows = self._checked(inputs)
+        rows = self._check_inputs(inputs)
         begin = self.kernel.functions["init"]
         return np.array([begin(*row) for row in rows.tolist()], float).reshape(len(rows), self.kernel.size)
 
@@ -62,14 +62,14 @@ class PortBatch:
             InputError: a number is not finite, or arrays do not fit.
             SolveError: the step of a point was not solved.
         """
-        rows, before = self._checked(inputs), np.ascontiguousarray(states, float)
+        rows, before = self._check_inputs(inputs), np.ascontiguousarray(states, float)
         if before.shape != (len(rows), self.kernel.size):
             raise InputError(f"States must be of shape {(len(rows), self.kernel.size)}, but are of {before.shape}.")
         if not 0.0 <= dt < math.inf:
             raise InputError(f"Argument `dt` must be at least 0 s, but is {dt}.")
         return (self._try_floats if self._library is None else self._library.try_all)(before, rows, dt)
 
-    def _checked(self, inputs: Any) -> Array:
+    def _check_inputs(self, inputs: Any) -> Array:
         rows = np.ascontiguousarray(inputs, float)
         if rows.ndim != 2 or rows.shape[1] != len(self.kernel.inputs):
             raise InputError(

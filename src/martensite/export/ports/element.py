@@ -124,19 +124,19 @@ class ElementPort(System):
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """Return the mounted steady state at the ambient temperature."""
-        return super(ElementPort, self._placed(drives)).init(xp, *drives[:-1])
+        return super(ElementPort, self._place_port(drives)).init(xp, *drives[:-1])
 
     def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
         """Advance by dt [s]."""
-        return super(ElementPort, self._placed(drives)).step(xp, state, *drives[:-1], dt=dt)
+        return super(ElementPort, self._place_port(drives)).step(xp, state, *drives[:-1], dt=dt)
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Return the outputs of the system, and the ambient temperature."""
-        return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
+        return [*super(ElementPort, self._place_port(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
 
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
         """Return the power [W] into the element."""
-        return super(ElementPort, self._placed(drives)).flows(xp, state, *drives[:-1])
+        return super(ElementPort, self._place_port(drives)).flows(xp, state, *drives[:-1])
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
         """Return the heat content of the element, at its drive."""
@@ -144,9 +144,9 @@ class ElementPort(System):
 
     def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
         """Return the entries of the energy balance."""
-        return super(ElementPort, self._placed(drives)).entries(xp, state, *drives[:-1])
+        return super(ElementPort, self._place_port(drives)).entries(xp, state, *drives[:-1])
 
-    def _placed(self, drives: Sequence[Any]) -> ElementPort:
+    def _place_port(self, drives: Sequence[Any]) -> ElementPort:
         """Return the port at the ambient temperature of the last drive."""
         return self.rebuilt({"environment.temperature": drives[-1]})
 

@@ -141,7 +141,7 @@ class MaterialPort(AbstractSystem):
         if wear is not None:
             worn = wear.advance(xp, worn, end, memory.stress, memory.temperature, dt)
         latent = law.heat(xp, self._latent(), memory.stress, memory.temperature)
-        share = law.released(end) - law.released(law.fractions(state.memory))
+        share = law.released_fraction(end) - law.released_fraction(law.fractions(state.memory))
         return PointState(strain, temperature, state.mounted, latent * share, memory, worn), report
 
     def observe(self, xp: Namespace, state: PointState, *drives: Scalar) -> list[Scalar]:

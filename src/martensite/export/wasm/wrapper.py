@@ -57,7 +57,7 @@ def guide_text(core: CCore, title: str, first: Sequence[float], raw: int, packed
     """Return README.md, with the sizes of the module [bytes]."""
     given = ", ".join(f"{json.dumps(one.name)}: {first[one.index]!r}" for one in core.inputs[:1])
     driven = {one.name for one in core.inputs}
-    parameter = next((one for one in core.parameters if one.used), core.parameters[0])
+    parameter = next((one for one in core.parameters if one.has_effect), core.parameters[0])
     return Template(read_text("guide.md")).substitute(
         NAME=core.name,
         TITLE=_flatten(title),
@@ -85,7 +85,7 @@ def _describe(one: CoreVariable) -> dict[str, Any]:
 
 
 def _describe_parameter(one: CoreVariable) -> dict[str, Any]:
-    return _describe(one) | {"value": one.default, "low": one.low, "high": one.high, "used": one.used}
+    return _describe(one) | {"value": one.default, "low": one.low, "high": one.high, "used": one.has_effect}
 
 
 def _print_table(rows: Mapping[str, Any]) -> str:

@@ -92,7 +92,7 @@ class Cooling(AbstractExperimentKind):
         """Return τ = ρ c d/(4 h) [s] with its interval, independent of c and d."""
         values = {leaf.path.rpartition(".")[2]: float(leaf.value) for leaf in fit.system().leaves()}
         film = next(name for name in fit.numbers if name.endswith("cooling.h"))
-        low, high = fit.uncertainty.widened(film)
+        low, high = fit.uncertainty.widen_interval(film)
         tau = values["density"] * values["heat_capacity"] * values["diameter"] / (4.0 * fit[film])
         return tau, tau * fit[film] / high, tau * fit[film] / low if low > 0.0 else math.inf
 

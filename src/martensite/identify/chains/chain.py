@@ -102,7 +102,7 @@ class Chain:
         Raises:
             InputError: the number of inputs or the sample time does not fit.
         """
-        u = self._checked(inputs)
+        u = self._check_inputs(inputs)
         if state is None and isinstance(inputs, Sampled) and self.starts:
             start = self.starts.get(inputs.hash)
             state = None if start is None else self.restore_state(start)
@@ -114,7 +114,7 @@ class Chain:
             return None
         return np.array(start.state) if start.state else np.zeros(self.engine.plan.states)
 
-    def _checked(self, inputs: Numbers | Sampled) -> Numbers:
+    def _check_inputs(self, inputs: Numbers | Sampled) -> Numbers:
         if isinstance(inputs, Sampled):
             if abs(inputs.interval / self.interval - 1.0) > 1e-6:
                 raise InputError(
@@ -130,7 +130,7 @@ class Chain:
 
     def before(self, block: int, inputs: Numbers | Sampled) -> Numbers:
         """Return the input of a block, shape (samples, inputs of the block)."""
-        u = self._checked(inputs)
+        u = self._check_inputs(inputs)
         if block == 0:
             return u
         theta = np.concatenate([np.zeros(0), *self.split()[:block]])

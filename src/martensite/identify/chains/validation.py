@@ -46,14 +46,14 @@ class Validation:
 
     chain: Chain
     record: Sampled
-    computed: Numbers
+    outputs: Numbers
     """Outputs of the chain, shape (samples, outputs)."""
     skip: int
     parts: dict[str, Numbers]
     scores: tuple[Score, ...]
     stretches: tuple[ErrorStretch, ...]
     whiteness: tuple[Whiteness, ...]
-    crossed: tuple[Crossed, ...]
+    correlations: tuple[Crossed, ...]
     begins: str
     state: Numbers | None = None
     """State at the first sample; None for a steady start."""
@@ -61,7 +61,7 @@ class Validation:
     @property
     def residuals(self) -> Numbers:
         """Return measured less computed outputs, NaN where not counted."""
-        errors = self.record.outputs - self.computed
+        errors = self.record.outputs - self.outputs
         errors[: self.skip] = np.nan
         return errors
 
@@ -90,12 +90,12 @@ class Validation:
     @property
     def explained(self) -> bool:
         """Return whether the residuals are uncorrelated with all inputs."""
-        return all(one.explained for one in self.crossed)
+        return all(one.explained for one in self.correlations)
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Return the failed checks, one sentence each."""
-        failures = [one.sentence for one in self.crossed if not one.explained]
+        failures = [one.sentence for one in self.correlations if not one.explained]
         for name in self.record.output_names:
             failures += self._offset(name)
             failures += self._unequal(name)
@@ -119,7 +119,7 @@ class Validation:
             "scores": [one.to_dict() for one in self.scores],
             "stretches": [one.to_dict() for one in self.stretches],
             "whiteness": [one.to_dict() for one in self.whiteness],
-            "crossed": [one.to_dict() for one in self.crossed],
+            "crossed": [one.to_dict() for one in self.correlations],
             "failures": list(self.failures),
         }
 

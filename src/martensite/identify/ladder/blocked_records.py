@@ -48,7 +48,7 @@ class BlockedRecord:
     record: Sampled
     chosen_by: tuple[slice, ...]
     held_out: tuple[slice, ...]
-    fitted: bool = True
+    is_fitted: bool = True
     """False if it is scored only."""
 
     def blocks(self, is_held_out: bool) -> tuple[slice, ...]:
@@ -119,14 +119,14 @@ def _cut_blocks(record: Sampled, first: int = 0) -> tuple[slice, ...]:
 def run_blocks(chain: Chain | None, blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
     """Return free runs over all records, from the states of the fit; without a chain the mean of the fitted outputs."""
     if chain is None:
-        fitted = np.concatenate([one.hide(whole).outputs for one in blocked if one.fitted])
+        fitted = np.concatenate([one.hide(whole).outputs for one in blocked if one.is_fitted])
         return [np.broadcast_to(np.nanmean(fitted, axis=0), one.record.outputs.shape) for one in blocked]
-    return [free_run(chain, one.hide(whole) if one.fitted else one.record, AUTO) for one in blocked]
+    return [free_run(chain, one.hide(whole) if one.is_fitted else one.record, AUTO) for one in blocked]
 
 
 def measure_blocks(blocked: Sequence[BlockedRecord], runs: Sequence[Numbers], is_held_out: bool) -> BlockErrors:
     """Return the errors of runs on the held-out blocks, or on the blocks to choose by."""
-    scale = np.nanstd(np.concatenate([one.record.outputs for one in blocked if one.fitted]), axis=0)
+    scale = np.nanstd(np.concatenate([one.record.outputs for one in blocked if one.is_fitted]), axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     rows: list[tuple[Numbers, Numbers]] = []
     pieces: list[float] = []

@@ -73,19 +73,19 @@ Keep = Callable[[LadderTrial], None]
 class _Climb:
     """State of a climb; it keeps the best model if it is stopped."""
 
-    blocked: tuple[BlockedRecord, ...]
+    blocked_records: tuple[BlockedRecord, ...]
     options: Options
     clock: TimeBox
     watch: Watch
     keep: Keep
     rungs: list[LadderRung] = field(default_factory=list[LadderRung])
     best: LadderTrial | None = None
-    stopped: str = ""
+    stop_reason: str = ""
 
     def try_structure(self, rung: str, text: str, options: Options) -> LadderTrial:
         """Return a structure fitted without the blocks to choose by, and its errors on these."""
         started = measure_processor_time()
-        visible = [one.hide(False) for one in self.blocked if one.fitted]
+        visible = [one.hide(False) for one in self.blocked_records if one.is_fitted]
         numbers = len(build_untrained(parse_chain(text), visible[0]).theta)
         done = "" if self.best is None else f", so far {self.best.chosen_by.fit:.1f} %"
         tell: Watch = lambda words, share: self.watch(f"{rung}, {text}: {words}{done}", self.clock.share)  # noqa: E731
@@ -104,8 +104,8 @@ class _Climb:
 
     def _measure(self, chain: Chain | None) -> tuple[BlockErrors, BlockErrors]:
         """Return the errors of a model, or of the mean, on the blocks to choose by and on held-out blocks."""
-        runs = run_blocks(chain, self.blocked, False)
-        return measure_blocks(self.blocked, runs, False), measure_blocks(self.blocked, runs, True)
+        runs = run_blocks(chain, self.blocked_records, False)
+        return measure_blocks(self.blocked_records, runs, False), measure_blocks(self.blocked_records, runs, True)
 
     def _add_trial(self, trials: list[LadderTrial], name: str, text: str, options: Options) -> None:
         """Try a structure; raise `KeyboardInterrupt` afterwards if the climb must end."""
@@ -120,7 +120,7 @@ class _Climb:
             yield
         except KeyboardInterrupt:
             accept_interrupt()
-            self.stopped = "time box" if self.clock.over else "interrupted"
+            self.stop_reason = "time box" if self.clock.over else "interrupted"
             self.clock.halt.set()
 
     def climb_rung(self, name: str, structures: Sequence[str], larger: LadderTrial | None = None) -> None:
@@ -147,7 +147,7 @@ class _Climb:
 
     def trim_order(self) -> None:
         """Remove poles without which the model is as good."""
-        while self.best is not None and not self.stopped and (match := LINEAR.search(self.best.structure)):
+        while self.best is not None and not self.stop_reason and (match := LINEAR.search(self.best.structure)):
             order = int(match[1]) - 1
             if order < 1:
                 return
@@ -191,13 +191,13 @@ class _Climb:
     @property
     def record(self) -> Sampled:
         """Return the first record."""
-        return self.blocked[0].record
+        return self.blocked_records[0].record
 
     def exhausts(self) -> bool:
         """Return whether the residuals of the model are white and unrelated to the inputs."""
         if self.best is None or self.best.chain is None:
             return False
-        chain, fitted = self.best.chain, [one for one in self.blocked if one.fitted]
+        chain, fitted = self.best.chain, [one for one in self.blocked_records if one.is_fitted]
         # without gaps: nothing may happen in the longest stretch of a record in blocks
         checks = [validate_chain(chain, _cut_held(one), state=_run_until(chain, one, False, 0)) for one in fitted]
         return all(one.explained and all(test.p_value >= DOUBTFUL for test in one.whiteness) for one in checks)
@@ -246,19 +246,19 @@ def climb_ladder(
     clock = TimeBox(time_box)
     tell: Watch = watch or (lambda text, share: None)
     climb = _Climb(blocked, options or replace(PROBE, starts=12), clock, tell, keep or (lambda trial: None))
-    with clock.watched(1.0 - RESERVED):
+    with clock.watch(1.0 - RESERVED):
         tests += _climb_all(climb)
     return _finish(climb, tests, [records[k] for k in apart], list(apart.values()))
 
 
 def _climb_all(climb: _Climb) -> list[str]:
     """Test the records, climb all rungs, and return the results of the tests."""
-    visible = [one.hide(False) for one in climb.blocked if one.fitted]
+    visible = [one.hide(False) for one in climb.blocked_records if one.is_fitted]
     climb.watch("rest and delay", climb.clock.share)
     delay = find_delay(visible)
     order = climb.climb_linear(delay.value, len(ORDERS))
     tests = [*describe_rest(visible), *_describe_order(climb, delay, order), *_test_linear(climb, visible)]
-    if not (climb.stopped or describe_step(visible) or describe_silence(climb.blocked, False)):
+    if not (climb.stop_reason or describe_step(visible) or describe_silence(climb.blocked_records, False)):
         # nonlinear terms hide poles from a linear model: at least two are used, and the last step removes idle ones
         _climb_nonlinear(climb, max(order, LEAST_ORDER), delay.value, tests)
     return tests
@@ -267,8 +267,8 @@ def _climb_all(climb: _Climb) -> list[str]:
 def _test_linear(climb: _Climb, visible: Sequence[Sampled]) -> Iterator[str]:
     linear = climb.rungs[0].trials[0].chain
     if linear is not None:
-        for one in climb.blocked:
-            yield from describe_coherence(_cut_held(one)) if one.fitted else ()
+        for one in climb.blocked_records:
+            yield from describe_coherence(_cut_held(one)) if one.is_fitted else ()
         yield from describe_linearity(linear, [validate_chain(linear, record) for record in visible])
 
 
@@ -279,9 +279,9 @@ def _climb_nonlinear(climb: _Climb, order: int, delay: int, tests: list[str]) ->
             tests.append("The residuals are white and hold nothing of the input: higher rungs have nothing to find.")
             break
         climb.climb_rung(name, structures)
-        if name == "Hammerstein–Wiener" and not climb.stopped and climb.best is not None:
+        if name == "Hammerstein–Wiener" and not climb.stop_reason and climb.best is not None:
             climb.climb_rung("order and delay", list_neighbours(climb.best.structure))
-        if climb.stopped:
+        if climb.stop_reason:
             break
     climb.trim_order()
 
@@ -321,41 +321,44 @@ def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], reasons: 
     remarks: list[str] = []
     if chain is None:
         raise SolveError("No model was found.")
-    if climb.stopped != "interrupted" and any(one.chosen_by and one.fitted for one in climb.blocked):
+    if climb.stop_reason != "interrupted" and any(one.chosen_by and one.is_fitted for one in climb.blocked_records):
         chain, whole, remarks = _fit_whole(climb, chain)
-    runs = run_blocks(chain, climb.blocked, whole)
-    errors = measure_blocks(climb.blocked, runs, True)
-    fitted = [one.record for one in climb.blocked if one.fitted]
-    doubts = [describe_step(fitted), *(describe_silence(climb.blocked, is_held_out) for is_held_out in (False, True))]
+    runs = run_blocks(chain, climb.blocked_records, whole)
+    errors = measure_blocks(climb.blocked_records, runs, True)
+    fitted = [one.record for one in climb.blocked_records if one.is_fitted]
+    doubts = [
+        describe_step(fitted),
+        *(describe_silence(climb.blocked_records, is_held_out) for is_held_out in (False, True)),
+    ]
     doubts += describe_exchange(fitted, errors.fit)
     return Ladder(
-        climb.blocked,
+        climb.blocked_records,
         climb.measure_mean(),
         tuple(climb.rungs),
         chosen,
         chain,
         errors,
-        tuple(_check_held(chain, climb.blocked, whole)),
+        tuple(_check_held(chain, climb.blocked_records, whole)),
         tuple(tests),
         tuple(reasons),
         tuple(_score_apart(chain, apart)),
         tuple(text for text in doubts if text),
         tuple(remarks),
-        climb.stopped,
-        score_rivals(climb.blocked, whole),
+        climb.stop_reason,
+        score_rivals(climb.blocked_records, whole),
     )
 
 
 def _fit_whole(climb: _Climb, chain: Chain) -> tuple[Chain, bool, list[str]]:
     """Return the chain, whether it was also fitted to the blocks to choose by, and remarks."""
-    whole_records = [one.hide(True) for one in climb.blocked if one.fitted]
+    whole_records = [one.hide(True) for one in climb.blocked_records if one.is_fitted]
     options = replace(PROBE, starts=0, begin=(chain,))
     try:
         climb.watch("last fit", climb.clock.share)
         estimate: ChainEstimate = estimate_chain(chain.blocks, whole_records, options)
     except KeyboardInterrupt:
         accept_interrupt()
-        climb.stopped = "interrupted"
+        climb.stop_reason = "interrupted"
         return chain, False, []
     except MartensiteError:
         return chain, False, []
@@ -376,7 +379,7 @@ def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> 
 
 def _run_until(chain: Chain, one: BlockedRecord, whole: bool, first: int) -> Numbers:
     """Return the state of a run at a sample."""
-    begin = find_start(chain, one.hide(whole) if one.fitted else one.record, AUTO)
+    begin = find_start(chain, one.hide(whole) if one.is_fitted else one.record, AUTO)
     steady = chain.engine.rest(chain.theta, one.record.inputs[0]).state
     state = np.array(steady if begin.state is None else begin.state, dtype=float)
     if first:

@@ -51,10 +51,10 @@ class LadderRung:
 class Ladder:
     """A climb with its final model."""
 
-    blocked: tuple[BlockedRecord, ...]
+    blocked_records: tuple[BlockedRecord, ...]
     baseline: LadderTrial
     rungs: tuple[LadderRung, ...]
-    chosen: LadderTrial
+    chosen_trial: LadderTrial
     """Highest accepted rung, or the best linear model if none is better than the mean."""
     model: Chain
     """Chosen structure, fitted to all data that are not held out."""
@@ -68,7 +68,7 @@ class Ladder:
     doubts: tuple[str, ...]
     """Reasons why records are uninformative, or the result is unreliable."""
     remarks: tuple[str, ...] = ()
-    stopped: str = ""
+    stop_reason: str = ""
     """`time box` or `interrupted` if the climb ended early."""
     rivals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Prediction without a model -> its fit [%] on the held-out blocks; without the mean."""
@@ -115,7 +115,7 @@ class Ladder:
 
 def _advise(ladder: Ladder) -> Iterator[str]:
     """Yield advice for the next records."""
-    records = [one.record for one in ladder.blocked if one.fitted]
+    records = [one.record for one in ladder.blocked_records if one.is_fitted]
     if ladder.doubts:
         yield "An input that moves throughout: steps and ramps of several heights, at least two rates, minor loops."
     if not ladder.predicts:
@@ -134,7 +134,7 @@ def _advise(ladder: Ladder) -> Iterator[str]:
             "Residuals still follow the input: more levels and reversals of the input, or a structure of your own "
             "(--stage)."
         )
-    if len(ladder.blocked) == 1:
+    if len(ladder.blocked_records) == 1:
         yield (
             "A log of another cadence (other rates, minor loops), given by --other: all blocks of one log share "
             "theirs, in which lag and hysteresis look alike."

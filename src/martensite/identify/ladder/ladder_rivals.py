@@ -29,7 +29,7 @@ def score_rivals(blocked: Sequence[BlockedRecord], whole: bool) -> dict[str, flo
 
 def run_lag(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers]:
     """Return all records as the linear function of lagged inputs that explains the fitted outputs best."""
-    fitted = [one for one in blocked if one.fitted]
+    fitted = [one for one in blocked if one.is_fitted]
     y = np.concatenate([one.hide(whole).outputs for one in fitted])
     finite_rows = np.isfinite(y).all(axis=1)
 
@@ -50,7 +50,7 @@ def repeat_cycles(blocked: Sequence[BlockedRecord], whole: bool) -> list[Numbers
     """Return the fitted outputs whole periods earlier; None unless every record that is held out is periodic."""
     runs: list[Numbers] = []
     for one in blocked:
-        fitted_outputs = one.hide(whole).outputs if one.fitted else np.full_like(one.record.outputs, np.nan)
+        fitted_outputs = one.hide(whole).outputs if one.is_fitted else np.full_like(one.record.outputs, np.nan)
         period = find_period(one.record.inputs[:, 0])
         run = np.full_like(fitted_outputs, np.nan)
         for back in range(period, len(fitted_outputs), period) if period else ():

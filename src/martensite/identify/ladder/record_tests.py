@@ -159,13 +159,13 @@ def describe_linearity(linear: Chain, checks: Sequence[Validation]) -> list[str]
     """Return the evidence against a linear system, one sentence each."""
     evidence: list[str] = []
     for one in checks:
-        bends = [test for test in one.crossed if "²" in test.signal and not test.explained]
+        bends = [test for test in one.correlations if "²" in test.signal and not test.explained]
         for test in bends:
             evidence.append(
                 f"`{one.record.name}`: what `{linear.text()}` leaves follows {test.signal} "
                 f"({format_number(test.following[1], 2)}, by chance {format_number(test.limit, 2)}): not linear."
             )
-        if not bends and one.crossed:
+        if not bends and one.correlations:
             evidence.append(
                 f"`{one.record.name}`: what `{linear.text()}` leaves does not follow the square of an input."
             )

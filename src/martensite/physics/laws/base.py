@@ -227,7 +227,7 @@ class AbstractLaw(Parametrised):
         """Return the heat released by the whole forward transformation [J/m³]; by default `latent`."""
         return latent
 
-    def released(self, fractions: Fractions) -> Scalar:
+    def released_fraction(self, fractions: Fractions) -> Scalar:
         """Return the released fraction of that heat in a phase state [-]."""
         return fractions.martensite
 

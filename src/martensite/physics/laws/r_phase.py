@@ -202,7 +202,7 @@ class RPhase(AbstractPhaseDiagram):
         return super().transformation_strain(xp, fractions) + self.eps_R * fractions.rphase_fraction
 
     @override
-    def released(self, fractions: Fractions) -> Scalar:
+    def released_fraction(self, fractions: Fractions) -> Scalar:
         return fractions.martensite + self.latent_R * fractions.rphase_fraction
 
     @override

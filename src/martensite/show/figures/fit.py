@@ -162,10 +162,10 @@ def _write_name(axes: Any, one: ComparedOutput) -> None:
     errors = [
         f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
-        if (one.used if part == TRAINING else one.held_out_rows).any()
+        if (one.training_rows if part == TRAINING else one.held_out_rows).any()
     ]
     words = f"rms {', '.join(errors)}".replace("ohm", "Ω")
-    tint = HELD if one.held_out_rows.any() and not one.used.any() else QUIET
+    tint = HELD if one.held_out_rows.any() and not one.training_rows.any() else QUIET
     place = {"xycoords": "axes fraction", "textcoords": "offset points"}
     axes.annotate(words, (0.0, 1.0), (0.0, 3.5), fontsize=8.0, color=tint, **place)
 
@@ -182,7 +182,7 @@ def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None
 
 def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
     colours = {"measured": SEEN}
-    if any(one.used.any() for one in rows):
+    if any(one.training_rows.any() for one in rows):
         colours["model, fitted to it"] = SIMULATED
     if any(one.held_out_rows.any() for one in rows):
         colours["model, not fitted to it: held out"] = HELD
@@ -218,15 +218,15 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
     axis = make_output_axis(one.output, one.description)
     factor = 0.01 if axis.display_unit == "%" else choose_difference_unit(axis.unit)[1]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
-    for part, colour in ((one.used, SIMULATED), (one.held_out_rows, HELD)):
+    for part, colour in ((one.training_rows, SIMULATED), (one.held_out_rows, HELD)):
         if part.any():
             values = np.where(part, one.residuals, np.nan) / factor
             axes.plot(one.times, values, color=colour, linewidth=0.9, zorder=2.0)
-    if one.held_out_rows.any() and not one.used.any():
+    if one.held_out_rows.any() and not one.training_rows.any():
         axes.set_facecolor(TINT)
     axes.set(ylim=(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0))
     axes.set(ylabel=f"{one.output} [{axis.difference_unit or '–'}]", xlabel=_choose_axis(one).label if last else "")
-    suffix = " (held out)" if one.held_out_rows.any() and not one.used.any() else ""
+    suffix = " (held out)" if one.held_out_rows.any() and not one.training_rows.any() else ""
     write_title(axes, shorten_name(one.record) + suffix, fontweight="bold", color=HELD if suffix else INK)
 
 

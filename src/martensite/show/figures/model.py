@@ -105,7 +105,7 @@ def plot_model_loop(validation: Validation, number: int = 0, title: str = "") ->
         panels = add_panels(figure, outputs, 2, (0.78, 0.14, 0.68, 0.55), (0.54, 0.95))
         for k, (left, right) in enumerate(panels):
             _draw_loop(left, validation, record.outputs[:, k], number, k, "measured")
-            _draw_loop(right, validation, validation.computed[:, k], number, k, "computed")
+            _draw_loop(right, validation, validation.outputs[:, k], number, k, "computed")
             share_limits((left, right))
             add_legend_above(right)
         return figure
@@ -120,7 +120,7 @@ def _draw_input(axes: Any, validation: Validation, k: int) -> None:
 
 
 def _draw_output(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
-    record, computed = validation.record, validation.computed[:, k]
+    record, computed = validation.record, validation.outputs[:, k]
     times, name = record.times, record.output_names[k]
     measured = record.outputs[:, k]
     if band is not None:
@@ -168,7 +168,7 @@ def _draw_loop(axes: Any, validation: Validation, y: Any, number: int, k: int, w
 def plot_model_tests(validation: Validation, title: str = "") -> Figure:
     """Draw the tests of the residuals of a chain on a record."""
     outputs = validation.record.output_names
-    rows = [[one for one in validation.crossed if one.output == name] for name in outputs]
+    rows = [[one for one in validation.correlations if one.output == name] for name in outputs]
     columns = 1 + max((len(row) for row in rows), default=0)
     with use_style():
         figure = make_figure(3.1 * max(columns, 2), 0.95 + 2.3 * len(outputs))

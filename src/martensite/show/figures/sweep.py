@@ -48,7 +48,7 @@ def plot_sweep(table: SweepTable, measures: Sequence[str] | None = None, title: 
         UnknownNameError: the measure does not exist.
         DataError: the sweep stored only traces.
     """
-    chosen = table.chosen(None if measures is None else list(measures))[:MOST_MEASURES]
+    chosen = table.choose_measures(None if measures is None else list(measures))[:MOST_MEASURES]
     many = len(table.varied) > 2
     with use_style():
         size = measure_matrix(table) if many else _choose_size(len(chosen))

@@ -41,11 +41,12 @@ def summarise_design(optimum: OptimisedDesign, title: str) -> Summary:
 def describe_verdict(optimum: OptimisedDesign) -> str:
     """Return whether a design keeps all limits, with its goal or violations, without a full stop."""
     if not optimum.feasible:
-        return f"No design that keeps all limits was found: the nearest one misses {', '.join(optimum.missed)}"
+        missed = ", ".join(optimum.violated_constraints)
+        return f"No design that keeps all limits was found: the nearest one misses {missed}"
     sense, goal = "most" if optimum.question.most else "least", optimum.question.goal
     verdict = (
         "All constraints are kept, but limits of the elements are exceeded"
-        if optimum.exceeded
+        if optimum.exceeded_limits
         else "All limits are kept"
     )
     return f"{verdict}: {sense} {goal.words} {write_quantity(optimum.goal, goal.unit, 4)}"
@@ -60,7 +61,7 @@ def _describe_doubts(optimum: OptimisedDesign) -> Iterator[Block]:
             f"{100.0 * optimum.accuracy:.2g} % of limits and goal.",
             "caution",
         )
-    yield from (Sentence(f"Not kept: {words}", "bad") for words in optimum.missed)
+    yield from (Sentence(f"Not kept: {words}", "bad") for words in optimum.violated_constraints)
     yield from (Sentence(f"Caution: {note}", "caution") for note in optimum.notes)
 
 
@@ -79,7 +80,7 @@ def _measure_rows(optimum: OptimisedDesign) -> list[tuple[str, ...]]:
     places = {one.name: k for k, one in enumerate(question.free)}
     return [
         (one.words, _write_values(one, one.before), _write_values(one, one.after), *_write_limits(optimum, one.words))
-        for one in optimum.reported
+        for one in optimum.measures
         if one.words not in places
     ]
 
@@ -104,13 +105,13 @@ def _write_limits(optimum: OptimisedDesign, words: str) -> tuple[str, str]:
     goal = [("most" if question.most else "least")] if words == question.goal.words else []
     pressing = [] if optimum.balance is None else [p.name for p in optimum.balance.pressing]
     active = ["active"] if any(c.words in pressing for c in limits) else []
-    missed = ["not kept"] if any(c.words in optimum.missed for c in limits) else []
+    missed = ["not kept"] if any(c.words in optimum.violated_constraints for c in limits) else []
     signs = [("<= " if c.most else ">= ") + write_quantity(c.limit, c.aim.unit) for c in limits]
     return ", ".join(signs), ", ".join([*goal, *(missed or active)])
 
 
 def _describe_whole(optimum: OptimisedDesign) -> Iterator[Block]:
-    if not optimum.rounded_designs or optimum.relaxed is None or optimum.relaxed_goal is None:
+    if not optimum.rounded_designs or optimum.relaxed_numbers is None or optimum.relaxed_goal is None:
         return
     free, unit = optimum.question.free, optimum.question.goal.unit
     names = [one.name for one in free if one.whole]
@@ -118,7 +119,9 @@ def _describe_whole(optimum: OptimisedDesign) -> Iterator[Block]:
     rows = [_whole_row(one, others, unit) for one in optimum.rounded_designs]
     head = (*names, *(one.name for _, one in others), optimum.question.goal.words, "kept")
     yield DataTable(head, rows, right=range(len(head) - 1))
-    values = ", ".join(f"{one.name} = {v:.4g}" for one, v in zip(free, optimum.relaxed, strict=True) if one.whole)
+    values = ", ".join(
+        f"{one.name} = {v:.4g}" for one, v in zip(free, optimum.relaxed_numbers, strict=True) if one.whole
+    )
     goal = write_quantity(optimum.relaxed_goal, unit)
     yield Sentence(f"If nothing had to be whole: {values}, {goal}.")
 

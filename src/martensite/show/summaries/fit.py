@@ -66,7 +66,7 @@ def _make_title(fit: Fit) -> str:
 
 def _make_lead(fit: Fit) -> str:
     rows = list_compared(fit)
-    fitted = sum(int(row.used.sum()) for row in rows)
+    fitted = sum(int(row.training_rows.sum()) for row in rows)
     held_out_count = sum(int(row.held_out_rows.sum()) for row in rows)
     count = len(collect_warnings(fit))
     warned = f" {count} {'warning' if count == 1 else 'warnings'} below." if count else " No warnings."
@@ -271,7 +271,7 @@ def _write_end(end: float) -> float | None:
 
 
 def _collect_parameter(fit: Fit, free: FreeNumber) -> dict[str, Any]:
-    low, high = fit.uncertainty.widened(free.name)
+    low, high = fit.uncertainty.widen_interval(free.name)
     return {
         "value": fit[free.name],
         "unit": free.unit,

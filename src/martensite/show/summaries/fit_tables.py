@@ -30,7 +30,7 @@ def tabulate_records(fit: Fit) -> DataTable:
         right=(3, 4, 5, 6),
         note="The hash is the SHA-256 of the file, or of the columns where there is no file. Rows "
         "are those that were compared: long records are thinned evenly.",
-        tags={k: TAG for k, one in enumerate(rows) if one.held_out_rows.any() and not one.used.any()},
+        tags={k: TAG for k, one in enumerate(rows) if one.held_out_rows.any() and not one.training_rows.any()},
     )
 
 
@@ -42,7 +42,7 @@ def _write_record(one: ComparedOutput) -> tuple[str, ...]:
     if record.dropped:
         data += f" ({record.dropped} rows dropped on reading)"
     what = f"`{one.output}`" + (f" with `{one.column}`" if one.column != one.output else "")
-    counts = (len(one.times), int(one.used.sum()), int(one.held_out_rows.sum()), one.missing)
+    counts = (len(one.times), int(one.training_rows.sum()), int(one.held_out_rows.sum()), one.missing)
     return one.record, data, what, *map(str, counts)
 
 
@@ -72,7 +72,7 @@ def tabulate_parameters(fit: Fit) -> DataTable:
 def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
     uncertainty, value = fit.uncertainty, fit[free.name]
     spelling = choose_parameter_unit(free, value)
-    plain, wide = uncertainty.interval(free.name), uncertainty.widened(free.name)
+    plain, wide = uncertainty.interval(free.name), uncertainty.widen_interval(free.name)
     decimals = _choose_decimals(plain, free.unit, spelling)
     start, *bounds = (_write_number(end, free.unit, spelling, None) for end in (free.start, free.low, free.high))
     return (
@@ -97,7 +97,7 @@ def choose_parameter_unit(free: FreeNumber, value: float) -> str:
 
 def mark_parameter(fit: Fit, name: str) -> str:
     """Return a short caution about a parameter; empty without one."""
-    if not all(map(math.isfinite, fit.uncertainty.widened(name))):
+    if not all(map(math.isfinite, fit.uncertainty.widen_interval(name))):
         return "not determined"
     if name in fit.at_bound():
         return "at a bound"

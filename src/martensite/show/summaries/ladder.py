@@ -49,12 +49,12 @@ def _describe_records(ladder: Ladder) -> Iterator[Block]:
             f"{len(one.record)}",
             f"{one.record.interval:.4g}",
             f"{one.record.duration:.4g}",
-            _tell_use(one.fitted, bool(one.chosen_by), bool(one.held_out)),
+            _tell_use(one.is_fitted, bool(one.chosen_by), bool(one.held_out)),
         )
-        for one in ladder.blocked
+        for one in ladder.blocked_records
     ]
     yield DataTable(("record", "samples", "sample time [s]", "duration [s]", "used to"), rows, right=(1, 2, 3))
-    remarks = [f"`{one.record.name}`: {text}" for one in ladder.blocked for text in one.record.remarks]
+    remarks = [f"`{one.record.name}`: {text}" for one in ladder.blocked_records for text in one.record.remarks]
     yield BulletList([*remarks, *ladder.tests])
     if ladder.apart:
         scores = [f"`{s.record}`, `{s.output}`: model fit {s.fit:.1f} %" for s in ladder.apart_scores]
@@ -80,13 +80,15 @@ def _describe_climb(ladder: Ladder) -> Iterator[Block]:
     yield DataTable(HEADINGS, rows, right=(2, 3, 4, 6), note=note, detail=(2, 6), tones={"chosen": "good"})
     more = [_write_trial(rung, trial, ladder) for rung in ladder.rungs for trial in rung.trials[1:]]
     yield DataTable(HEADINGS, more, right=(2, 3, 4, 6), folded="All other structures")
-    if ladder.stopped:
-        yield Sentence(f"{STOPPED[ladder.stopped]}; more complex structures were not tried.", "caution")
+    if ladder.stop_reason:
+        yield Sentence(f"{STOPPED[ladder.stop_reason]}; more complex structures were not tried.", "caution")
 
 
 def _write_trial(rung: LadderRung, trial: LadderTrial, ladder: Ladder) -> tuple[str, ...]:
     first = trial is rung.trials[0]
-    verdict = ("chosen" if trial is ladder.chosen else "kept" if rung.is_accepted else "not better") if first else "–"
+    verdict = (
+        ("chosen" if trial is ladder.chosen_trial else "kept" if rung.is_accepted else "not better") if first else "–"
+    )
     seconds = f"{trial.seconds:.1f}"
     if trial.chain is None:
         return rung.name, trial.structure, f"{trial.numbers}", "–", "–", "–", seconds, trial.fault
@@ -134,7 +136,7 @@ def _collect_numbers(ladder: Ladder) -> dict[str, Any]:
         "fit_held_out_of_mean": ladder.baseline.held_out.fit,
         "fit_held_out_of_rivals": dict(ladder.rivals),
         "free_run": True,
-        "stopped": ladder.stopped,
+        "stopped": ladder.stop_reason,
         "tests": list(ladder.tests),
         "set_apart": list(ladder.apart),
         "doubts": list(ladder.doubts),

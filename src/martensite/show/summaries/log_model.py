@@ -30,16 +30,16 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
     experiment = model.experiment
     lead = f"Taken as `{experiment.name}`: {experiment.kind.meaning}, because {experiment.why} (`--experiment`)."
     figure = (plot_fit_loops, "loops") if has_loops(fit) else (plot_fit, "measured")
-    samples = sum(int(row.used.sum()) for row in rows)
+    samples = sum(int(row.training_rows.sum()) for row in rows)
     blocks: list[Block] = [
         _make_verdict(model),
-        *([_tabulate_errors(model.chosen.errors)] if model.chosen.errors else []),
+        *([_tabulate_errors(model.chosen_model.errors)] if model.chosen_model.errors else []),
         Heading("The model"),
         Sentence(_describe_choice(model)),
         _tabulate_numbers(model),
         *_tabulate_temperatures(model),
         Sentence(f"{len(fit.problem.free)} parameters, {samples} measured values. Search: {fit.reason}."),
-        *([Sentence(f"The trials ended early because of the {model.stopped}.")] if model.stopped else []),
+        *([Sentence(f"The trials ended early because of the {model.stop_reason}.")] if model.stop_reason else []),
         *_list_input_noise(model),
         Heading("Assumed and done"),
         BulletList(model.notes or ("Nothing.",)),
@@ -53,10 +53,12 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
 
 
 def _make_verdict(model: LogModel) -> Notice:
-    items = [_describe_output(one, model.chosen.errors) for one in model.chosen.pooled]
-    if not model.chosen.pooled:
+    items = [_describe_output(one, model.chosen_model.errors) for one in model.chosen_model.pooled_errors]
+    if not model.chosen_model.pooled_errors:
         return Notice("The model was not tested", ["No held-out data were predicted."], True)
-    return Notice(f"On held-out data the model {model.chosen.pooled[0].verdict}", items, not model.predicts)
+    return Notice(
+        f"On held-out data the model {model.chosen_model.pooled_errors[0].verdict}", items, not model.predicts
+    )
 
 
 def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
@@ -100,17 +102,17 @@ def _tabulate_errors(errors: Sequence[HeldOutError]) -> DataTable:
 def _describe_choice(model: LogModel) -> str:
     def error(one: TriedModel) -> str:
         count = f"{len(one.fit.problem.free)} parameters"
-        if not one.pooled:
+        if not one.pooled_errors:
             return f"{one.proposal.name} (not tested, {count})"
-        first = one.pooled[0]
+        first = one.pooled_errors[0]
         return f"{one.proposal.name} ({format_error(first.output, first.rms, first.unit)}, {count})"
 
-    chosen = model.chosen.proposal.name
-    if len(model.tried) == 1:
+    chosen = model.chosen_model.proposal.name
+    if len(model.tried_models) == 1:
         return f"Model: {chosen}."
     return (
         f"Chosen: {chosen}. A model with more parameters must reduce the held-out error to {CLEARLY:g}. "
-        f"Tried: {', '.join(map(error, model.tried))}."
+        f"Tried: {', '.join(map(error, model.tried_models))}."
     )
 
 
@@ -119,7 +121,7 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
     weak = {name for one in fit.identifiability.weak for name in one.names}
     rows: list[tuple[str, ...]] = []
     for free in fit.problem.free:
-        low, high = fit.uncertainty.widened(free.name)
+        low, high = fit.uncertainty.widen_interval(free.name)
         why = model.undetermined.get(free.name, "")
         if not why and free.name in weak:
             why = "not apart from others"
@@ -128,7 +130,12 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
         is_finite = math.isfinite(high - low)
         interval = f"{format_quantity(low, free.unit)} to {format_quantity(high, free.unit)}" if is_finite else ""
         rows.append(
-            (free.name, format_quantity(fit[free.name], free.unit), interval, _mark_determined(why, model.untested))
+            (
+                free.name,
+                format_quantity(fit[free.name], free.unit),
+                interval,
+                _mark_determined(why, model.untested_assumptions),
+            )
         )
     if model.time_constant is not None:
         tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
@@ -162,7 +169,7 @@ def _tabulate_temperatures(model: LogModel) -> Iterator[Block]:
         paths = list(dict.fromkeys(path for one in own for path in one.assumed))
         cells = [f"{format_quantity(one.value, 'K')} ± {format_change(one.half_width, 'K', 2)}" for one in own]
         wide = [one.name for one in own if not one.half_width <= UNCERTAIN]
-        mark = _mark_determined(_name_assumed(paths) if paths else ", ".join(wide), model.untested)
+        mark = _mark_determined(_name_assumed(paths) if paths else ", ".join(wide), model.untested_assumptions)
         rows.append((f"{stress / 1e6:g} MPa", *cells, mark))
     if rows:
         names = [one.name for one in temperatures if one.stress == temperatures[0].stress]
@@ -189,7 +196,7 @@ def list_next_records(model: LogModel) -> list[str]:
     fit = model.fit
     weak = {name for one in fit.identifiability.weak for name in one.names}
     evidence = FitEvidence(
-        fit.problem.experiments, model.chosen.proposal.name, model.predicts, weak | set(model.undetermined)
+        fit.problem.experiments, model.chosen_model.proposal.name, model.predicts, weak | set(model.undetermined)
     )
     return list(model.experiment.kind.suggest_records(evidence)) or [
         "Record a log under other conditions to test the model."
@@ -201,19 +208,20 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
     return {
         "experiment": {"kind": model.experiment.name, "why": model.experiment.why, "drive": model.experiment.drive},
         "predicts": model.predicts,
-        "model": model.chosen.proposal.name,
+        "model": model.chosen_model.proposal.name,
         "held_out": [
             {name: getattr(one, name) for name in HELD_OUT} | {"rivals": dict(one.rivals)}
-            for one in model.chosen.errors
+            for one in model.chosen_model.errors
         ],
         "tried": [
-            {"model": one.proposal.name, "rms": one.pooled[0].rms if one.pooled else None} for one in model.tried
+            {"model": one.proposal.name, "rms": one.pooled_errors[0].rms if one.pooled_errors else None}
+            for one in model.tried_models
         ],
         "numbers": fit.numbers,
         "time_constant": model.time_constant,
         "undetermined": model.undetermined,
         "per_assumed": {name: list(paths) for name, paths in model.dependent.items()},
-        "untested_assumptions": list(model.untested),
+        "untested_assumptions": list(model.untested_assumptions),
         "temperatures": [asdict(one) for one in model.temperatures],
         "uncounted_noise": {one.column: one.sigma for one in model.input_noise[0]},
         "notes": list(model.notes),

@@ -215,7 +215,7 @@ def _tell_return(request: WireRequest, candidate: Candidate) -> str:
 
 def _tell_margins(request: WireRequest, candidate: Candidate) -> str:
     static = candidate.statics
-    finish = static.strand.shifted("M_f", static.cold_stress) - request.ambient
+    finish = static.strand.shift_temperature("M_f", static.cold_stress) - request.ambient
     return (
         f"Margins: stress {static.hot_stress / 1e6:.4g} MPa of {request.stress / 1e6:.4g} MPa "
         f"({write_percent(1.0 - static.hot_stress / request.stress)} left), strain "

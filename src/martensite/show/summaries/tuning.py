@@ -72,9 +72,9 @@ def _table_rows(outcome: TuningOutcome) -> list[tuple[str, ...]]:
         for path, value, unit in _list_gains(outcome)
     ]
     rows.append(("cost", f"{tuned.cost_before:.4g}", f"{tuned.cost:.4g}", ""))
-    after = tuned.measured.to_dict()
+    after = tuned.measures.to_dict()
     return rows + [
-        _write_row(name, (value, after[name]), outcome) for name, value in tuned.measured_before.to_dict().items()
+        _write_row(name, (value, after[name]), outcome) for name, value in tuned.measures_before.to_dict().items()
     ]
 
 
@@ -105,8 +105,8 @@ def _collect_numbers(outcome: TuningOutcome) -> dict[str, Any]:
             places.path(path): {"before": tuned.before[path], "after": value, "unit": unit}
             for path, value, unit in _list_gains(outcome)
         },
-        "before": tuned.measured_before.to_dict() | {"cost": tuned.cost_before},
-        "after": tuned.measured.to_dict() | {"cost": tuned.cost},
+        "before": tuned.measures_before.to_dict() | {"cost": tuned.cost_before},
+        "after": tuned.measures.to_dict() | {"cost": tuned.cost},
         "runs": tuned.evaluations,
         "gradients": tuned.gradients,
         "step_test": None

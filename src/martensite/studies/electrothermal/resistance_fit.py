@@ -197,7 +197,7 @@ def resistivity_difference(fit: Fit) -> tuple[float, float]:
     """Return ρ_M - ρ_A and half of its widened 95 % interval [ohm m]."""
     unsure, half = fit.uncertainty, {}
     for name in ("rho_A", "rho_M"):
-        low, high = unsure.widened(name)
+        low, high = unsure.widen_interval(name)
         half[name] = 0.5 * (high - low)
     one, other = (unsure.names.index(name) for name in half)
     shared = 2.0 * unsure.correlation[one][other] * half["rho_A"] * half["rho_M"]

@@ -80,7 +80,7 @@ def clean_angle(arm: float, offset: float, printed: Printed, values: tuple[tuple
     evaluation = fine.evaluate(fine.start)
     if evaluation is None:
         raise SolveError("The run with Table 1 fails.")
-    return evaluation.fitted[0].model[:, 0]
+    return evaluation.fitted_records[0].model[:, 0]
 
 
 def build_experiments(

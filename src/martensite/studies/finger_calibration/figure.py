@@ -149,7 +149,7 @@ def _draw_loops(axes: Any, printed: Printed) -> None:
             (best_fit(data, printed), {"color": SOLVE}),
             (run_search(data, start, COORDINATE, printed), {"color": WALK, "linestyle": DASHED}),
         ):
-            axes.plot(power, np.degrees(one.fit.evaluation.fitted[0].model[:, 0]), **look)
+            axes.plot(power, np.degrees(one.fit.evaluation.fitted_records[0].model[:, 0]), **look)
     axes.text(0.62, 62.0, NEAR.name, color=MEASURED[0], ha="right", fontsize=8.0)
     axes.text(1.98, 71.0, FAR.name, color=MEASURED[1], ha="right", fontsize=8.0)
     axes.plot([], [], color=SOLVE, label="least squares")

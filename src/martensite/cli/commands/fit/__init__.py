@@ -19,9 +19,9 @@ class Fits(FolderGroup):
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
         """Insert the default command if needed."""
-        return super().parse_args(ctx, self.worded(args))
+        return super().parse_args(ctx, self.prepend_command(args))
 
-    def worded(self, args: list[str]) -> list[str]:
+    def prepend_command(self, args: list[str]) -> list[str]:
         """Return the arguments with the command first."""
         if not args or args[0] in ("-h", "--help") or self._names(args[0]):
             return args

@@ -36,7 +36,7 @@ def cost(
     with TemporaryDirectory() as folder, show_spinner("counting"):
         core, costs = measure_costs(source.load(), part, Path(folder))
     rows = [
-        [one.processor, f"{one.most:,} {one.counted}", f"{1e6 * one.time:.4g} us", f"{one.flash:,}", f"{one.ram:,}"]
+        [one.processor, f"{one.most:,} {one.unit}", f"{1e6 * one.time:.4g} us", f"{one.flash:,}", f"{one.ram:,}"]
         for one in costs
     ]
     head = ("processor", "dearest step", "at least" if any(one.least for one in costs) else "time", "flash", "RAM")

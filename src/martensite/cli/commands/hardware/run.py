@@ -128,8 +128,8 @@ def hil(
         [[n, f"{d:.3g} {u}", f"{s:.2g}"] for n, u, d, s in rows],
         right=(1, 2),
     )
-    words = f"{len(outcome.times)} samples, {outcome.lost} frames lost; the run here with float64 differs by:"
-    data = {"samples": len(outcome.times), "lost": outcome.lost, "differences": {n: d for n, _, d, _ in rows}}
+    words = f"{len(outcome.times)} samples, {outcome.lost_frames} frames lost; the run here with float64 differs by:"
+    data = {"samples": len(outcome.times), "lost": outcome.lost_frames, "differences": {n: d for n, _, d, _ in rows}}
     print_summary(Summary("", [Sentence(words), table], data), json, outputs.paths())
 
 

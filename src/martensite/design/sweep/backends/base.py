@@ -81,7 +81,7 @@ def keep_runs(
             if len(rows) == 1:
                 lost[rows.start] = f"{type(error).__name__}: {error}"
                 _give_up(chunk, lost)
-                return [job.lost(rows)]
+                return [job.make_lost_piece(rows)]
         middle = (rows.start + rows.stop) // 2
         return halved(range(rows.start, middle)) + halved(range(middle, rows.stop))
 
@@ -90,7 +90,7 @@ def keep_runs(
     if lost:
         reason = next(iter(lost.values())).rstrip(".")
         remarks.append(f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made.")
-    return SweepPiece.joined(pieces), tuple(remarks)
+    return SweepPiece.join(pieces), tuple(remarks)
 
 
 def _name_run(lost: dict[int, str]) -> str:
