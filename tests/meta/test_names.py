@@ -2,11 +2,13 @@
 
 Source of truth: the rules themselves. A module-level function is a verb with a noun, a public class
 name occurs once, no function or file is called by a bare participle, and the glossary in `docs/conventions.md` is
-short enough to be read. `test_breaches_are_found` shows that each rule can fail.
+short enough to be read. No member of a class is one of the participles that fit everything (`kept`, `found`).
+`test_breaches_are_found` shows that each rule can fail.
 """
 
 from __future__ import annotations
 
+import ast
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -26,6 +28,13 @@ FIELD = {
 }
 """Participles that are words of the field (a lumped element, a held sample), or states."""
 
+VAGUE = IRREGULAR | {"found", "left", "made", "met", "named", "said", "wanted", "written"}
+IN_FILES = {
+    *(("Mpc", "kept"), ("AbstractFilter", "wanted"), ("InverseModel", "wanted")),  # keys of scenarios
+    *(("ClampReference", "held"), ("Controlling", "wanted"), ("Sensed", "held")),  # states of saved runs
+}
+"""Members whose names are in files of users."""
+
 Names = Iterator[tuple[str, str]]
 
 
@@ -38,6 +47,24 @@ def list_classes(modules: Mapping[str, Facts]) -> Names:
     """Yield module and name of every public class."""
     for path, one in modules.items():
         yield from ((path, node.name) for node in one.classes if not node.name.startswith("_"))
+
+
+def list_vague_members(modules: Mapping[str, Facts]) -> list[tuple[str, str]]:
+    """Class and name of every field, property and method whose name fits any content."""
+    members = [
+        (one.name, member) for facts in modules.values() for one in facts.classes for member in name_members(one)
+    ]
+    return [(owner, name) for owner, name in members if name.strip("_") in VAGUE and (owner, name) not in IN_FILES]
+
+
+def name_members(one: ast.ClassDef) -> Iterator[str]:
+    """Yield the names of the annotated fields, properties and methods of a class."""
+    for node in one.body:
+        match node:
+            case ast.FunctionDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
+                yield name
+            case _:
+                pass
 
 
 def is_participle(name: str) -> bool:
@@ -77,6 +104,10 @@ def test_no_file_is_a_bare_participle() -> None:
     assert [path for path in read_package() if is_participle(Path(path).stem)] == []
 
 
+def test_no_member_of_a_class_is_a_vague_participle() -> None:
+    assert list_vague_members(read_package()) == []
+
+
 def test_a_public_class_name_occurs_once() -> None:
     assert find_doubles(list_classes(read_package())) == {}
 
@@ -99,4 +130,8 @@ def test_breaches_are_found() -> None:
     assert share_of_one_word(names) == 2 / 3
     assert [is_participle(name) for name in names] == [True, True, False]
     assert find_doubles(list_classes(again)) == {"Course": ["a.py", "b.py"]}
+    vague = collect_facts(
+        "class Fit:\n    kept: int\n    rows: int\n    def _found(self): ...\n    def find(self): ..."
+    )
+    assert list_vague_members({"a.py": vague}) == [("Fit", "kept"), ("Fit", "_found")]
     assert list_terms("| term | meaning |\n|---|---|\n| lane | a run |") == ["lane"]

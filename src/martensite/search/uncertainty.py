@@ -9,8 +9,8 @@ approximation; Seber and Wild (1989), Nonlinear Regression, ch. 5). The inverse 
 does not determine. Every parameter in such a direction has an infinite error.
 
 Samples of a log are rarely independent. With autocorrelation, n samples are equivalent to n_eff independent samples,
-and errors are too small by √(n/n_eff). `widened` intervals have this factor and t(level, n_eff - p); `interval` has
-neither.
+and errors are too small by √(n/n_eff). Intervals of `widen_interval` have this factor and t(level, n_eff - p);
+`interval` has neither.
 """
 
 from __future__ import annotations

@@ -115,7 +115,7 @@ class _Climb:
 
     @contextmanager
     def _keep_stopped(self) -> Iterator[None]:
-        """End the block for exceptions that end the climb, and store the reason in `stopped`."""
+        """End the block for exceptions that end the climb, and store the reason in `stop_reason`."""
         try:
             yield
         except KeyboardInterrupt:
