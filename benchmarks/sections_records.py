@@ -21,7 +21,7 @@ from benchmarks.report import Table
 from benchmarks.sections import Options, section
 from martensite.base.errors import DataError
 from martensite.identify.blocks.feedback import Feedback
-from martensite.identify.chains.best_linear import best_linear
+from martensite.identify.chains.best_linear import fit_linear_model
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate_chain, refine_chain
@@ -69,7 +69,7 @@ TASKS = {
     "Wiener-Hammerstein 2009": Task(
         read_wiener_hammerstein,
         [
-            Ours("oe(6,6,1) | poly1", lambda record: best_linear(record, 6, skip=SKIP)),
+            Ours("oe(6,6,1) | poly1", lambda record: fit_linear_model(record, 6, skip=SKIP)),
             searched(WIENER_HAMMERSTEIN, Search(starts=9, refined=2, iterations=60, skip=SKIP)),
         ],
         {"linear": jaxsysid_fit.Budget(6), "sandwich": jaxsysid_fit.Budget(6, 16)},

@@ -19,7 +19,7 @@ from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
 from benchmarks.wasm_runs import NativeLanes, play_module, say_missing, write_module
-from martensite.export.c_example import Step, played_by_system
+from martensite.export.c_example import Step, list_run_inputs
 from martensite.export.wasm import build_wasm
 from martensite.scenario.scenario import load
 from martensite.simulate.compiled import bind_system
@@ -42,7 +42,7 @@ def measure_example(name: str, repeats: int) -> dict[str, Any]:
     """A row of the table."""
     scenario = load(ROOT / f"examples/{name}.toml")
     system = scenario.whole
-    first, steps = played_by_system(system, scenario.waveform, scenario.duration, STEPS, 1)
+    first, steps = list_run_inputs(system, scenario.waveform, scenario.duration, STEPS, 1)
     made = build_wasm(system, name="model", first=first)
     floats, native, wasm = [], [], []
     with tempfile.TemporaryDirectory() as folder:

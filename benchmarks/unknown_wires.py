@@ -35,7 +35,7 @@ from martensite.control.loop.miss_rule import SETTLING, Expectation, expect_erro
 from martensite.control.loop.names import NOISE
 from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.observers.extended import ExtendedKalman
-from martensite.control.supervisors.from_plant import guard_for
+from martensite.control.supervisors.from_plant import build_thermal_guard
 from martensite.control.supervisors.guard import Guard
 from martensite.scenario.examples import EXAMPLES
 from martensite.scenario.scenario import load
@@ -149,7 +149,7 @@ def build_guard(sheet: AbstractSystem, kind: str = "estimated") -> Guard | None:
     if kind == "none":
         return None
     hottest = sheet.value_of("environment.temperature") + HOTTER
-    guard = guard_for(sheet, hottest=hottest, least_cooling=LEAST if kind == "fixed" else 1.0, answer="limit")
+    guard = build_thermal_guard(sheet, hottest=hottest, least_cooling=LEAST if kind == "fixed" else 1.0, answer="limit")
     if kind == "fixed":
         return guard
     ((name, bound),) = guard.checks.members().items()

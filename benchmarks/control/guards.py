@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from martensite.control.checks.base import Checks
 from martensite.control.loop.bench import Bench
 from martensite.control.supervisors.default_guard import ANSWER, find_default_bounds
-from martensite.control.supervisors.from_sensors import checks_for
+from martensite.control.supervisors.from_sensors import build_sensor_checks
 from martensite.control.supervisors.guard import Guard
 
 MARGIN = 20.0
@@ -23,7 +23,7 @@ MARGIN = 20.0
 def build_guard(bench: Bench) -> Guard:
     """Checks of all sensors, which cut for good."""
     limits = [one.element.limits.temperature_limit for one in bench.plant.actuators().values()]
-    return Guard(checks=Checks(**checks_for(bench, temperature_limit=min(limits) - MARGIN)))
+    return Guard(checks=Checks(**build_sensor_checks(bench, temperature_limit=min(limits) - MARGIN)))
 
 
 def build_default_guard(bench: Bench) -> Guard:

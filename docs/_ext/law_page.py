@@ -10,7 +10,7 @@ from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.scenario.laws import configure_laws
 from martensite.show.figures.law_paths import plot_point
 from martensite.simulate.path_layout import Choices, Guide
-from martensite.simulate.paths import named_path
+from martensite.simulate.paths import build_paths
 from martensite.simulate.point import PathLeg, material_point
 
 STRESS = 100e6
@@ -27,7 +27,7 @@ def build_law(name: str, **settings: str) -> AbstractLaw:
 def plot_minor_loops(name: str, **settings: str) -> Any:
     """A whole cycle and partial heatings under 100 MPa, with the path in the phase diagram."""
     law = build_law(name, **settings)
-    courses = named_path("minor-loops", law, Choices(stresses=(STRESS,)))
+    courses = build_paths("minor-loops", law, Choices(stresses=(STRESS,)))
     return plot_point([course.follow(law, steps=40, tolerance=TOLERANCE) for course in courses])
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import best_linear
+from martensite.identify.chains.best_linear import fit_linear_model
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate_chain, refine_chain
 from martensite.identify.chains.scores import compute_rms
@@ -104,7 +104,7 @@ def test_the_other_split_is_the_published_one(wiener_hammerstein):
 
 @needs_wiener_hammerstein
 def test_a_linear_model_of_two_filters_around_a_diode(wiener_hammerstein, c_compiler):
-    chain = best_linear(wiener_hammerstein["estimation"], 6, skip=SKIP)
+    chain = fit_linear_model(wiener_hammerstein["estimation"], 6, skip=SKIP)
     found = error_on_test(chain, wiener_hammerstein)
     assert found == pytest.approx(WIENER_HAMMERSTEIN_LINEAR, abs=0.5)
 

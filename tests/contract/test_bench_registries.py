@@ -30,7 +30,7 @@ from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.base import ESTIMATED, OBSERVERS
 from martensite.control.sensors.position import IdealSensor
 from martensite.control.sensors.resistance import ResistanceSensor
-from martensite.control.supervisors.from_plant import guard_for
+from martensite.control.supervisors.from_plant import build_thermal_guard
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
 from martensite.physics.electrical.switches import PwmVoltage
@@ -159,7 +159,7 @@ def guarded() -> Bench:
     """A bench with every fault, none of which begins, and a guard with every check."""
     sensors = {"felt": "temperature", "again": "temperature", "trust": "martensite_fraction"}
     sensors |= {name: name for name in ("current", "stress", "force")}
-    bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
+    bound = build_thermal_guard(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
     checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
     return Bench(
         plant=PLANT,

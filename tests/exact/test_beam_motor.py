@@ -19,7 +19,7 @@ from scipy import integrate
 
 from martensite.actuators.assembly import Machine, System
 from martensite.actuators.elements.wire import Wire
-from martensite.actuators.mechanics.beam_modes import CantileverBeam, beam_modes, exact_omega
+from martensite.actuators.mechanics.beam_modes import CantileverBeam, beam_modes, solve_angular_frequencies
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.beam_motor import BeamMotor, modal_numbers
 from martensite.base.errors import ParameterError
@@ -260,7 +260,7 @@ def test_modes_of_the_motor_at_rest_are_those_of_the_beam() -> None:
     numbers: dict[str, Any] = MOTOR | modal(4) | {"damping": 0.0, "unbalance": 0.0}
     motor = BeamMotor(**numbers)
     rest = (0.0,) * 6
-    for k, omega in enumerate(exact_omega(BEAM, 4)):
+    for k, omega in enumerate(solve_angular_frequencies(BEAM, 4)):
         place = tuple(1e-3 if j == k else 0.0 for j in range(6))
         found = motor.release(floats, Motion(place, rest, rest), [0.0] * 6, [0.0])
         assert found[k] == pytest.approx(-omega * omega * 1e-3, rel=2e-6)

@@ -22,9 +22,9 @@ from martensite.characterise.film_coefficient import (
     ABSOLUTE_ZERO,
     FORMS,
     FilmPoints,
+    compute_film_points,
     fit_film,
     fit_film_points,
-    points_from_power,
     powers_from_voltage,
 )
 from martensite.characterise.film_report import judge_film
@@ -37,7 +37,7 @@ KOSSOSKI_AT = (33.0, 39.0, 46.0, 58.0, 73.0, 75.0, 80.0, 93.0, 101.0)
 
 def kossoski(ohms: float = 1.3, ambient: float = 22.0) -> FilmPoints:
     powers = powers_from_voltage(VOLTS, ohms)
-    return points_from_power(KOSSOSKI_AT, powers, diameter=375e-6, length=0.1, ambient_degC=ambient)
+    return compute_film_points(KOSSOSKI_AT, powers, diameter=375e-6, length=0.1, ambient_degC=ambient)
 
 
 # ---------------------------------------------------------------- Student's t
@@ -311,7 +311,7 @@ def test_without_an_ambient_nothing_is_supported() -> None:
         (lambda: powers_from_voltage((1.0, 2.0), (1.0,)), DataError, "one resistance per voltage"),
         (lambda: powers_from_voltage((1.0, 2.0), 0.0), ParameterError, "above 0 ohm"),
         (
-            lambda: points_from_power((40.0, 50.0), (1.0, 2.0), diameter=0.0, length=1.0, ambient_degC=20.0),
+            lambda: compute_film_points((40.0, 50.0), (1.0, 2.0), diameter=0.0, length=1.0, ambient_degC=20.0),
             ParameterError,
             "above 0 m",
         ),
@@ -324,7 +324,7 @@ def test_bad_input_is_refused(make, error, sentence: str) -> None:
 
 
 def test_points_from_power_by_hand() -> None:
-    points = points_from_power((50.0, 70.0), (0.1, 0.3), diameter=1e-3, length=0.2, ambient_degC=20.0)
+    points = compute_film_points((50.0, 70.0), (0.1, 0.3), diameter=1e-3, length=0.2, ambient_degC=20.0)
     surface = math.pi * 1e-3 * 0.2
     assert points.h == pytest.approx((0.1 / surface / 30.0, 0.3 / surface / 50.0))
     assert points.fluxes == pytest.approx((0.1 / surface, 0.3 / surface))

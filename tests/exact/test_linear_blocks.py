@@ -13,7 +13,7 @@ from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import best_linear, linear_start
+from martensite.identify.chains.best_linear import fit_linear_model, linear_start
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.goals import noise_model
@@ -147,7 +147,7 @@ def test_poles_next_to_one_are_recovered_from_fast_data() -> None:
     u = np.repeat(rng.uniform(-1.0, 1.0, 20), 1000)[:, None]
     y = ChainEngine([block], dt).simulate(theta, u)
     y += 0.002 * rng.normal(size=y.shape)
-    chain = best_linear(_record(u, y, dt), 2)
+    chain = fit_linear_model(_record(u, y, dt), 2)
     found: Any = find_poles(chain.blocks[0], chain.split()[0], dt)
     np.testing.assert_allclose(np.log(np.sort(found.real)), np.log([0.995, slow]), rtol=0.02)
     assert np.all(found.imag == 0.0)
@@ -202,7 +202,7 @@ def test_several_inputs_and_outputs_are_reproduced_with_gaps_and_records() -> No
         records.append(_record(u, y))
     u = rng.uniform(-1.0, 1.0, (500, 2))
     clean = engine.simulate(theta, u)
-    chain = best_linear(records, 3)
+    chain = fit_linear_model(records, 3)
     assert np.min(fit_percent(clean, chain.simulate(u))) > 99.0
     # and antagonists, whose inputs cancel in a plain sum
     theta[3:6] = [1.0 / (1.0 - 0.5), 0.0, 0.0]

@@ -18,7 +18,7 @@ from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.show.figures.law_paths import plot_point
 from martensite.show.figures.phase_diagram import Band, Line, find_bands, find_driven_bands
 from martensite.simulate.path_layout import TWINNED, Choices
-from martensite.simulate.paths import named_path
+from martensite.simulate.paths import build_paths
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import find_isobar, find_loaded
 
@@ -36,7 +36,7 @@ def lines(found: list[Band]) -> dict[str, Line]:
 
 def followed(name: str, path: str, **choices: Any) -> list[PointResult]:
     law = example(name)
-    courses = named_path(path, law, Choices(**choices))
+    courses = build_paths(path, law, Choices(**choices))
     return [course.follow(law, steps=40, tolerance=None) for course in courses]
 
 
@@ -116,7 +116,7 @@ def test_a_law_that_never_transforms_has_no_bands_and_no_default_paths() -> None
     assert all(math.isnan(value) for value in find_isobar(law))
     assert find_driven_bands(law, STRESSES, 250.0) == []
     with pytest.raises(ParameterError, match="does not transform fully"):
-        named_path("superelastic", law)
+        build_paths("superelastic", law)
 
 
 # ---------------------------------------------------------------- figures

@@ -15,7 +15,7 @@ from builders import ZERO, hanging_wire
 from scipy.signal import lfilter
 
 from martensite.base.errors import InputError, ParameterError
-from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
+from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, compute_gains_per_sample
 from martensite.control.tuning.measures import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
@@ -147,7 +147,7 @@ def test_within_the_limits_both_ways_are_one() -> None:
 
 
 def test_gains_per_sample() -> None:
-    assert per_sample(2.0, 3.0, 4.0, 0.5) == Gains(2.0, 1.5, 8.0)
+    assert compute_gains_per_sample(2.0, 3.0, 4.0, 0.5) == Gains(2.0, 1.5, 8.0)
 
 
 def test_limits_must_leave_room() -> None:
@@ -207,7 +207,7 @@ def test_gains_in_seconds_are_those_per_sample(interval: float) -> None:
     _, measured = walks()
     rest = {"measured": "y", "reference": Constant(level=0.0), "law": PidLaw(low=-5.0, high=5.0, filter=2.0 * interval)}
     per_second = Pid(Kp=1.7, Ki=0.4, Kd=0.3, **rest)
-    Kp, Ki, Kd = per_sample(1.7, 0.4, 0.3, interval)
+    Kp, Ki, Kd = compute_gains_per_sample(1.7, 0.4, 0.3, interval)
     counted = Pid(Kp=Kp, Ki=Ki, Kd=Kd, gains_are="per-sample", **rest)
     signals = []
     for drive in (per_second, counted):

@@ -21,7 +21,7 @@ from martensite.simulate import point
 from martensite.simulate.compiled_law import compile_law
 from martensite.simulate.path_layout import Choices
 from martensite.simulate.path_stages import list_stages, residual_strain
-from martensite.simulate.paths import PATHS, named_path
+from martensite.simulate.paths import PATHS, build_paths
 from martensite.simulate.point import PathLeg, PointResult, material_point
 
 LAW: dict[str, Any] = {
@@ -132,7 +132,7 @@ def slopes(result: PointResult, leg: int) -> tuple[np.ndarray, np.ndarray]:
 def test_stress_of_a_clamped_point_never_rises_faster_than_its_slope(name: str) -> None:
     """The point may not leave the strip of the reverse transformation, whose slope is C_A."""
     one = builders.example(builders.REGISTRIES["law"][name])
-    (course,) = named_path("constrained-recovery", one)
+    (course,) = build_paths("constrained-recovery", one)
     slope, change = slopes(course.follow(one), 2)
     acts = change < -1e-9
     assert acts.sum() > 20
@@ -212,14 +212,14 @@ def test_programs_are_shared_by_structure() -> None:
 @pytest.mark.parametrize("name", PATHS)
 def test_every_path_transforms_and_is_described(name: str) -> None:
     assert PATHS[name].summary.endswith(".")
-    for course in named_path(name, law()):
+    for course in build_paths(name, law()):
         result = course.follow(law(), tolerance=1e-3)
         assert np.ptp(result.martensite) > 0.2
         assert any(stage.process for stage in list_stages(result))
 
 
 def test_stages_say_where_a_law_transforms() -> None:
-    (course,) = named_path("superelastic", law(), Choices(temperatures=(HOT,)))
+    (course,) = build_paths("superelastic", law(), Choices(temperatures=(HOT,)))
     up, down = list_stages(course.follow(law(), steps=4000))
     assert (up.kind, up.process, up.varies) == ("loading", "forward", ("stress",))
     assert (down.kind, down.process) == ("unloading", "reverse")
@@ -235,9 +235,9 @@ def test_stages_say_where_a_law_transforms() -> None:
 
 def test_choices_that_a_path_does_not_take_are_refused() -> None:
     with pytest.raises(ParameterError, match="takes no temperatures; its settings are stresses"):
-        named_path("isobaric", law(), Choices(temperatures=(300.0,)))
+        build_paths("isobaric", law(), Choices(temperatures=(300.0,)))
     with pytest.raises(UnknownNameError, match="Did you mean `isobaric`"):
-        named_path("isobarik", law())
+        build_paths("isobarik", law())
 
 
 # ---------------------------------------------------------------- errors

@@ -18,8 +18,8 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import MountedSensor, Sensors
 from martensite.control.sensors.base import SENSORS
 from martensite.control.sensors.position import IdealSensor, PositionSensor
-from martensite.control.supervisors.from_plant import guard_for
-from martensite.control.supervisors.from_sensors import CHANCE, checks_for, lost_after, stuck_after
+from martensite.control.supervisors.from_plant import build_thermal_guard
+from martensite.control.supervisors.from_sensors import CHANCE, build_sensor_checks, lost_after, stuck_after
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
 from martensite.scenario.scenario import Scenario, load, read_scenario
@@ -125,9 +125,9 @@ def test_elements_of_a_machine_are_cut_one_by_one() -> None:
     plant = load(EXAMPLES / "closed_loop_platform.toml").system
     hot = MountedSensor(sensor=IdealSensor(), of=("second.temperature",))
     bench = Bench(plant=plant, period=PERIOD, sensors=Sensors(warm=hot))
-    found: Any = checks_for(bench, temperature_limit=400.0)
+    found: Any = build_sensor_checks(bench, temperature_limit=400.0)
     assert (found["hot_warm"].cuts(), found["hot_warm"].limit) == (("second",), 400.0)
-    assert list(checks_for(bench)) == ["lost_warm"]  # nothing is known of the material
+    assert list(build_sensor_checks(bench)) == ["lost_warm"]  # nothing is known of the material
 
 
 # ---------------------------------------------------------------- runs
@@ -154,7 +154,9 @@ def test_nothing_is_cut_without_a_fault_and_faults_are_seen() -> None:
 def test_guard_of_a_scenario_is_that_of_its_plant() -> None:
     scenario = loop(supervisor__from_plant={"hottest": "40 degC", "least_cooling": 0.8})
     assert scenario.bench is not None
-    made = guard_for(scenario.system, hottest=313.15, least_cooling=0.8, checks=checks_for(scenario.bench))
+    made = build_thermal_guard(
+        scenario.system, hottest=313.15, least_cooling=0.8, checks=build_sensor_checks(scenario.bench)
+    )
     assert guard(scenario) == made
     assert guard(read_scenario(scenario.text)) == made
     assert scenario.origins["supervisor.checks.bound_drive.power"] == "plant"

@@ -26,7 +26,7 @@ from martensite.control.loop.parts import FaultTable, MountedSensor, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.thermometer import ThermocoupleSensor
-from martensite.control.supervisors.from_plant import find_bound, guard_for, worst_power
+from martensite.control.supervisors.from_plant import build_thermal_guard, find_bound, worst_power
 from martensite.control.supervisors.guard import Guard
 from martensite.control.supervisors.worst_case import find_transformation_end, find_worst_case
 from martensite.kernels import floats
@@ -104,7 +104,7 @@ def test_a_loop_has_a_guard_that_lets_a_healthy_signal_pass() -> None:
     guard = guarded.bench.supervisor
     assert isinstance(guard, Guard)
     assert guard.answer == "limit"
-    assert guard.checks.members() == guard_for(guarded.system).checks.members()
+    assert guard.checks.members() == build_thermal_guard(guarded.system).checks.members()
     assert any("Nothing guards this loop" in one for one in free.cautions)
     found, plain = guarded.run(), free.run()
     assert set(found["alarm"]) == {0.0}

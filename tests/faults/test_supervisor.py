@@ -29,7 +29,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import SUPERVISORS, Controllers, FaultTable, MountedSensor, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.base import AbstractSensor
-from martensite.control.supervisors.from_plant import guard_for, least_conductance, worst_power
+from martensite.control.supervisors.from_plant import build_thermal_guard, least_conductance, worst_power
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
@@ -110,7 +110,7 @@ def bench(answer: str = "resume") -> Bench:
         current=mounted("current", 1e-3),
         stress=mounted("stress", 0.0),
     )
-    guard = guard_for(
+    guard = build_thermal_guard(
         WIRE,
         temperature_limit=LIMIT,
         hottest=303.15,
@@ -308,7 +308,7 @@ def test_the_least_heat_loss_is_where_it_is_least():
 
 def test_a_guard_takes_its_limit_from_the_element():
     limited = WIRE.with_parts(element=WIRE.element.with_parts(limits=ElementLimits(temperature_limit=390)))
-    (one,) = guard_for(limited).checks.members().values()
+    (one,) = build_thermal_guard(limited).checks.members().values()
     assert (one.value_of("limit"), one.value_of("ambient")) == (390.0, 293.15)
     assert one.value_of("capacity") == WIRE.element.heat_capacity_total()
 
@@ -328,7 +328,7 @@ def test_a_bundle_is_bounded_as_a_whole():
     clamped = WIRE.element.with_parts(ends=ClampedEnds(thermal_conductivity=18.0))
     bundle = Bundle(strand=clamped, count=3.0)
     three, one = (
-        guard_for(plant, temperature_limit=LIMIT).checks.members()["bound_drive"]
+        build_thermal_guard(plant, temperature_limit=LIMIT).checks.members()["bound_drive"]
         for plant in (pulling(bundle, 3.0), pulling(WIRE.element))
     )
     for name in ("power", "capacity", "conductance"):
@@ -337,7 +337,7 @@ def test_a_bundle_is_bounded_as_a_whole():
 
 def test_the_bound_of_a_bundle_holds():
     plant = pulling(Bundle(strand=WIRE.element, count=3.0), 3.0)
-    guard = guard_for(plant, temperature_limit=LIMIT, answer="resume", band=5.0)
+    guard = build_thermal_guard(plant, temperature_limit=LIMIT, answer="resume", band=5.0)
     full = {"drive": Constant(level=1.0)}
     free = Bench(plant=plant, period=PERIOD, substeps=1)
     found, hot = (
@@ -350,14 +350,14 @@ def test_the_bound_of_a_bundle_holds():
 def test_an_element_of_many_temperatures_has_no_bound():
     ribbon = example(Ribbon)
     with pytest.raises(InputError, match=r"elements of one temperature, .* not for `ribbon`"):
-        guard_for(WIRE.with_parts(element=ribbon), temperature_limit=LIMIT)
+        build_thermal_guard(WIRE.with_parts(element=ribbon), temperature_limit=LIMIT)
 
 
 def test_a_guard_that_lacks_a_number_says_so():
     with pytest.raises(InputError, match="no `temperature_limit`"):
-        guard_for(WIRE)
+        build_thermal_guard(WIRE)
     with pytest.raises(InputError, match="takes a signal in W: give its largest"):
-        guard_for(WIRE.with_parts(source=PowerSource()), temperature_limit=LIMIT)
+        build_thermal_guard(WIRE.with_parts(source=PowerSource()), temperature_limit=LIMIT)
 
 
 # ---------------------------------------------------------------- checks, one by one

@@ -14,8 +14,8 @@ from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.synthesis.linear import linearise_plant, realise_readings
 from martensite.export.control_systems import (
+    compute_rest_state,
     plant_state_space,
-    rest_state,
     state_names,
     to_nonlinear_system,
     to_state_space,
@@ -39,7 +39,7 @@ def held(values: np.ndarray) -> Held:
 def test_a_plant_answers_as_in_simulate():
     u = np.repeat(np.random.default_rng(1).uniform(0.0, 6.0, 10), COUNT // 10)
     system = to_nonlinear_system(PLANT, PERIOD, outputs=SHOWN)
-    found = control.input_output_response(system, TIMES, u, rest_state(PLANT, [u[0]]))
+    found = control.input_output_response(system, TIMES, u, compute_rest_state(PLANT, [u[0]]))
     run = simulate(PLANT, held(u), TIMES[-1], step=PERIOD, samples=COUNT)
     for row, name in zip(found.outputs, SHOWN, strict=True):
         np.testing.assert_allclose(row, run[name], rtol=1e-9, atol=1e-12)
@@ -64,7 +64,7 @@ def test_a_bench_answers_as_in_simulate():
     run = simulate(bench, {"reference": held(r)}, TIMES[-1], samples=COUNT)
 
     def away(given: np.ndarray, name: str) -> float:
-        found = control.input_output_response(system, TIMES, given, rest_state(bench))
+        found = control.input_output_response(system, TIMES, given, compute_rest_state(bench))
         row = found.outputs[names.index(name.replace(".", "_"))]
         return float(np.abs(row - np.array(run[name])).max())
 
@@ -96,7 +96,7 @@ def test_states_are_called_by_their_place():
     names = state_names(PLANT)
     assert names[0] == "elements0_memory_fraction"
     assert "mechanism_elongation" in names
-    assert len(names) == len(rest_state(PLANT)) == len(set(names))
+    assert len(names) == len(compute_rest_state(PLANT)) == len(set(names))
 
 
 def test_what_is_missing_is_told():

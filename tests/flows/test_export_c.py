@@ -37,7 +37,7 @@ from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
 from martensite.export.c_core import build_c_core, build_c_loop
-from martensite.export.c_example import example_text, played_by_system
+from martensite.export.c_example import example_text, list_run_inputs
 from martensite.export.c_kernels import PRECISIONS, count_operations
 from martensite.export.c_names import choose_identifier
 from martensite.kernels.program import Program
@@ -369,7 +369,7 @@ def test_it_needs_no_library_but_libm(tmp_path: Path) -> None:
 
 
 def test_the_example_prints_what_the_model_does(bench: Called, tmp_path: Path) -> None:
-    first, steps = played_by_system(BENCH, {}, 10.0, 10)
+    first, steps = list_run_inputs(BENCH, {}, 10.0, 10)
     source, program = tmp_path / "example.c", tmp_path / "example"
     source.write_text(example_text(bench.core, first, steps), encoding="utf-8")
     built([str(source), f"-I{bench.path.parent}", str(bench.path)], program)

@@ -23,7 +23,7 @@ from typer.testing import CliRunner, Result
 
 from martensite.cli import app
 from martensite.export.c_core import build_c_core
-from martensite.export.c_example import Step, played_by_system
+from martensite.export.c_example import Step, list_run_inputs
 from martensite.export.fmu import binaries
 from martensite.export.wasm import build_wasm, module
 from martensite.scenario.scenario import load
@@ -214,7 +214,7 @@ QUICK = ("pwm_bias_spring", "closed_loop_beam")
 def test_examples_are_those_in_c(zig: None, tmp_path: Path, name: str) -> None:
     """After every step, as a share of the largest value of each output."""
     scenario = load(ROOT / f"examples/{name}.toml")
-    first, steps = played_by_system(scenario.whole, scenario.waveform, scenario.duration, 400)
+    first, steps = list_run_inputs(scenario.whole, scenario.waveform, scenario.duration, 400)
     made = build_wasm(scenario.whole, name="model", first=first)
     write_module(made, tmp_path)
     found, said = play_module(made, tmp_path, steps)

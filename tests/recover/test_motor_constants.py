@@ -25,8 +25,8 @@ from martensite.characterise.motor_constants import (
     MotorConstants,
     SteadyRunning,
     Winding,
+    collect_steady_states,
     estimate_motor_constants,
-    steady_running,
     winding_resistance,
 )
 from martensite.characterise.time_constant import Rise, fit_rise
@@ -50,7 +50,7 @@ def running(noise: float = 0.0, seed: int = 0) -> SteadyRunning:
     currents = (B * SPEEDS + F_C) / K
     volts = R * currents + K * SPEEDS + draw.normal(0.0, 5.0 * noise, 8)
     currents = currents + draw.normal(0.0, 0.1 * noise, 8)
-    return steady_running(volts.tolist(), currents.tolist(), SPEEDS.tolist())
+    return collect_steady_states(volts.tolist(), currents.tolist(), SPEEDS.tolist())
 
 
 def held_current(noise: float = 0.0, seed: int = 0) -> Rise:
@@ -127,7 +127,7 @@ def test_inertia_with_a_slow_winding_needs_the_inductance() -> None:
 def test_backward_states_are_turned_forward() -> None:
     states = running()
     signs = (1.0, -1.0) * 4
-    turned = steady_running(
+    turned = collect_steady_states(
         *(
             [s * number for s, number in zip(signs, column, strict=True)]
             for column in (states.voltages, states.currents, states.speeds)
@@ -188,11 +188,11 @@ def rise(tau: float) -> tuple[list[float], list[float]]:
 def test_remarks_on_what_does_not_fit() -> None:
     brushes = estimate_motor_constants(running(), held_rotor(0.01, offset=0.5))
     assert any("V at no current" in remark for remark in brushes.remarks)
-    smooth = steady_running((2.0, 4.0, 6.0), (0.02, 0.0199, 0.0201), (90.0, 180.0, 270.0))
+    smooth = collect_steady_states((2.0, 4.0, 6.0), (0.02, 0.0199, 0.0201), (90.0, 180.0, 270.0))
     assert any(
         "b above 0 is not supported" in r for r in estimate_motor_constants(smooth, Winding(MeasuredValue(6.0))).remarks
     )
-    falling = steady_running((2.0, 4.0, 6.0), (0.03, 0.0199, 0.01), (90.0, 180.0, 270.0))
+    falling = collect_steady_states((2.0, 4.0, 6.0), (0.03, 0.0199, 0.01), (90.0, 180.0, 270.0))
     assert any("is below 0" in r for r in estimate_motor_constants(falling, Winding(MeasuredValue(6.0))).remarks)
     times = np.linspace(-2.0, 6.0, 800)
     early = fit_rise(times.tolist(), np.where(times > 0, 1 - np.exp(-times / 0.5), 0.0).tolist())
@@ -266,9 +266,9 @@ def test_tests_that_are_refused() -> None:
     with pytest.raises(DataError, match="finite"):
         winding_resistance([1.0, math.nan], [1.0, 2.0])
     with pytest.raises(DataError, match="must not be 0 rad/s"):
-        steady_running([1.0, 2.0], [1.0, 2.0], [0.0, 10.0])
+        collect_steady_states([1.0, 2.0], [1.0, 2.0], [0.0, 10.0])
     with pytest.raises(DataError, match="at least two speeds"):
-        steady_running([1.0, 2.0], [1.0, 2.0], [10.0, 10.0])
+        collect_steady_states([1.0, 2.0], [1.0, 2.0], [10.0, 10.0])
 
 
 def test_tests_that_contradict_each_other() -> None:

@@ -91,7 +91,7 @@ class FilmPoints:
         return {name: list(v) if isinstance(v, tuple) else v for name, v in vars(self).items()}
 
 
-def points_from_power(
+def compute_film_points(
     temperatures_degC: Sequence[float], powers: Sequence[float], *, diameter: float, length: float, ambient_degC: float
 ) -> FilmPoints:
     """Return the film coefficients of a wire from steady temperatures and heating powers.

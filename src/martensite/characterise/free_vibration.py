@@ -173,7 +173,7 @@ def damping_ratio(decrement: float) -> float:
     return decrement / math.hypot(2.0 * math.pi, decrement)
 
 
-def frequency_of(stiffness: float, mass: float) -> float:
+def compute_natural_frequency(stiffness: float, mass: float) -> float:
     """Return the natural frequency √(k/M)/(2 π) [Hz] from stiffness [N/m] and moving mass [kg]."""
     return math.sqrt(stiffness / mass) / (2.0 * math.pi)
 

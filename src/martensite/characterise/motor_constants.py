@@ -110,7 +110,9 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
     return Winding(resistance, fit_powers(currents, voltages, (0, 1)).coefficient(0))
 
 
-def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]) -> SteadyRunning:
+def collect_steady_states(
+    voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]
+) -> SteadyRunning:
     """Return the steady states, with reversed signs for backward rotation.
 
     Args:

@@ -26,7 +26,7 @@ from martensite.control.controllers.pid import Gains as Gains
 from martensite.control.controllers.pid import Pid as Pid
 from martensite.control.controllers.pid import PidGains as PidGains
 from martensite.control.controllers.pid import PidLaw as PidLaw
-from martensite.control.controllers.pid import per_sample as per_sample
+from martensite.control.controllers.pid import compute_gains_per_sample as compute_gains_per_sample
 from martensite.control.controllers.planning import Price as _PlanPrice
 from martensite.control.controllers.relay import Direct as Direct
 from martensite.control.controllers.relay import OnOff as OnOff
@@ -107,8 +107,8 @@ from martensite.control.sensors.position import PositionSensor as PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor as ResistanceSensor
 from martensite.control.sensors.thermometer import InfraredSensor as InfraredSensor
 from martensite.control.sensors.thermometer import ThermocoupleSensor as ThermocoupleSensor
-from martensite.control.supervisors.from_plant import guard_for as guard_for
-from martensite.control.supervisors.from_sensors import checks_for as checks_for
+from martensite.control.supervisors.from_plant import build_thermal_guard as build_thermal_guard
+from martensite.control.supervisors.from_sensors import build_sensor_checks as build_sensor_checks
 from martensite.control.supervisors.guard import Guard as Guard
 from martensite.control.synthesis.gain_schedule import DesignedSchedule as DesignedSchedule
 from martensite.control.synthesis.gain_schedule import design_gain_schedule as design_gain_schedule

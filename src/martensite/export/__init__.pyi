@@ -2,9 +2,9 @@ from martensite.export.c_core import CCore as CCore
 from martensite.export.c_core import build_c_core as build_c_core
 from martensite.export.c_core import build_c_loop as build_c_loop
 from martensite.export.c_example import example_text as example_text
-from martensite.export.c_example import played_by_system as played_by_system
+from martensite.export.c_example import list_run_inputs as list_run_inputs
+from martensite.export.control_systems import compute_rest_state as compute_rest_state
 from martensite.export.control_systems import plant_state_space as plant_state_space
-from martensite.export.control_systems import rest_state as rest_state
 from martensite.export.control_systems import to_control as to_control
 from martensite.export.control_systems import to_nonlinear_system as to_nonlinear_system
 from martensite.export.control_systems import to_state_space as to_state_space

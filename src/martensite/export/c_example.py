@@ -133,7 +133,7 @@ LONGEST = 120.0
 """Timeout of a trial run [s]."""
 
 
-def played_by_system(
+def list_run_inputs(
     system: AbstractSystem, waveform: Waveforms | Mapping[str, Any], duration: float, steps: int, most: int = MOST
 ) -> Played:
     """Return the inputs of a run of a system, or of a bench without noise.
@@ -158,7 +158,7 @@ def played_by_system(
     return tuple(sampled[0]), list(zip(grid.lengths, rows, strict=True))
 
 
-def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int, most: int = MOST) -> Played:
+def list_loop_inputs(bench: Bench, waveform: Waveforms, result: Result, steps: int, most: int = MOST) -> Played:
     """Return readings, ages, references and free signals of a run on a bench, by sample.
 
     At most `most * steps` samples are returned.

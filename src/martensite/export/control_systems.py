@@ -84,7 +84,7 @@ def to_nonlinear_system(
     """Return a plant or a bench as a `control.NonlinearIOSystem` in discrete time.
 
     Inputs are its drives, without noise and jitter of sensors. Dots in names become underscores. For its steady state
-    see `rest_state`.
+    see `compute_rest_state`.
 
     Args:
         system: a plant, or a bench with its sample time.
@@ -107,7 +107,7 @@ def to_nonlinear_system(
     )
 
 
-def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
+def compute_rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
     """Return the flat steady state of a plant or bench, as used by `to_nonlinear_system`.
 
     Args:

@@ -6,7 +6,7 @@ from martensite.identify.blocks.generalised_prandtl_ishlinskii import (
 from martensite.identify.blocks.play import Play as Play
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii as PrandtlIshlinskii
 from martensite.identify.blocks.transfer_function import TransferFunction as TransferFunction
-from martensite.identify.chains.best_linear import best_linear as best_linear
+from martensite.identify.chains.best_linear import fit_linear_model as fit_linear_model
 from martensite.identify.chains.chain import Chain as _BlockChain
 from martensite.identify.chains.chain_text import parse_chain as parse_chain
 from martensite.identify.chains.engine import ChainEngine as ChainEngine

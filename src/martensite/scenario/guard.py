@@ -28,8 +28,8 @@ from martensite.control.checks.base import AbstractCheck
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.supervisors import default_guard
-from martensite.control.supervisors.from_plant import guard_for
-from martensite.control.supervisors.from_sensors import checks_for, find_known_limit
+from martensite.control.supervisors.from_plant import build_thermal_guard
+from martensite.control.supervisors.from_sensors import build_sensor_checks, find_known_limit
 from martensite.scenario.build import Builder, Table, as_table, name_section
 from martensite.scenario.sections import SUPERVISOR
 from martensite.signals.base import DRIVE
@@ -133,8 +133,10 @@ def _fill_rows(
 
 def _build_checks(bench: Bench, conditions: FromPlant, noisy: bool) -> dict[str, AbstractCheck]:
     numbers = conditions.numbers()
-    sensed = checks_for(bench, noisy=noisy, temperature_limit=numbers["temperature_limit"], band=conditions.band)
-    return guard_for(bench.plant, **numbers, band=conditions.band, checks=sensed).checks.members()
+    sensed = build_sensor_checks(
+        bench, noisy=noisy, temperature_limit=numbers["temperature_limit"], band=conditions.band
+    )
+    return build_thermal_guard(bench.plant, **numbers, band=conditions.band, checks=sensed).checks.members()
 
 
 def _known_number(number: float) -> float | None:

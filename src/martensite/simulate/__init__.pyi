@@ -14,7 +14,7 @@ from martensite.simulate.operating_point import SteadyPoint as SteadyPoint
 from martensite.simulate.operating_point import find_operating_level as find_operating_level
 from martensite.simulate.operating_point import find_operating_point as find_operating_point
 from martensite.simulate.path_layout import Choices as Choices
-from martensite.simulate.paths import named_path as named_path
+from martensite.simulate.paths import build_paths as build_paths
 from martensite.simulate.point import PathLeg as PathLeg
 from martensite.simulate.point import PointResult as PointResult
 from martensite.simulate.point import material_point as material_point

@@ -57,7 +57,7 @@ def find_path(name: str) -> NamedPath:
     return PATHS[name]
 
 
-def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
+def build_paths(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
     """Return the paths of a name, scaled by a law.
 
     Args:

@@ -136,7 +136,7 @@ def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
     return tuple(_find_wave_number(k, mass_ratio) for k in range(1, count + 1))
 
 
-def exact_omega(beam: CantileverBeam, count: int) -> tuple[float, ...]:
+def solve_angular_frequencies(beam: CantileverBeam, count: int) -> tuple[float, ...]:
     """Return the natural angular frequencies [rad/s] from the characteristic equation."""
     roots = exact_roots(count, beam.tip_mass / beam.mass)
     return tuple(beam.rate * beta * beta for beta in roots)

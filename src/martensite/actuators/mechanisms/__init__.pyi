@@ -1,7 +1,7 @@
 from martensite.actuators.mechanics.beam_modes import BeamModes as BeamModes
 from martensite.actuators.mechanics.beam_modes import CantileverBeam as CantileverBeam
 from martensite.actuators.mechanics.beam_modes import beam_modes as beam_modes
-from martensite.actuators.mechanics.beam_modes import exact_omega as exact_omega
+from martensite.actuators.mechanics.beam_modes import solve_angular_frequencies as solve_angular_frequencies
 from martensite.actuators.mechanics.platform_kinematics import Plates as Plates
 from martensite.actuators.mechanics.platform_kinematics import platform_angles as platform_angles
 from martensite.actuators.mechanics.platform_kinematics import platform_lengths as platform_lengths

@@ -74,14 +74,14 @@ def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, l
         SolveError: a program does not end.
     """
     from martensite.export.c_core import build_c_core, build_c_loop
-    from martensite.export.c_example import played_by_loop, played_by_system
+    from martensite.export.c_example import list_loop_inputs, list_run_inputs
 
     if part == "loop" and scenario.bench is not None:
         core = build_c_loop(scenario.bench, name="core", precision="float32")
-        first, played = played_by_loop(scenario.bench, scenario.waveform, scenario.run(), STEPS)
+        first, played = list_loop_inputs(scenario.bench, scenario.waveform, scenario.run(), STEPS)
     elif part == "plant":
         core = build_c_core(scenario.system, name="core", precision="float32")
-        first, played = played_by_system(scenario.system, scenario.waveform, scenario.duration, STEPS)
+        first, played = list_run_inputs(scenario.system, scenario.waveform, scenario.duration, STEPS)
     else:
         raise InputError(f"There is no part `{part}` of this scenario; there are loop, if it has one, and plant.")
     steps = [length for length, _ in played]

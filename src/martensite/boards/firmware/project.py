@@ -128,7 +128,7 @@ def build_firmware(
         ParameterError: the loop fails in float32.
     """
     from martensite.export.c_core import build_c_loop
-    from martensite.export.c_example import MOST_TRIED, played_by_loop, try_program
+    from martensite.export.c_example import MOST_TRIED, list_loop_inputs, try_program
 
     chosen, bench = find_board(board), scenario.bench
     if bench is None:
@@ -137,7 +137,7 @@ def build_firmware(
     chosen_limits.check()
     core = build_c_loop(bench, name="loop", precision="float32")
     run = scenario.run()
-    tried = try_program(core, played_by_loop(bench, scenario.waveform, run, TRIED_SAMPLES, MOST_TRIED))
+    tried = try_program(core, list_loop_inputs(bench, scenario.waveform, run, TRIED_SAMPLES, MOST_TRIED))
     inputs = plan_inputs(bench, chosen)
     drives, readings = len(bench.plant.drives()), len(inputs.readings)
     if drives > len(chosen.drive_pins):

@@ -88,7 +88,7 @@ def law(
     from martensite.show.figures.style import write_figure
     from martensite.show.summaries.run import summarise_laws
     from martensite.show.terminal import print_summary
-    from martensite.simulate.paths import find_path, named_path
+    from martensite.simulate.paths import build_paths, find_path
 
     outputs = answer.check_files(out, ".csv")
     chosen = _read_choices(at, stress, strain, start, rate)
@@ -106,7 +106,7 @@ def law(
     path = path or "superelastic"
     plane = find_path(path).plane
     dressed = configure_laws(list(dict.fromkeys(names)), material, read_settings(settings or []))
-    laid = [named_path(path, one.law, chosen) for one in dressed]
+    laid = [build_paths(path, one.law, chosen) for one in dressed]
     results = [
         [course.follow(one.law, tolerance=tolerance, runtime=runtime) for course in courses]
         for one, courses in zip(dressed, laid, strict=True)

@@ -62,7 +62,7 @@ class PidMemory(NamedTuple):
 NO_MEMORY = PidMemory(0.0, 0.0, 0.0)
 
 
-def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
+def compute_gains_per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
     """Return the gains per sample from the gains of K_p + K_i/s + K_d s.
 
     Args:

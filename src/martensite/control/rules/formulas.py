@@ -39,7 +39,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.control.controllers.pid import Gains, per_sample
+from martensite.control.controllers.pid import Gains, compute_gains_per_sample
 
 FORMS = ("pi", "pid")
 
@@ -94,7 +94,7 @@ class IdealGains(NamedTuple):
 
     def per_sample(self, interval: float) -> Gains:
         """Return the gains per sample of `interval` [s]."""
-        return per_sample(self.Kp, self.Ki, self.Kd, interval)
+        return compute_gains_per_sample(self.Kp, self.Ki, self.Kd, interval)
 
 
 Model = FirstOrder | Integrating

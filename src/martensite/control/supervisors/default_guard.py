@@ -51,7 +51,7 @@ def find_default_bounds(
 ) -> tuple[dict[str, ThermalBound], list[str]]:
     """Return the bounds by the name of the check, and remarks on elements without a bound.
 
-    The options are those described at `guard_for`.
+    The options are those described at `build_thermal_guard`.
     """
     bounds, remarks = dict[str, ThermalBound](), list[str]()
     for drive, one in list_heated(plant, controllers).items():

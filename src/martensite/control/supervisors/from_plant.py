@@ -25,7 +25,7 @@ STRAINS = (0.0, 0.1)
 """Strains between which the resistance is searched for its extremes."""
 
 
-def guard_for(
+def build_thermal_guard(
     system: AbstractSystem,
     *,
     temperature_limit: float | None = None,
@@ -68,7 +68,7 @@ def guard_for(
 def find_bound(
     one: Actuator, drive: str, limit: float, full: float, hottest: float | None = None, least_cooling: float = 1.0
 ) -> ThermalBound:
-    """Return the temperature bound of the actuator of a drive, at a limit [K]; options as for `guard_for`."""
+    """Return the temperature bound of the actuator of a drive, at a limit [K]; options as for `build_thermal_guard`."""
     ambient = one.environment.temperature if hottest is None else hottest
     return ThermalBound(
         drive=drive,

@@ -41,7 +41,7 @@ LEAST_REPEATS, MOST_REPEATS = 5, 1000
 TEMPERATURES = ("temperature", "hottest")
 
 
-def checks_for(
+def build_sensor_checks(
     bench: Bench, *, noisy: bool = True, temperature_limit: float | None = None, band: float = 0.0
 ) -> dict[str, AbstractCheck]:
     """Return checks of the sensors of a bench, by name.

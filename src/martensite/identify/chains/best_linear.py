@@ -152,7 +152,7 @@ def linear_start(
     return fit_weights(block, best, pairs, dt)
 
 
-def best_linear(
+def fit_linear_model(
     records: Sampled | Sequence[Sampled], order: int, nk: int = 1, skip: int = 0, iterations: int = 60
 ) -> Chain:
     """Return the linear model of an order that reproduces records best in free run from the steady state.

@@ -9,7 +9,7 @@ import numpy as np
 from martensite.base.errors import MartensiteError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import best_linear, polish_linear
+from martensite.identify.chains.best_linear import fit_linear_model, polish_linear
 from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
 from martensite.identify.chains.scores import fit_percent
@@ -90,7 +90,7 @@ def describe_motion(records: Sequence[Sampled]) -> Iterator[str]:
 def _fit_linear(record: Sampled) -> float:
     """Return the fit of a linear model of second order [%]."""
     try:
-        model = best_linear(record, 2, iterations=20)
+        model = fit_linear_model(record, 2, iterations=20)
     except MartensiteError:
         return -np.inf
     return float(fit_percent(record.outputs, model.simulate(record.inputs))[0])

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from martensite.base.errors import MartensiteError
-from martensite.identify.chains.best_linear import best_linear
+from martensite.identify.chains.best_linear import fit_linear_model
 from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.goals import AUTO
 from martensite.identify.chains.scores import fit_percent, free_run
@@ -64,7 +64,7 @@ def _explain_dynamics(first: Sampled, record: Sampled) -> str:
     """Describe different dynamics; empty if the linear models agree."""
     try:
         ours, its = coarsen_records([first, record], 2000)
-        model, its_model = (best_linear(one, 2, iterations=20) for one in (ours, its))
+        model, its_model = (fit_linear_model(one, 2, iterations=20) for one in (ours, its))
         fits = [float(np.mean(fit_percent(its.outputs, free_run(m, its, AUTO)))) for m in (model, its_model)]
     except MartensiteError:
         return ""

@@ -77,20 +77,20 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str, port: str
         MOST,
         MOST_TRIED,
         example_text,
-        played_by_loop,
-        played_by_system,
+        list_loop_inputs,
+        list_run_inputs,
         try_program,
     )
 
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole
         core = build_c_core(system, name=name, precision=precision)
-        play = partial(played_by_system, system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
+        play = partial(list_run_inputs, system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
     elif loaded.bench is None:
         raise ParameterError("This scenario has no loop: there is no controller in it.")
     else:
         core = build_c_loop(loaded.bench, name=name, precision=precision)
-        play = partial(played_by_loop, loaded.bench, loaded.waveform, loaded.run(), EXAMPLE_STEPS)
+        play = partial(list_loop_inputs, loaded.bench, loaded.waveform, loaded.run(), EXAMPLE_STEPS)
     tried = try_program(core, play(MOST_TRIED)) if core.precision == "float32" else ""
     return core, example_text(core, *play(MOST)), tried
 

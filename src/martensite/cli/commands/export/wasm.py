@@ -57,11 +57,11 @@ def wasm(
 
 
 def _make_module(loaded: Scenario, name: str, part: str) -> WasmModule:
-    from martensite.export.c_example import played_by_system
+    from martensite.export.c_example import list_run_inputs
     from martensite.export.wasm import build_wasm
 
     system = loaded.system if part == "plant" else loaded.whole
-    first, _ = played_by_system(system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
+    first, _ = list_run_inputs(system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
     return build_wasm(system, name=name, title=loaded.title or name, first=first)
 
 

@@ -111,7 +111,7 @@ def _choose_forms(report: FilmReport, form: str) -> list[str]:
 
 def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
     """Return the points of a table and the origin of their film coefficients."""
-    from martensite.characterise.film_coefficient import FilmPoints, points_from_power
+    from martensite.characterise.film_coefficient import FilmPoints, compute_film_points
     from martensite.logs.reader import read_complete
 
     record = read_complete(table, 1.0)
@@ -128,7 +128,7 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
         name: wire.need(name, "h = P/[π d l (T - T_a)] is to be found") for name in ("diameter", "length", "ambient")
     }
     ambient = _to_celsius(sizes.pop("ambient"))
-    return points_from_power(at, powers, **sizes, ambient_degC=ambient), origin
+    return compute_film_points(at, powers, **sizes, ambient_degC=ambient), origin
 
 
 def _to_celsius(kelvin: float) -> float:

@@ -83,11 +83,11 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
 
 def read_steady(path: Path) -> SteadyRunning:
     """Return the steady states of a table with voltage, current and speed."""
-    from martensite.characterise.motor_constants import steady_running
+    from martensite.characterise.motor_constants import collect_steady_states
     from martensite.logs.reader import read_complete
 
     record = read_complete(path, 1.0)
-    return steady_running(record["voltage"].tolist(), record["current"].tolist(), _read_speeds(record))
+    return collect_steady_states(record["voltage"].tolist(), record["current"].tolist(), _read_speeds(record))
 
 
 def read_rise(path: Path | None, column: str) -> Rise | None:
