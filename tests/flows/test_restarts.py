@@ -6,9 +6,9 @@ Source of truth: the whole run, to the last bit; and the closed balances of what
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -34,8 +34,7 @@ RUNNABLE = [
 ]
 
 
-@dataclass
-class Leg:
+class Leg(NamedTuple):
     """Fields of a plan that a relay uses."""
 
     times: list[float]

@@ -18,23 +18,25 @@ from __future__ import annotations
 import math
 import sys
 import time
-from bisect import bisect_left
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.errors import BudgetError, CompileError
 from martensite.base.files import tell_once
+from martensite.base.remember_results import remember
 from martensite.simulate.adaptive import PER_STRESS, AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.forks import Decision
 from martensite.simulate.march import FixedMarch
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.recorded_track import Observe, observe_on_floats
+from martensite.simulate.restarts import SampleTimes
 from martensite.simulate.track import Numbers
 
 Tell = Callable[[str, float], None]
@@ -87,8 +89,6 @@ class RunEngine:
     """CPU time [s] for all passes together."""
     last_runtime: str = "floats"
     """Runtime of the last pass."""
-    marching: Any = None
-    """Last pass in C, whose arrays the next pass uses again."""
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
@@ -157,12 +157,19 @@ class RunEngine:
         """Run in C and compile if necessary."""
         from martensite.simulate.marching_native import Marching, Runs
 
-        outputs = range(len(self.compiled.outputs))
         if self.tell is not None and self._readiness(plan) == "new":
             self.tell("compiling", 0.0)
         self.last_runtime = "C"
-        self.marching = Marching(Runs(plan, self.values, 1, tuple(outputs), 1), self.marching)
-        return self.marching.go(self._watch("simulating")).take_run(0, plan.times)
+        runs, idle = Runs(plan, self.values, 1, tuple(range(len(self.compiled.outputs))), 1), self.compiled.idle
+        try:
+            marching = idle.pop()
+        except IndexError:
+            marching = Marching(runs)
+        else:
+            marching.set_runs(runs)
+        run = marching.go(self._watch("simulating")).take_run(0, plan.times)
+        idle.append(marching)
+        return run
 
     def observe(self, plan: MarchPlan, outputs: Sequence[int], used: str) -> Observe:
         """Return the function that computes outputs of recorded states on the runtime `used`."""
@@ -214,46 +221,44 @@ def require_budget(budget: float | None, begin: float, share: float) -> float:
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
     """Return the last run to a tolerance and its error bounds as fractions of the ranges of judged outputs."""
-    compared = choose_samples(len(plan.times), plan.skipped)
-    local = LOCAL[plan.order] * tolerance
-    run = march(replace(plan, times=[plan.times[k] for k in compared], recorded=False, tolerance=local))
-    rows, accuracy = run.rows, math.inf
+    compiled, compared = plan.compiled, choose_samples(len(plan.times), plan.skipped)
+    local, accuracy = LOCAL[plan.order] * tolerance, math.inf
+    run = march(plan._replace(times=choose_times(plan.times, plan.skipped), recorded=False, tolerance=local))
+    judged = read_judged(compiled, run.rows)
     for turn in range(MOST_PASSES):
         local /= FINER
-        ranges = run.ranges if turn or not shares_stress(plan.compiled) else ()
-        run = march(replace(plan, tolerance=local, ranges=ranges, parted=True))
-        before, rows = rows, choose_rows(run.rows, compared)
-        run.gaps = measure_gaps(plan.compiled, before, rows)[1 if run.gap else 0 :]
-        accuracy = max(bound_error(plan.compiled, run), find_floor(plan.compiled) * tolerance)
+        ranges = run.ranges if turn or not shares_stress(compiled) else ()
+        run = march(plan._replace(tolerance=local, ranges=ranges, parted=True))
+        before, judged = judged, read_judged(compiled, choose_rows(run.rows, compared))
+        count = min(len(before), len(judged))
+        run.gaps = np.abs(before[:count] - judged[:count])[1 if run.gap else 0 :]
+        run.largest = run.find_largest_gap(run.gap)
+        accuracy = max(bound_error(compiled, run), find_floor(compiled) * tolerance)
         if accuracy <= tolerance:
             break
-    errors, changes = find_doubts(plan.compiled, [run.decision], [accuracy], [run.ranges])
-    run.undecided = float(errors[0])
-    return run, max(accuracy, float(changes[0]))
+    run.undecided, change = find_doubt(compiled, run.decision, accuracy, run.ranges)
+    return run, max(accuracy, change)
 
 
-def find_doubts(compiled: CompiledMarch, decisions: Any, accuracy: Any, ranges: Any) -> tuple[Numbers, Numbers]:
-    """Return the error [K] and effect of decisions that the error of a run may change; 0 for other runs.
+def find_doubt(
+    compiled: CompiledMarch, decision: Decision, accuracy: float, ranges: Sequence[float]
+) -> tuple[float, float]:
+    """Return the error [K] and effect of a decision that the error of a run may change; 0 for others.
 
     The effect is the change of the martensite fraction as a fraction of its range.
 
     Args:
-        compiled: system of the runs.
-        decisions: closest decision of each run, (runs, 5); see `Decision`.
-        accuracy: error bounds of the runs without these decisions, (runs,).
-        ranges: ranges of judged outputs, (runs, judged).
+        compiled: system of the run.
+        decision: closest decision of the run.
+        accuracy: error bound of the run without this decision.
+        ranges: ranges of judged outputs.
     """
-    margin, _, change, place, _ = np.asarray(decisions, float).reshape(-1, len(Decision._fields)).T
-    nothing = np.zeros(len(margin))
-    if not compiled.forks or not (place >= 0.0).any():
-        return nothing, nothing
-    spans = np.maximum(ranges, [least for _, least in compiled.convergence_scales])
-    fraction, temperature, stress, weight = np.array(compiled.forks)[place.astype(int)].T
-    ranks = np.arange(len(margin))
-    fractions, kelvins, pascals = (spans[ranks, one.astype(int)] for one in (fraction, temperature, stress))
-    errors, effects = accuracy * (kelvins + PER_STRESS * pascals), weight * change / fractions
-    doubtful = (place >= 0.0) & (np.abs(margin) <= errors) & (effects > accuracy)
-    return np.where(doubtful, errors, 0.0), np.where(doubtful, effects, 0.0)
+    if decision.place < 0:
+        return 0.0, 0.0
+    fork, scales = compiled.forks[decision.place], compiled.convergence_scales
+    fraction, temperature, stress = (max(ranges[place], scales[place][1]) for place in fork[:3])
+    error, effect = accuracy * (temperature + PER_STRESS * stress), fork.weight * decision.change / fraction
+    return (error, effect) if abs(decision.margin) <= error and effect > accuracy else (0.0, 0.0)
 
 
 def find_floor(compiled: CompiledMarch) -> float:
@@ -261,6 +266,7 @@ def find_floor(compiled: CompiledMarch) -> float:
     return 2.0 * FLOOR if shares_stress(compiled) else FLOOR
 
 
+@remember
 def shares_stress(compiled: CompiledMarch) -> bool:
     """Return whether fibres or cells of an element load each other.
 
@@ -269,36 +275,44 @@ def shares_stress(compiled: CompiledMarch) -> bool:
     return any(point.weight < 1.0 for point in compiled.points)
 
 
-def choose_rows(rows: Any, places: list[int]) -> Any:
+def choose_rows(rows: Any, places: NDArray[np.intp]) -> Any:
     """Return the rows at ascending places that a run reached."""
-    reached = places[: bisect_left(places, len(rows))]
-    return rows[reached] if hasattr(rows, "dtype") else [rows[k] for k in reached]
+    reached = places[: np.searchsorted(places, len(rows))]
+    return rows.take(reached, 0) if hasattr(rows, "dtype") else [rows[k] for k in reached.tolist()]
 
 
 @lru_cache(16)
-def choose_samples(count: int, skipped: int = 0) -> list[int]:
+def choose_samples(count: int, skipped: int = 0) -> NDArray[np.intp]:
     """Return the indices of about `FEW` compared samples, both ends included.
 
     For a run that continues after the sample `skipped`, return indices of the whole run.
     """
     whole = count + skipped
     every = max(1, math.ceil((whole - 1) / (FEW - 1)))
-    return sorted({0, *(k - skipped for k in range(0, whole, every) if k > skipped), count - 1})
+    return np.array(sorted({0, *(k - skipped for k in range(0, whole, every) if k > skipped), count - 1}))
 
 
-def measure_gaps(compiled: CompiledMarch, before: Any, after: Any) -> Numbers:
-    """Return the differences of judged outputs at samples of both runs, (samples, judged)."""
-    places = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
-    count = min(len(before), len(after))
-    pair = (np.asarray(rows[:count], float).reshape(count, -1)[:, places] for rows in (before, after))
-    return np.abs(np.subtract(*pair))
+def choose_times(times: Sequence[float], skipped: int = 0) -> SampleTimes:
+    """Return the compared samples [s], kept with `times`; see `choose_samples`."""
+    kept = times.chosen if isinstance(times, SampleTimes) else {}
+    if skipped not in kept:
+        places: list[int] = choose_samples(len(times), skipped).tolist()
+        kept[skipped] = SampleTimes(times[place] for place in places)
+    return kept[skipped]
+
+
+def read_judged(compiled: CompiledMarch, rows: Any) -> Numbers:
+    """Return the judged outputs of rows, (samples, judged)."""
+    return np.asarray(rows, float).reshape(len(rows), -1).take(compiled.judged, 1)
 
 
 def bound_error(compiled: CompiledMarch, run: Marched) -> float:
     """Return the largest gap plus the neglected errors, as a fraction of ranges."""
-    gap, scales = run.find_largest_gap(run.gap), compiled.convergence_scales
-    ranges = [max(span, least) for span, (_, least) in zip(run.ranges, scales, strict=True)]
-    worst = float(np.divide(gap or math.inf, ranges).max(initial=0.0))
-    heat = max(run.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
+    gaps = run.largest or [math.inf] * len(run.ranges)
+    ranges = [max(span, least) for span, (_, least) in zip(run.ranges, compiled.convergence_scales, strict=True)]
+    shares = [gap / (span or math.nan) for gap, span in zip(gaps, ranges, strict=True)]
+    if not math.isfinite(sum(shares)):
+        return math.inf
+    worst, heat = max(shares, default=0.0), ranges[0] if ranges else 1.0
     total = max(ERROR_SAFETY * worst + run.ripple / heat, ERROR_SAFETY * run.residual, LEAST_ACCURACY)
     return total if math.isfinite(total) else math.inf

@@ -10,13 +10,14 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.remember_results import remember
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import RunEngine, Tell, choose_rows, choose_samples, march_to, require_budget
+from martensite.simulate.accuracy import RunEngine, Tell, choose_rows, choose_times, march_to, require_budget
 from martensite.simulate.alarms import judge_limits
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march, list_values, name_outputs
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
@@ -26,7 +27,7 @@ from martensite.simulate.grid import TimeGrid
 from martensite.simulate.ledger import HeatBalance, WorkBalance, balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
-from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
+from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops, tabulate_times
 from martensite.simulate.result import Result
 from martensite.simulate.start_report import describe_start
 from martensite.simulate.stops import end_at_envelope
@@ -109,8 +110,7 @@ def simulate(
         return march(Relay(engine, start, [stop for stop in relay.stops if stop < plan.times[-1]]), plan)
 
     plan, run, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
-    compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
-    restarts = relay.list_restarts([times[k] for k in compared])
+    restarts = relay.list_restarts(choose_times(times, plan.skipped) if step is None else times[-1:])
     notes = list[str]()
     if run.undecided:
         name, _ = compiled.convergence_scales[compiled.forks[run.decision.place].fraction]
@@ -158,8 +158,8 @@ def _in_discrete_time(
     kept_all = whole.stored is not ...
     trace = RowsTrace(grid.times[: len(run.rows)], run.rows, len(name_outputs(system))) if kept_all else None
     times, stored = np.asarray(grid.times), np.asarray(whole.times)[whole.stored]
-    places: list[int] = np.flatnonzero(np.isin(times, [start.time, *stored])).tolist()
-    plan = replace(plan, times=times[places])
+    places = np.flatnonzero(np.isin(times, [start.time, *stored]))
+    plan = plan._replace(times=times[places])
     run = replace(run, rows=choose_rows(run.rows, places), runtime="C" if runtime == "c" else "floats")
     notes = list[str]()
     if not kept_all and len(whole.lengths) > len(whole.times):
@@ -226,7 +226,8 @@ class _RunContext(NamedTuple):
 
 
 def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context: _RunContext) -> Result:
-    names, rows, book = name_outputs(system), run.require().rows, plan.compiled.book
+    names, book = name_outputs(system), plan.compiled.book
+    columns = np.array(np.asarray(run.require().rows, float).T, order="C")
     notes, heat, work, unknown = list[str](), None, None, list[str]()
     if plan.step is None and not system.sample_time():
         heat = balance_heat(run.put_in, run.lost, run.accounts) if book.heat else None
@@ -237,8 +238,8 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context
     return Result(
         system,
         context.waveform,
-        np.array(plan.times[: len(rows)], float),
-        dict(zip(names, np.array(np.asarray(rows, float).T, order="C"), strict=False)),
+        tabulate_times(plan.times)[: columns.shape[1]].copy(),
+        dict(zip(names, columns, strict=False)),
         run.status,
         run.status_time,
         run.steps,
@@ -246,7 +247,7 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context
         context.accuracy,
         notes=[*notes, *context.notes],
         judged=judge_limits,
-        profiles=_part_profiles(len(names), rows),
+        profiles=_part_profiles(columns[len(names) :]),
         runtime=run.runtime,
         rejected=run.rejected,
         heat=heat,
@@ -278,8 +279,7 @@ def check_run(duration: float, tolerance: float, step: float | None, samples: in
         raise ParameterError(f"Argument `samples` must be at least 2, but is {samples}.")
 
 
-def _part_profiles(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
-    """Return the profiles in rows from column `first` on."""
-    cells = (len(rows[0]) - first) // len(PROFILES)
-    starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
-    return {name: [[row[start + i] for row in rows] for i in range(cells)] for name, start in starts.items() if cells}
+def _part_profiles(columns: NDArray[np.float64]) -> dict[str, list[list[float]]]:
+    """Return the profiles in columns behind the outputs."""
+    parts = columns.reshape(len(PROFILES), -1, columns.shape[1])
+    return dict(zip(PROFILES, parts.tolist(), strict=True)) if len(columns) else {}

@@ -142,6 +142,11 @@ class CompiledMarch(Compiled):
         return self.program.needs(nodes, function.inputs[self.size :])
 
     @cached_property
+    def judged(self) -> list[int]:
+        """Return the indices of judged outputs."""
+        return [self.outputs.index(name) for name, _ in self.convergence_scales]
+
+    @cached_property
     def swinging(self) -> tuple[bool, ...]:
         """Return whether each output depends on the signals."""
         return tuple(self.asks_for_signals("observe", [place]) for place in range(len(self.outputs)))
@@ -154,6 +159,11 @@ class CompiledMarch(Compiled):
             nodes = [function.outputs[i] for i in key]
             self._observed[key] = list(map(int, self.program.list_needed(nodes, function.inputs[: self.size])))
         return self._observed[key]
+
+    @cached_property
+    def idle(self) -> list[Any]:
+        """Return the arrays of single runs in C that the next runs use again."""
+        return []
 
     @cached_property
     def _observed(self) -> dict[tuple[int, ...], list[int]]:

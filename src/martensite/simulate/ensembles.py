@@ -7,7 +7,7 @@ Errors are bounded as in `martensite.simulate.accuracy`. Runs are batched in C
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -22,7 +22,8 @@ from martensite.simulate.accuracy import (
     LOCAL,
     MOST_PASSES,
     choose_samples,
-    find_doubts,
+    choose_times,
+    find_doubt,
     find_floor,
     march_to,
     shares_stress,
@@ -30,6 +31,7 @@ from martensite.simulate.accuracy import (
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
+from martensite.simulate.forks import read_decision
 from martensite.simulate.march import COARSE, SOLVED
 from martensite.simulate.marching import START, STEP_TOLERANCE, MarchPlan
 from martensite.simulate.marching_native import DECIDED, RANGES, MarchRows, Runs, march_runs, observe_in_c
@@ -153,7 +155,7 @@ class Measuring:
         """Return all measures of runs in C, (measures, runs), from a track or from samples."""
         with np.errstate(all="ignore"):  # failed runs
             if not self.measures:
-                return np.empty((0, runs.count))
+                return np.empty((0, runs.size))
             if runs.plan.totalled:
                 return self.measure_totals(march_rows, runs.plan.times[-1])
             if len(march_rows.record):
@@ -182,7 +184,7 @@ class Measuring:
         record = march_rows.record[order]
         waveforms = runs.own or [runs.plan.waveforms]
         track = assemble_track(runs.plan, record, runs.outputs, observe_in_c(runs), waveforms)
-        return self.measure_track(track, runs.count)
+        return self.measure_track(track, runs.size)
 
 
 NO_MEASURES = Measuring()
@@ -197,50 +199,61 @@ def march_in_lanes(
 ) -> Ensemble:
     """Simulate runs in C to a relative tolerance, which replaces the tolerance of their plan."""
     plan, compiled = runs.plan, runs.plan.compiled
-    judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
-    outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
-    judged_columns = [outputs.index(place) for place in judged]
+    outputs = tuple(dict.fromkeys((*runs.outputs, *compiled.judged)))
+    judged_columns = [outputs.index(place) for place in compiled.judged]
     compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
-    some = replace(plan, times=[plan.times[k] for k in compared], tolerance=local)
-    whole = replace(runs, outputs=outputs)
-    before = march(replace(whole, plan=replace(some, recorded=False, totalled=False)))
-    rows, numbers = before.outputs, before.numbers
-    ensemble = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
-    left = np.arange(runs.count)
+    some = plan._replace(times=choose_times(plan.times), tolerance=local)
+    whole = runs._replace(outputs=outputs)
+    before = march(whole._replace(plan=some._replace(recorded=False, totalled=False)))
+    judged, numbers = _read_judged(before.outputs, judged_columns), before.numbers
+    ensemble = Ensemble.empty(names, runs.size, len(plan.times), Status.OK, len(measuring.measures))
+    left = np.arange(runs.size)
     for turn in range(MOST_PASSES):
         local /= FINER
         ranges = float(turn > 0 or not shares_stress(compiled)) * numbers[:, RANGES:]
-        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, ranges)
+        finer = whole._replace(plan=plan._replace(tolerance=local, parted=True)).choose(left, ranges)
         march_rows = march(finer)
-        now = march_rows.outputs[:, compared]
-        apart = np.abs(rows[:, :, judged_columns] - now[:, :, judged_columns])
+        now = _read_judged(march_rows.outputs.take(compared, 1), judged_columns)
+        apart = judged - now
+        np.abs(apart, out=apart)
         accuracy = np.maximum(_bound_errors(compiled, apart, march_rows), find_floor(compiled) * tolerance)
         rest = accuracy > tolerance
-        decisions = march_rows.numbers[:, DECIDED:RANGES]
-        accuracy = np.maximum(accuracy, find_doubts(compiled, decisions, accuracy, march_rows.numbers[:, RANGES:])[1])
+        accuracy = np.maximum(accuracy, _find_effects(compiled, accuracy, march_rows))
         last = np.flatnonzero(~rest | (turn == MOST_PASSES - 1))
         measured = np.full((len(measuring.measures), len(left)), np.nan)
         if len(last):
             measured[:, last] = measuring.measure_march(finer.choose(last, ranges[last]), march_rows.choose(last))
         ensemble.place_runs(left, _judge_runs(march_rows, names, accuracy, measured, plan.times))
-        left, rows, numbers = left[rest], now[rest], march_rows.numbers[rest]
+        left, judged, numbers = left[rest], now[rest], march_rows.numbers[rest]
         if not len(left):
             break
     return ensemble
 
 
+def _read_judged(outputs: Numbers, columns: Sequence[int]) -> Numbers:
+    """Return columns of outputs, (runs, samples, outputs), as (runs, columns, samples), whose maxima are fast."""
+    return np.ascontiguousarray(outputs.swapaxes(1, 2)[:, columns])
+
+
 def _bound_errors(compiled: CompiledMarch, apart: Numbers, march_rows: MarchRows) -> Numbers:
-    """Return error bounds of runs from the differences of two passes, (runs, samples, judged)."""
+    """Return error bounds of runs from the differences of two passes, (runs, judged, samples)."""
     least = np.array([least for _, least in compiled.convergence_scales])
     scales = np.maximum(march_rows.numbers[:, RANGES:], least)
     finite = np.isfinite(apart)
-    worst = (np.where(finite, apart, 0.0).max(axis=1) / scales).max(axis=1, initial=0.0)
+    worst = (np.where(finite, apart, 0.0).max(axis=2) / scales).max(axis=1, initial=0.0)
     heat = scales[:, 0] if len(least) else 1.0
     total = np.maximum(
         ERROR_SAFETY * worst + march_rows.numbers[:, RIPPLE] / heat, ERROR_SAFETY * march_rows.numbers[:, RESIDUAL]
     )
-    sure = np.isfinite(total) & finite[:, 0].all(axis=-1)
+    sure = np.isfinite(total) & finite[:, :, 0].all(axis=1)
     return np.where(sure, np.maximum(total, LEAST_ACCURACY), np.inf)
+
+
+def _find_effects(compiled: CompiledMarch, accuracy: Numbers, march_rows: MarchRows) -> Numbers:
+    """Return the effects of decisions that the errors of their runs may change; 0 for other runs."""
+    decisions, ranges = march_rows.numbers[:, DECIDED:RANGES].tolist(), march_rows.numbers[:, RANGES:].tolist()
+    runs = zip(map(read_decision, decisions), accuracy.tolist(), ranges, strict=True)
+    return np.array([find_doubt(compiled, *run)[1] for run in runs])
 
 
 def _judge_runs(
@@ -277,7 +290,7 @@ def march_one_by_one(
     places = [plan.compiled.outputs.index(name) for name in names]
     ensemble.ended[:] = 0.0
     for run, (system, waveforms) in enumerate(systems):
-        own = replace(plan, waveforms=waveforms, limits=envelope_of(system))
+        own = plan._replace(waveforms=waveforms, limits=envelope_of(system))
         try:
             functions = plan.compiled.program.bind_floats(*plan.compiled.values(system))
             one, accuracy = march_to(lambda p, f=functions: AdaptiveMarch(p, f).run(), own, tolerance)
@@ -288,7 +301,7 @@ def march_one_by_one(
             column[run, : len(rows)] = rows[:, plan.compiled.outputs.index(name)]
         if measuring.measures:
             observe = observe_on_floats(functions["observe"], places)
-            track = assemble_track(replace(own, tolerance=tolerance), one.record, places, observe, [waveforms])
+            track = assemble_track(own._replace(tolerance=tolerance), one.record, places, observe, [waveforms])
             ensemble.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
         ensemble.status[run], ensemble.ended[run] = one.status, one.time
         if one.status is Status.OUT_OF_ENVELOPE:

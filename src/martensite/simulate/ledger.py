@@ -20,7 +20,7 @@ Source: Simpson's rule for F dx/dt, textbook.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED, HEAT, HELD
@@ -220,9 +220,12 @@ def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatB
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
     """Return the work balance of a run from its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
-    has_elastic = ACCOUNTS.index("elastic") in book.energies
-    balance = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
-    return balance if has_elastic else replace(balance, elastic=None)
+    elastic = own["elastic"] if ACCOUNTS.index("elastic") in book.energies else None
+    return WorkBalance(*[own[name] for name in BALANCED], elastic=elastic)
+
+
+BALANCED = tuple(one.name for one in fields(WorkBalance))[:-1]
+"""Accounts in the work balance."""
 
 
 def _tell_energy(value: float | None, most: float) -> str:

@@ -51,8 +51,7 @@ class Exit(NamedTuple):
     """Value at the exit, in SI."""
 
 
-@dataclass(frozen=True)
-class MarchPlan:
+class MarchPlan(NamedTuple):
     """Settings of a run except parameter values."""
 
     compiled: CompiledMarch
@@ -85,8 +84,6 @@ class MarchPlan:
     """State at the first time; equilibrium as assembled if None."""
     extremes: tuple[Row, Row] = ((), ())
     """Minimum and maximum of earlier judged outputs."""
-    drives: dict[float, list[Any]] = field(default_factory=dict[float, list[Any]], repr=False)
-    """Drive segments in C layout by the end of the run or its last leg [s]; shared by all passes."""
 
     @property
     def shortest(self) -> float:
@@ -145,6 +142,8 @@ class Marched:
     """Largest difference of judged outputs from the previous pass up to this leg; empty for the first pass."""
     gaps: Any = ()
     """Differences at every compared sample, (samples, judged)."""
+    largest: Row = ()
+    """Largest of `gap` and `gaps` for each judged output; empty for the first pass."""
     runtime: str = ""
     """Runtime of the run, `C` or `floats`."""
 

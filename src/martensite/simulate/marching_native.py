@@ -10,9 +10,9 @@ from __future__ import annotations
 import ctypes
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
 from itertools import chain
-from typing import Any, Self
+from operator import is_
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,10 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.forks import Decision, read_decision
 from martensite.simulate.march_kernel import kernel_of, load_kernel
 from martensite.simulate.marching import Marched, MarchPlan
-from martensite.simulate.native import spread, spread_column, spread_limits
-from martensite.simulate.native_drives import DriveWindow, list_drives, make_table
+from martensite.simulate.native import fill_column, spread_column, spread_limits
+from martensite.simulate.native_drives import DriveWindow, get_address, make_table, open_drive
 from martensite.simulate.recorded_track import Observe, record_width
+from martensite.simulate.restarts import tabulate_times
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)
@@ -34,8 +35,11 @@ ROUNDS = 4096
 MOST_SEGMENTS = 1 << 21
 """Maximum number of drive segments in a batch."""
 FIRST_RECORD = 4096
+NOTHING = np.empty(0)
 EXPECTED = 512
 """Initial capacity of the record of a batch, in steps."""
+FIXED = ("p", "first", "limits", "ranges", "numbers", "states", "extremes")
+"""Arrays of all passes of a run."""
 DECIDED = 11 + len(ACCOUNTS)
 """Numbers of a run before its closest decision, see `Decision`."""
 RANGES = DECIDED + len(Decision._fields)
@@ -60,15 +64,14 @@ class _March(ctypes.Structure):
     ]
 
 
-@dataclass(frozen=True, eq=False)
-class Runs:
+class Runs(NamedTuple):
     """Runs of one system: common settings and individual values."""
 
     plan: MarchPlan
     """Waveforms of all runs, unless replaced by `own`."""
     values: Sequence[Any]
     """Parameters in order, each a scalar or (runs,)."""
-    count: int
+    size: int
     outputs: tuple[int, ...]
     """Indices of stored outputs."""
     lanes: int
@@ -84,10 +87,9 @@ class Runs:
 
     def choose(self, places: Any, ranges: Any) -> Runs:
         """Return selected runs, with known ranges of judged outputs, (runs, judged)."""
-        return replace(
-            self,
+        return self._replace(
             values=[np.asarray(v)[places] if np.ndim(v) else v for v in self.values],
-            count=len(places),
+            size=len(places),
             first=self.first if np.ndim(self.first) == 0 else self.first[places],
             own=None if self.own is None else [self.own[place] for place in places],
             limits=None if self.limits is None else np.asarray(self.limits)[:, :, places],
@@ -95,8 +97,7 @@ class Runs:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class MarchRows:
+class MarchRows(NamedTuple):
     """Results of runs."""
 
     outputs: Numbers
@@ -129,16 +130,17 @@ class MarchRows:
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """Return one run."""
         numbers = self.numbers[run].tolist()
-        status, end, place, value, steps, rejected, *more = numbers
-        accounts, ranges = tuple(numbers[11:DECIDED]), tuple(numbers[RANGES:])
-        rows, verdict = self.outputs[run], Status(int(status))
-        reached = bisect_right(times, end) if verdict.failed else len(times)
-        if not verdict.failed and not np.isfinite(rows[:reached]).all():
-            verdict = Status.NOT_FINITE
-        march = Marched(rows[:reached], ranges, verdict, end, int(place), value, int(steps), int(rejected), *more[:5])
-        march.accounts, march.record = accounts, self.record
-        march.decision = read_decision(numbers[DECIDED:RANGES])
+        status, end, place, value, steps, rejected, *more = numbers[:11]
         low, high = self.extremes[run].tolist()
+        rows, verdict = self.outputs[run], Status(int(status))
+        if verdict.failed:
+            rows = rows[: bisect_right(times, end)]
+        elif not np.logical_and.reduce(np.isfinite(rows), axis=None):
+            verdict = Status.NOT_FINITE
+        ranges = tuple(numbers[RANGES:])
+        march = Marched(rows, ranges, verdict, end, int(place), value, int(steps), int(rejected), *more)
+        march.accounts, march.record = tuple(numbers[11:DECIDED]), self.record
+        march.decision = read_decision(numbers[DECIDED:RANGES])
         march.state, march.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
         return march
 
@@ -148,76 +150,73 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
     marching = Marching(runs)
     if runs.lanes == 1 or marching.knows_all():
         return marching.go(watch)
-    places = np.arange(runs.count)
-    alone = replace(runs, lanes=1)
+    places = np.arange(runs.size)
+    alone = runs._replace(lanes=1)
     ranges = marching.ranges
     rows = [Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
     for k, row in enumerate(rows):
         row.record[:, 0] = k
-    return MarchRows(*(np.concatenate([getattr(row, one.name) for row in rows]) for one in fields(MarchRows)))
+    return MarchRows(*map(np.concatenate, zip(*rows, strict=True)))
 
 
 class MarchArrays:
     """Arrays that the C code reads and fills, including drives."""
 
-    def __init__(self, runs: Runs, earlier: Self | None = None) -> None:
-        """Build the arrays; take those of an `earlier` pass of the same run that do not change."""
-        plan, compiled = runs.plan, runs.plan.compiled
-        self.runs, self.plan = runs, plan
+    def __init__(self, runs: Runs) -> None:
+        compiled, count = runs.plan.compiled, runs.size
         judged = len(compiled.convergence_scales)
-        if earlier is not None and earlier.serves(runs):
-            self.p, self.first, self.limits = earlier.p, earlier.first, earlier.limits
-            self.windows, self.drives, self.filled = earlier.windows, earlier.drives, earlier.filled
-        else:
-            self.p = spread_column(runs.values, runs.count)
-            self.first = spread(plan.first if runs.first is None else runs.first, (runs.count,))
-            limits = plan.limits if runs.limits is None else runs.limits
-            self.limits = spread_limits(limits, runs.count)
-            self.windows = _open_windows(runs)
-            self.drives = make_table(max(1, sum(map(len, self.windows))))
-            self.filled = False
-        self.times = np.fromiter(chain(plan.times, (np.inf,)), float, len(plan.times) + 1)
-        ranges = plan.ranges or 0.0 if runs.ranges is None else runs.ranges
-        self.ranges = spread(ranges, (runs.count, judged))
-        self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, RANGES + judged))
-        width = record_width(compiled.drives, sum(compiled.states_observed(runs.outputs)))
-        steps = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.count - 1)
-        self.record = np.empty((max(FIRST_RECORD, 2 * steps) if plan.recorded else 0, width))
-        self.totals = np.full((runs.count, 3, len(runs.outputs)), np.nan) if plan.totalled else np.empty(0)
-        self.states = spread(plan.start or 0.0, (runs.count, compiled.size))
-        self.extremes = np.empty((runs.count, 2, judged))
-        self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
+        self.width = record_width(compiled.drives, sum(compiled.states_observed(runs.outputs)))
+        self.p, self.first = np.empty((len(runs.values), count)), np.empty(count)
+        self.limits = np.empty((2, len(compiled.envelope), count))
+        self.drives = make_table(max(1, compiled.drives * (1 if runs.own is None else count)))
+        self.ranges, self.numbers = np.empty((count, judged)), np.empty((count, RANGES + judged))
+        self.states, self.extremes = np.empty((count, compiled.size)), np.empty((count, 2, judged))
+        self.write_runs(runs)
 
-    def serves(self, runs: Runs) -> bool:
-        """Return whether the parameters, limits and complete drives of a single run are those of another pass."""
-        mine, other = self.plan, runs.plan
-        same = runs.count == 1 and runs.values is self.runs.values and other.drives is mine.drives
-        whole = all(window.whole for window in chain.from_iterable(self.windows))
-        return same and whole and other.limits is mine.limits and other.times[-1] == mine.times[-1]
+    def write_runs(self, runs: Runs) -> None:
+        """Write the parameters, limits and drives of runs, and prepare their first pass."""
+        plan = self.plan = runs.plan
+        self.runs = runs
+        fill_column(self.p, runs.values)
+        self.first[...] = plan.first if runs.first is None else runs.first
+        self.limits[...] = spread_limits(plan.limits if runs.limits is None else runs.limits, runs.size)
+        self.windows = _open_windows(runs)
+        self.set_plan(plan)
+
+    def set_plan(self, plan: MarchPlan) -> None:
+        """Prepare a pass: samples, known ranges, and the start of the runs."""
+        runs, samples = self.runs, len(plan.times)
+        self.plan, self.times = plan, tabulate_times(plan.times)
+        self.rows = np.empty((runs.size, samples, len(runs.outputs)))
+        self.rows.fill(np.nan)
+        steps = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.size - 1)
+        self.record = np.empty((max(FIRST_RECORD, 2 * steps) if plan.recorded else 0, self.width))
+        self.totals = np.full((runs.size, 3, len(runs.outputs)), np.nan) if plan.totalled else NOTHING
+        self.ranges[...] = plan.ranges or 0.0 if runs.ranges is None else runs.ranges
+        self.states[...] = plan.start or 0.0
+        self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
         """Return the C structure with the address of each array."""
-        plan = self.plan
-        places = ("p", "first", "times", "limits", "ranges", "rows", "numbers", "record", "states", "extremes")
-        if not self.filled:
-            self.fill_drives(locate)
-        return _March(
-            runs=self.runs.count,
-            samples=len(plan.times),
+        self.fill_drives(locate)
+        march = _March(
+            runs=self.runs.size,
             rounds=ROUNDS,
-            recording=plan.recorded,
-            parted=plan.parted,
-            capacity=len(self.record),
-            tolerance=plan.tolerance,
-            duration=plan.times[-1],
-            step=plan.step or 0.0,
-            shortest=plan.shortest,
-            placed=bool(plan.start),
             drives=locate(np.frombuffer(memoryview(self.drives), np.uint8)),
-            totals=locate(self.totals) if plan.totalled else None,
-            **{name: locate(getattr(self, name)) for name in places},
+            **{name: locate(getattr(self, name)) for name in FIXED},
         )
+        self.describe_plan(march, locate)
+        return march
+
+    def describe_plan(self, march: _March, locate: Callable[[NDArray[Any]], int]) -> None:
+        """Write the numbers and arrays of the pass into the C structure."""
+        plan = self.plan
+        march.samples, march.placed = len(plan.times), bool(plan.start)
+        march.parted, march.tolerance = plan.parted, plan.tolerance
+        march.recording, march.recorded, march.capacity = plan.recorded, 0, len(self.record)
+        march.duration, march.step, march.shortest = plan.times[-1], plan.step or 0.0, plan.shortest
+        march.times, march.rows, march.record = locate(self.times), locate(self.rows), locate(self.record)
+        march.totals = locate(self.totals) if plan.totalled else None
 
     def knows_all(self) -> bool:
         """Return whether all drives are stored up to their ends."""
@@ -225,17 +224,18 @@ class MarchArrays:
 
     def fill_drives(self, locate: Callable[[NDArray[Any]], int]) -> None:
         """Write the addresses of segments and tones of every drive."""
-        for window, drive in zip(chain.from_iterable(self.windows), self.drives, strict=False):
-            window.fill(drive, locate)
-        self.filled = True
+        for k, window in enumerate(chain.from_iterable(self.windows)):
+            if window.whole and locate is get_address:
+                self.drives[k] = window.table
+            else:
+                window.fill(self.drives[k], locate)
 
 
 def _open_windows(runs: Runs) -> list[list[DriveWindow]]:
     """Return the drives of all runs or of each run, with their segments: of a batch up to the ends of the drives."""
     plan, end = runs.plan, runs.plan.times[-1]
     if runs.own is None:
-        rows = zip(plan.waveforms, list_drives(plan), strict=True)
-        windows = [[DriveWindow(waveform, end, whole) for waveform, whole in rows]]
+        windows = [[open_drive(waveform, end) for waveform in plan.waveforms]]
     else:
         windows = [[DriveWindow(waveform, end) for waveform in row] for row in runs.own]
     most = MOST_SEGMENTS
@@ -252,30 +252,47 @@ def _open_windows(runs: Runs) -> list[list[DriveWindow]]:
 class Marching(MarchArrays):
     """Run in progress, in C."""
 
-    def __init__(self, runs: Runs, earlier: Self | None = None) -> None:
-        super().__init__(runs, earlier)
-        if earlier is not None and earlier.p is self.p:
-            self.library, self.block = earlier.library, earlier.block
+    def __init__(self, runs: Runs) -> None:
+        super().__init__(runs)
+        self._load(runs)
+        self.march = self.describe(get_address)
+
+    def _load(self, runs: Runs) -> None:
+        """Load the library of runs."""
+        self.library = load_kernel(kernel_of(self.plan, runs.outputs, runs.lanes, runs.own))
+        self.block = np.empty(self.library.size_of_block(), np.uint8)
+
+    def set_runs(self, runs: Runs) -> None:
+        """Prepare another pass of a single run, or another run of the same structure and outputs."""
+        plan, mine = runs.plan, self.plan
+        alike = (plan.step is None) is (mine.step is None) and all(map(is_, plan.waveforms, mine.waveforms))
+        whole = all(window.whole for window in self.windows[0]) and plan.times[-1] == mine.times[-1]
+        same = runs.values is self.runs.values and plan.limits is mine.limits and plan.first == mine.first
+        if alike and whole and same:
+            self.set_plan(plan)
         else:
-            self.library = load_kernel(kernel_of(self.plan, runs.outputs, runs.lanes, runs.own))
-            self.block = np.empty(self.library.size_of_block(), np.uint8)
-        self.march = self.describe(_get_address)
+            self.write_runs(runs)
+            self.fill_drives(get_address)
+        if not alike:
+            self._load(runs)
+        self.describe_plan(self.march, get_address)
 
     def go(self, watch: Callable[[float], None] | None = None) -> MarchRows:
         """Integrate to the end."""
         begin = 1
-        march, block = ctypes.byref(self.march), ctypes.c_void_p(_get_address(self.block))
+        march, block = ctypes.byref(self.march), ctypes.c_void_p(get_address(self.block))
         while True:
             answer = self.library.march_on(march, block, ctypes.c_long(begin))
             begin = 0
             if answer == DONE:
-                record = self.record[: self.march.recorded]
-                return MarchRows(self.rows, self.numbers, record, self.totals, self.states, self.extremes)
+                rows, record = self.rows, self.record[: self.march.recorded]
+                self.rows = self.record = NOTHING  # which only their run keeps
+                return MarchRows(rows, self.numbers, record, self.totals, self.states, self.extremes)
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
-                self.record = np.concatenate([self.record, np.empty((3 * len(self.record), self.record.shape[1]))])
-                self.march.record, self.march.capacity = _get_address(self.record), len(self.record)
+                self.record = np.concatenate([self.record, np.empty((3 * len(self.record), self.width))])
+                self.march.record, self.march.capacity = get_address(self.record), len(self.record)
             if watch is not None:
                 watch(self._done())
 
@@ -285,23 +302,23 @@ class Marching(MarchArrays):
         for window in self.windows[0]:
             if window.known_until() < np.inf:
                 window.extend(now)
-        self.fill_drives(_get_address)
-        self.library.forget_cursors(ctypes.c_void_p(_get_address(self.block)))
+        self.fill_drives(get_address)
+        self.library.forget_cursors(ctypes.c_void_p(get_address(self.block)))
 
     def _time(self) -> float:
         """Return the time of a single run [s], or the number of completed runs."""
-        return self.library.time_of(ctypes.c_void_p(_get_address(self.block)))
+        return self.library.time_of(ctypes.c_void_p(get_address(self.block)))
 
     def _done(self) -> float:
         """Return the completed fraction of the runs."""
-        begin, end = (self.plan.times[0], self.plan.times[-1]) if self.runs.lanes == 1 else (0.0, self.runs.count)
+        begin, end = (self.plan.times[0], self.plan.times[-1]) if self.runs.lanes == 1 else (0.0, self.runs.size)
         return max(self._time() - begin, 0.0) / (end - begin)
 
 
 def observe_in_c(runs: Runs) -> Observe:
     """Return the function that computes stored outputs of recorded states, with the parameters of each run."""
     library = load_kernel(kernel_of(runs.plan, runs.outputs, runs.lanes, runs.own))
-    count, outputs = runs.count, runs.outputs
+    count, outputs = runs.size, runs.outputs
     table = spread_column(runs.values, count)
 
     def observe(states: Numbers, signals: Numbers, run: NDArray[np.intp]) -> Numbers:
@@ -309,11 +326,7 @@ def observe_in_c(runs: Runs) -> Observe:
         output_rows = np.empty((len(rows), len(outputs)))
         counts = np.bincount(run, minlength=count).astype(np.int_)
         arrays = (counts, np.ascontiguousarray(table), rows, output_rows)
-        library.observe_rows(ctypes.c_long(count), *(ctypes.c_void_p(_get_address(one)) for one in arrays))
+        library.observe_rows(ctypes.c_long(count), *(ctypes.c_void_p(get_address(one)) for one in arrays))
         return output_rows
 
     return observe
-
-
-def _get_address(array: Any) -> int:
-    return ctypes.addressof(ctypes.c_char.from_buffer(array)) if array.size else 0  # `array.ctypes` is much slower

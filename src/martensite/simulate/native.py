@@ -106,25 +106,25 @@ def march_inside(
 def spread_limits(limits: Any, runs: int) -> Any:
     """Return the limits of every run, (2, envelope, runs), from individual or common limits."""
     given = np.array(limits, float)
-    return spread(given if given.ndim == 3 else given[:, :, None], (*given.shape[:2], runs))
+    table = np.empty((*given.shape[:2], runs))
+    table[...] = given if given.ndim == 3 else given[:, :, None]
+    return table
 
 
 def spread_column(values: Sequence[Any], runs: int) -> Any:
     """Return the parameters of all runs, (parameters, runs), from scalars or arrays."""
     table = np.empty((len(values), runs))
-    if all(type(value) is float for value in values):
-        table.T[...] = values
-        return table
-    for row, value in enumerate(values):
-        table[row] = value
+    fill_column(table, values)
     return table
 
 
-def spread(values: Any, shape: tuple[int, ...]) -> Any:
-    """Return a new array of a shape, filled with values."""
-    array = np.empty(shape)
-    array[...] = values
-    return array
+def fill_column(table: Any, values: Sequence[Any]) -> None:
+    """Write the parameters of all runs, scalars or arrays, to a table (parameters, runs)."""
+    if set(map(type, values)) == {float}:
+        table.T[...] = values
+        return
+    for row, value in enumerate(values):
+        table[row] = value
 
 
 def march_c(

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import chain, islice, takewhile
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.base.remember_results import remember
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
-from martensite.simulate.marching import MarchPlan
 
 Numbers = NDArray[np.float64]
 FIRST_WINDOW, WINDOW = 256, 65_536
 """Initial and maximum number of stored segments of a drive."""
 WHOLE = 4096
-"""Number of segments up to which a drive is stored for all passes of a run."""
+"""Number of segments up to which a drive is stored for all runs."""
+KEPT = 16
+"""Number of durations for which a drive is stored."""
 
 
 class DriveTable(ctypes.Structure):
@@ -49,10 +51,9 @@ class DriveWindow:
     """Stored segments of a drive in C."""
 
     def __init__(self, waveform: AbstractWaveform, until: float, whole: Numbers | None = None) -> None:
-        self._coming = _list_segments(waveform, until)
+        self._coming = iter(()) if whole is not None else _list_segments(waveform, until)
         tones = np.array([tuple(tone) for tone in waveform.tones()]).reshape(-1, 3)
         self._tones = np.ascontiguousarray(tones.T)
-        self.tones = len(tones)
         self._fastest = float(tones[:, 1].max()) if len(tones) else 0.0
         self.whole = self._ended = whole is not None
         self._columns = np.empty((4, 0)) if whole is None else whole
@@ -79,13 +80,25 @@ class DriveWindow:
         """Return the end time [s] of the stored segments."""
         return np.inf if self._ended else float(self._columns[0, -1])
 
+    @cached_property
+    def table(self) -> DriveTable:
+        """Return the C structure of a whole drive."""
+        table = DriveTable()
+        self.fill(table, get_address)
+        return table
+
     def fill(self, into: DriveTable, locate: Callable[[NDArray[Any]], int]) -> None:
         """Write the segments to the C structure."""
         columns, tones = map(locate, self._columns), map(locate, self._tones)
-        into.count, into.tones = self._columns.shape[1], self.tones
+        into.count, into.tones = self._columns.shape[1], self._tones.shape[1]
         into.start, into.level, into.slope, into.bend = columns
         into.amplitude, into.rate, into.phase = tones
         into.fastest, into.whole = self._fastest, int(self._ended)
+
+
+def get_address(array: Any) -> int:
+    """Return the address of an array; 0 if it is empty."""
+    return ctypes.addressof(ctypes.c_char.from_buffer(array)) if array.size else 0  # `array.ctypes` is much slower
 
 
 def _list_segments(waveform: AbstractWaveform, until: float) -> Iterator[Segment]:
@@ -97,11 +110,18 @@ def _tabulate_segments(segments: Iterable[Segment]) -> Numbers:
     return np.ascontiguousarray(np.fromiter(chain.from_iterable(segments), float).reshape(-1, 4).T)
 
 
-def list_drives(plan: MarchPlan) -> list[Numbers | None]:
-    """Return the segments of every drive up to the end, cached for all passes; None if too many."""
-    end, cache = plan.times[-1], plan.drives
-    if end not in cache:
-        cache.clear()  # another leg of the run
-        rows = (list(islice(_list_segments(one, end), WHOLE + 1)) for one in plan.waveforms)
-        cache[end] = [_tabulate_segments(row) if len(row) <= WHOLE else None for row in rows]
-    return cache[end]
+@remember
+def _list_whole_drives(waveform: AbstractWaveform) -> dict[float, DriveWindow | None]:
+    """Return the whole drives of a waveform by their end [s], to be filled; None for too many segments."""
+    return {}
+
+
+def open_drive(waveform: AbstractWaveform, until: float) -> DriveWindow:
+    """Return the drive of a waveform up to a time [s]: whole and for all runs, or as a window of its own."""
+    kept = _list_whole_drives(waveform)
+    if until not in kept:
+        row = list(islice(_list_segments(waveform, until), WHOLE + 1))
+        if len(kept) == KEPT:
+            kept.clear()
+        kept[until] = DriveWindow(waveform, until, _tabulate_segments(row)) if len(row) <= WHOLE else None
+    return kept.get(until) or DriveWindow(waveform, until)

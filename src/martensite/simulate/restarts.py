@@ -12,11 +12,12 @@ import operator
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import chain, pairwise, zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
@@ -82,21 +83,40 @@ HOME = Restart()
 """Default start of a run."""
 
 
+class SampleTimes(tuple[float, ...]):
+    """Sample times [s] of many runs, with their array for C."""
+
+    @cached_property
+    def column(self) -> NDArray[np.float64]:
+        """Return the times, and infinity behind the last."""
+        return np.fromiter((*self, np.inf), float, len(self) + 1)
+
+    @cached_property
+    def chosen(self) -> dict[int, SampleTimes]:
+        """Return the compared samples by the number of samples of the whole run before these; filled on demand."""
+        return {}
+
+
+def tabulate_times(times: Sequence[float]) -> NDArray[np.float64]:
+    """Return sample times [s] as an array that nobody changes, and infinity behind the last."""
+    return times.column if isinstance(times, SampleTimes) else np.append(times, np.inf)
+
+
 @lru_cache(16)
-def list_samples(duration: float, samples: int, begin: float) -> tuple[float, ...]:
+def list_samples(duration: float, samples: int, begin: float) -> SampleTimes:
     """Return the samples [s] of a run of a `duration` [s] from its start, and its start time.
 
     Raises:
         InputError: the start is not before the end.
     """
-    whole = tuple(map(float, duration * np.arange(samples) / (samples - 1)))
+    whole = SampleTimes((duration * np.arange(samples) / (samples - 1)).tolist())
     if begin == 0.0:
         return whole
     if not begin < duration * (1.0 - SAME):
         raise InputError(
             f"The run continues at {begin:.6g} s, but ends at {duration:.6g} s, counted from 0; give a longer duration."
         )
-    return (begin, *whole[bisect_left(whole, begin + SAME * duration) :])
+    return SampleTimes((begin, *whole[bisect_left(whole, begin + SAME * duration) :]))
 
 
 def place_stops(restart_times: Sequence[float], times: Sequence[float]) -> list[float]:
@@ -189,10 +209,14 @@ class Relay:
 
     def __call__(self, plan: MarchPlan) -> Marched:
         """Run one more pass on a single runtime, since row types differ between runtimes."""
-        legs, rows = self._make_legs(plan)
-        if len({leg.runtime for leg in legs}) > 1:
+        if self.stops or self.begin.passes:
             legs, rows = self._make_legs(plan)
-        whole = join_legs(legs, rows, self._begin(len(self.passes)))
+            if len({leg.runtime for leg in legs}) > 1:
+                legs, rows = self._make_legs(plan)
+            whole = join_legs(legs, rows, self._begin(len(self.passes)))
+        else:
+            whole = self.march(plan)
+            legs = [whole]
         for one in (*(earlier for earlier, _ in self.passes), *(leg for leg in legs if leg is not whole)):
             one.rows = []  # rows of one pass are enough
         self.passes.append((whole, legs))
@@ -205,7 +229,7 @@ class Relay:
         legs, parts = list[Marched](), list[Any]()
         for times, sampled in cut_times(plan.times, self.stops):
             begins = len(times) == len(plan.times) and at == REST
-            placed = plan if begins else replace(plan, times=times, start=at.state, extremes=(at.low, at.high))
+            placed = plan if begins else plan._replace(times=times, start=at.state, extremes=(at.low, at.high))
             legs.append(self.march(placed))
             leg = legs[-1]
             parts.append(leg.rows[int(len(legs) > 1) : None if sampled or len(leg.rows) < len(times) else -1])
@@ -234,9 +258,12 @@ class Relay:
                 continue
             before = self._begin(number) or REST
             parts, (low, high) = legs[: leg + 1], legs[leg].extremes
-            gap = whole.find_largest_gap(before.gap, bisect_right(compared[-len(whole.gaps) :], time))
-            worst = [max([getattr(before, n), *(getattr(p, n) for p in parts)]) for n in ("ripple", "residual")]
-            states.append(PassState(legs[leg].state, low, high, gap, *worst))
+            gap = whole.largest or before.gap
+            if time != compared[-1]:
+                gap = whole.find_largest_gap(before.gap, bisect_right(compared[-len(whole.gaps) :], time))
+            ripple = max([before.ripple, *(part.ripple for part in parts)])
+            residual = max([before.residual, *(part.residual for part in parts)])
+            states.append(PassState(legs[leg].state, low, high, gap, ripple, residual))
         return states
 
 

@@ -49,8 +49,8 @@ def end_at_envelope(
         stopped = replace(
             again[0], status=Status.OUT_OF_ENVELOPE, time=times[-1], place=run.place, value=_bound(plan, run)
         )
-        return replace(plan, times=times), stopped, again[1]
-    return replace(plan, times=samples), replace(run, rows=inside, time=samples[-1]), accuracy
+        return plan._replace(times=times), stopped, again[1]
+    return plan._replace(times=samples), replace(run, rows=inside, time=samples[-1]), accuracy
 
 
 def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Marched, float | None] | None:
@@ -59,7 +59,7 @@ def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Mar
     if len(times) < 2:
         return None
     try:
-        return remarch(replace(plan, times=times, limits=free, extremes=((), ())))
+        return remarch(plan._replace(times=times, limits=free, extremes=((), ())))
     except BudgetError:
         raise
     except SolveError:

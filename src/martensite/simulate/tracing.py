@@ -117,7 +117,7 @@ class RunTrace(AbstractTrace):
         plan = self.plan
         local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.passes) - 2)
         again = replace(self.relay, passes=[])
-        before = again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]]))
+        before = again(plan._replace(tolerance=local, times=[plan.times[0], plan.times[-1]]))
         return self._observe(before)
 
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:

@@ -42,11 +42,11 @@ def march_to_ends(runs: Runs) -> MarchRows:
         ParameterError: a drive has too many segments.
         InputError: no device was found.
     """
-    runs = replace(runs, plan=replace(runs.plan, recorded=False))
+    runs = runs._replace(plan=runs.plan._replace(recorded=False))
     arrays = MarchArrays(runs)
     if not arrays.knows_all():
         raise ParameterError("A drive has too many pieces for the runtime `cuda`; use the runtime `c`.")
-    kernel = kernel_of(replace(runs.plan, compiled=_leave_out_ledger(runs.plan.compiled)), runs.outputs, 1, runs.own)
+    kernel = kernel_of(runs.plan._replace(compiled=_leave_out_ledger(runs.plan.compiled)), runs.outputs, 1, runs.own)
     program = load_program(kernel)
     with device.DeviceMemory() as memory:
 
@@ -56,7 +56,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
 
         march = arrays.describe(locate)
         place = memory.give(np.frombuffer(memoryview(march), np.uint8))
-        program.launch("march_to_ends", runs.count, [ctypes.c_longlong(place)])
+        program.launch("march_to_ends", runs.size, [ctypes.c_longlong(place)])
         memory.fetch(march.rows, arrays.rows)
         memory.fetch(march.numbers, arrays.numbers)
         if runs.plan.totalled:
