@@ -49,7 +49,13 @@ def find_compiler() -> str | None:
 
     It is the compiler named by `CC`, `cc` or `gcc`, or otherwise the compiler of the package `ziglang` (extra `cc`).
     """
-    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or _find_zig()
+    return _find_on_path(os.environ.get("CC", "cc"), os.environ.get("PATH")) or _find_zig()
+
+
+@cache
+def _find_on_path(name: str, folders: str | None) -> str | None:
+    """Return the compiler of a name, or gcc, in the folders of the environment variable `PATH`."""
+    return shutil.which(name, path=folders) or shutil.which("gcc", path=folders)
 
 
 _ZIG = """#!/bin/sh

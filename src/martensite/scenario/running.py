@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -174,11 +175,12 @@ def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, ru
     )
 
 
-def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[float]]:
+def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, Sequence[float]]:
+    """Return the values by full path in SI; `simulate_batch` checks the ranges of plain numbers."""
     leaves: dict[str, Any] = {leaf.path: leaf for leaf in system.leaves()}
     if not len(over):
         raise InputError('`over` is empty; name a parameter and its values, as in `over={"diameter": [2e-4, 3e-4]}`.')
-    variants: dict[str, list[float]] = {}
+    variants: dict[str, Sequence[float]] = {}
     for name, values in over.items():
         leaf, listed = leaves[system.resolve(str(name))], cast("Any", values)
         if isinstance(listed, str) or not hasattr(listed, "__len__"):
@@ -186,5 +188,7 @@ def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[floa
                 f"`over` needs a list of values for `{name}`, one for each variant, but has {listed!r}; "
                 f'write `over={{"{name}": [{listed!r}]}}`.'
             )
-        variants[leaf.path] = [leaf.declared.convert(leaf.owner, leaf.path, one) for one in listed]
+        plain = all(issubclass(one, float) for one in set(map(type, listed)))
+        convert = partial(leaf.declared.convert, leaf.owner, leaf.path)
+        variants[leaf.path] = listed if plain else list(map(convert, listed))
     return variants

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.actuators.assembly import Machine, System
 from martensite.base.errors import MartensiteError
 from martensite.base.parameters import Parametrised
 
@@ -33,8 +34,8 @@ def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> N
 
 
 def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
-    """Yield the parts with checks across several values."""
-    if type(part).check is not Parametrised.check:
+    """Yield the parts with checks across several values; assembled systems check names only."""
+    if type(part).check is not Parametrised.check and not isinstance(part, System | Machine):
         yield prefix, part
     for name, child in part.children():
         yield from _list_checking(child, f"{prefix}{name}.")
