@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
@@ -26,7 +26,9 @@ Numbers: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 LOOKED_AT = 17
-"""Points of a piece or a step in the search for extremes."""
+"""Number of points of a piece or a step in the search for extremes."""
+POINTS = np.linspace(0.0, 1.0, LOOKED_AT)
+"""Positions of these points."""
 REFINED = 8
 """Number of candidate steps for a peak, with the highest estimates first."""
 QUADRATURE = 0.25
@@ -165,84 +167,95 @@ class Track:
 
     def _place_peaks(self) -> tuple[Places, Numbers]:
         """Return step and position of the extremes of every column within steps."""
-        both = [self.find_peaks(sign, 0.0) for sign in (1.0, -1.0)]
+        both = self.find_peaks(0.0)
         return np.concatenate([one.step for one in both]), np.concatenate([one.share for one in both])
 
-    def find_peaks(self, sign: float, noticed: float = NOTICED) -> Peaks:
-        """Return the peaks within steps that exceed all rows of their run.
+    def find_peaks(self, noticed: float = NOTICED) -> tuple[Peaks, Peaks]:
+        """Return the maxima and the minima within steps that exceed all rows of their run.
 
         Args:
-            sign: 1 for maxima, -1 for minima.
             noticed: smallest height above all rows, in tolerances.
         """
-        rows = self.steps.rows
+        values, count = np.concatenate([self.values, -self.values], axis=1), self.values.shape[1]
+        peaks = replace(self, values=values, swinging=np.tile(self.swinging, 2))._find_maxima(noticed)
+        high = peaks.column < count
+        highest, lowest = (Peaks._make(column[some] for column in peaks) for some in (high, ~high))
+        return highest, lowest._replace(column=lowest.column - count, value=-lowest.value)
+
+    def _find_maxima(self, noticed: float) -> Peaks:
+        """Return the maxima within steps that exceed all rows of their run by `noticed` tolerances."""
+        rows, (places, numbers) = self.steps.rows, NOWHERE
+        nothing = Peaks(places, places, places, numbers, numbers)
         if not len(rows):
-            places, numbers = NOWHERE
-            return Peaks(places, places, places, numbers, numbers)
+            return nothing
         starts = np.flatnonzero(np.append(True, self.run[1:] != self.run[:-1]))
         own = np.searchsorted(self.run[starts], self.run[rows[:, 0]])
-        least = np.maximum.reduceat(sign * self.values, starts, axis=0)
+        least = np.maximum.reduceat(self.values, starts, axis=0)
         least = least + noticed * self.tolerance * np.ptp(self.values, axis=0)
-        a, b, c = (sign * self.values[rows[:, k]] for k in range(3))
+        a, b, c = (self.values[rows[:, k]] for k in range(3))
         bend, rise = a - 2.0 * b + c, c - a
         turns = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
         top = b - np.divide(rise * rise, 8.0 * bend, where=turns, out=np.zeros_like(b))
         most = np.maximum(np.maximum(a, b), c)
         hope = most + np.abs(bend) if self.bent else np.where(turns, 2.0 * top - most, -np.inf)
-        peaks = [self._refine_peaks(k, sign, hope[:, k], own, least[:, k]) for k in range(hope.shape[1])]
-        return Peaks(*(np.concatenate(column) for column in zip(*peaks, strict=True)))
+        step, column = np.nonzero(hope > least[own])
+        return self._refine_peaks(step, column, hope, own, least) if len(step) else nothing
 
-    def _refine_peaks(self, column: int, sign: float, hope: Numbers, own: Places, least: Numbers) -> Peaks:
-        """Return the highest peak of a column above `least` in every run, from step estimates."""
-        steps = np.flatnonzero(hope > least[own])
-        steps = steps[np.lexsort((-hope[steps], own[steps]))]
-        first = np.searchsorted(own[steps], own[steps])
-        steps = steps[np.arange(len(steps)) - first < REFINED]
-        points = np.linspace(0.0, 1.0, LOOKED_AT)
-        values = sign * self._interpolate(steps, np.broadcast_to(points, (len(steps), LOOKED_AT)), [column])[:, :, 0]
-        place = np.clip(values.argmax(axis=1), 1, LOOKED_AT - 2) if len(steps) else np.empty(0, np.intp)
-        before, here, after = (values[np.arange(len(steps)), place + k] for k in (-1, 0, 1))
+    def _refine_peaks(self, step: Places, column: Places, hope: Numbers, own: Places, least: Numbers) -> Peaks:
+        """Return the highest peak above `least` in every run and column, from estimates at steps and columns."""
+        key = column * len(least) + own[step]
+        order = np.lexsort((-hope[step, column], key))
+        order = order[np.arange(len(order)) - np.searchsorted(key[order], key[order]) < REFINED]
+        step, column, key = step[order], column[order], key[order]
+        shares, ranks = np.broadcast_to(POINTS, (len(step), LOOKED_AT)), np.arange(len(step))
+        values = self._interpolate(step, shares, column[:, None])[:, :, 0]
+        place = np.minimum(np.maximum(values.argmax(axis=1), 1), LOOKED_AT - 2)
+        before, here, after = (values[ranks, place + k] for k in (-1, 0, 1))
         bend, rise = after - 2.0 * here + before, after - before
         inner = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
         safe = np.where(inner, bend, -1.0)
         tops = np.where(inner, here - rise * rise / (8.0 * safe), -np.inf)
-        order = np.lexsort((-tops, own[steps]))
-        best = order[np.append(True, np.diff(own[steps[order]]) > 0)[: len(order)]]
-        best = best[tops[best] > least[own[steps[best]]]]
-        share = points[place[best]] - 0.5 * rise[best] / safe[best] * points[1]
-        runs, columns = self.run[self.steps.rows[steps[best], 0]], np.full(len(best), column, np.intp)
-        return Peaks(runs, columns, steps[best], share, sign * tops[best])
+        order = np.lexsort((-tops, key))
+        best = order[np.append(True, np.diff(key[order]) > 0)]
+        best = best[tops[best] > least[own[step[best]], column[best]]]
+        share = POINTS[place[best]] - 0.5 * rise[best] / safe[best] * POINTS[1]
+        return Peaks(self.run[self.steps.rows[step[best], 0]], column[best], step[best], share, tops[best])
 
     def _interpolate(
-        self, some: Places, shares: Numbers, columns: Sequence[int] | None = None, otherwise: Numbers | None = None
+        self, some: Places, shares: Numbers, columns: Sequence[int] | Places, otherwise: Numbers | None = None
     ) -> Numbers:
-        """Return columns, all if None, at positions within steps, (steps, places, columns).
+        """Return columns at positions within steps, (steps, places, columns).
 
-        Without an accepted polynomial, the value is `otherwise`, or linear if None.
+        The columns are the same at all steps, or one at each step, (steps, 1). Without an accepted polynomial, the
+        value is `otherwise`, or linear if None.
         """
-        table = self.values if columns is None else self.values[:, columns]
-        swinging = self.swinging if columns is None else self.swinging[columns]
+        table = self.values[:, columns] if np.ndim(columns) == 1 else None
+
+        def pick(rows: Places) -> Numbers:
+            """Return the columns at rows, (steps, nodes) -> (steps, nodes, columns)."""
+            return self.values[rows, columns][:, :, None] if table is None else table[rows]
+
+        swinging, extent = self.swinging[columns], SMOOTH * self.tolerance * np.ptp(self.values, axis=0)[columns]
         rows, plain = self.steps.rows[some], self.steps.plain[some]
-        times, values = self.times[rows], table[rows]
+        times, values = self.times[rows], pick(rows)
         at = times[:, :1] + shares * (times[:, 2:] - times[:, :1])
         late = (shares > 0.5)[:, :, None]
         share = (2.0 * shares - (shares > 0.5))[:, :, None]
         ends, begins = (np.where(late, values[:, None, k + 1], values[:, None, k]) for k in (1, 0))
         samples = begins + share * (ends - begins) if otherwise is None else otherwise
         if self.bent:
-            samples = samples + (plain[:, None] | ~swinging)[:, None] * self._bend(some, shares, table)
-        extent = SMOOTH * self.tolerance * np.ptp(table, axis=0)
+            samples = samples + (plain[:, None] | ~swinging)[:, None] * self._bend(some, shares, pick)
         for ahead in (False, True):
             stencil, full = self._find_stencil(some, ahead)
             if full.any():
-                curve, fourth = interpolate_nodes(self.times[stencil], table[stencil], at, times)
+                curve, fourth = interpolate_nodes(self.times[stencil], pick(stencil), at, times)
                 bend = np.abs(values[:, 0] - 2.0 * values[:, 1] + values[:, 2])
                 good = full[:, None] & (fourth <= np.maximum(extent, CONVERGING * bend)) & (plain[:, None] | ~swinging)
                 low, high = (values.min(axis=1) - bend)[:, None], (values.max(axis=1) + bend)[:, None]
                 samples = np.where(good[:, None, :] & (low <= curve) & (curve <= high), curve, samples)
         return samples
 
-    def _bend(self, some: Places, shares: Numbers, table: Numbers) -> Numbers:
+    def _bend(self, some: Places, shares: Numbers, pick: Callable[[Places], Numbers]) -> Numbers:
         """Return the largest distance of columns from straight lines, (steps, places, columns)."""
         last = len(self.steps.rows) - 1
         before, after = np.maximum(some - 1, 0), np.minimum(some + 1, last)
@@ -251,7 +264,7 @@ class Track:
         )
         rows = self.steps.rows
         nodes = np.concatenate([rows[before, 1:2], rows[some], rows[after, 1:2]], axis=1)
-        return bend_chords(self.times[nodes], table[nodes], joined, shares)
+        return bend_chords(self.times[nodes], pick(nodes), joined, shares)
 
     def bound_quadrature(self) -> Numbers:
         """Return the error bounds of column integrals due to step length, (outputs,).
@@ -275,7 +288,7 @@ class Track:
     def _find_stencil(self, some: Places, ahead: bool) -> tuple[Places, Flags]:
         """Return five nodes about steps, with the previous or next step, and flags for complete sets."""
         last = len(self.steps.rows) - 1
-        other = np.clip(some + 1 if ahead else some - 1, 0, last)
+        other = np.minimum(some + 1, last) if ahead else np.maximum(some - 1, 0)
         rows, more = self.steps.rows[some], self.steps.rows[other]
         ratio = np.log(np.divide(*(self.times[one[:, 2]] - self.times[one[:, 0]] for one in (rows, more))))
         full = self.steps.joined[other if ahead else some] & (other != some) & (np.abs(ratio) < math.log(UNEVEN))

@@ -92,12 +92,11 @@ def tabulate_track(track: Track, columns: Sequence[int], runs: int, curve: bool)
 def find_extremes(track: Track, runs: int) -> tuple[Numbers, Numbers]:
     """Return the maximum and minimum of every output in every run, (outputs, runs); NaN without rows."""
     extremes = list[Numbers]()
-    for sign in (1.0, -1.0):
+    for sign, peaks in zip((1.0, -1.0), track.find_peaks(), strict=True):
         most = np.full((runs, track.values.shape[1]), -np.inf)
         if len(track.run):
             starts = np.flatnonzero(np.append(True, track.run[1:] != track.run[:-1]))
             most[track.run[starts]] = np.maximum.reduceat(sign * track.values, starts, axis=0)
-        peaks = track.find_peaks(sign)
         np.maximum.at(most, (peaks.run, peaks.column), sign * peaks.value)
         extremes.append(np.where(np.isinf(most), np.nan, sign * most).T)
     return extremes[0], extremes[1]
