@@ -95,8 +95,8 @@ def grid_of(
     """
     waves, interval = arrange_waveforms(system, waveform), system.sample_time()
     if interval:
-        ahead = [drive.ahead for drive in system.drives()]
+        ahead = [drive.ahead for drive in list_drive_signals(system)]
         return grid_of_samples(waves, duration, samples, interval, ahead, every)
-    at_end = [drive.at_end for drive in system.drives()]
+    at_end = [drive.at_end for drive in list_drive_signals(system)]
     grid = build_grid(waves, duration, samples, step, at_end)
     return grid.keep_steps(waves) if every else grid

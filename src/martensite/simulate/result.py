@@ -19,6 +19,7 @@ from martensite.base.services import import_service
 from martensite.base.status import Status
 from martensite.base.summary import Summary
 from martensite.simulate.alarms import Alarm, RunWarnings
+from martensite.simulate.compiled import name_outputs
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.measures.base import measure_samples, parse_measure
 from martensite.simulate.measures.run_table import find_extremes, tabulate_track
@@ -263,7 +264,7 @@ class Result:
             return {}
         highest, lowest = find_extremes(self.track, 1)
         pairs = zip(lowest[:, 0].tolist(), highest[:, 0].tolist(), strict=True)
-        return dict(zip(self.system.outputs(), pairs, strict=True))
+        return dict(zip(name_outputs(self.system), pairs, strict=True))
 
     def list_rows(self, names: Sequence[str] | None = None) -> tuple[Any, dict[str, Any]]:
         """Return times [s] and outputs in SI at the accepted steps of a single run, else at its samples."""
@@ -285,10 +286,10 @@ class Result:
         curve = self.track.choose(places).draw_curve([wanted.index(name) for name in followed or wanted])
         return curve.times, dict(zip(wanted, curve.values.T, strict=True))
 
-    def _place_outputs(self, names: Sequence[str] | None) -> tuple[list[str], list[int]]:
+    def _place_outputs(self, names: Sequence[str] | None) -> tuple[Sequence[str], list[int]]:
         """Return outputs of the system, all if None, and their indices in the track."""
-        every = list(self.system.outputs())
-        wanted = every if names is None else list(names)
+        every = name_outputs(self.system)
+        wanted = every if names is None else names
         return wanted, [every.index(name) for name in wanted]
 
     def measure(self, words: str) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import part
+from martensite.base.remember_results import remember
 from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
@@ -25,7 +26,6 @@ from martensite.control.loop.names import (
     JITTER,
     MEASURED,
     NOISE,
-    list_drives,
     list_hands,
     list_previews,
     list_readings,
@@ -44,6 +44,7 @@ from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
 from martensite.simulate.controlled_run import simulate_controlled
+from martensite.simulate.drive_waveforms import list_drive_signals
 from martensite.simulate.restarts import HOME, Restart
 
 if TYPE_CHECKING:
@@ -113,11 +114,15 @@ def simulate_bench(
 
 def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
     """Return the result with warnings about guard, controllers, impossible signals, and the end [s]."""
-    faults = [
-        f"Warning: {one.sentence} {one.remedy}" for one in (*check_signals(bench), *check_guard(bench)) if one.fault
-    ]
     noted = _with_doubts(warn_of_guard(result, bench), bench)
-    return warn_of_end(replace(noted, notes=[*noted.notes, *faults]), duration, bench.period)
+    return warn_of_end(replace(noted, notes=[*noted.notes, *_list_faults(bench)]), duration, bench.period)
+
+
+@remember
+def _list_faults(bench: Bench) -> list[str]:
+    """Return warnings about impossible signals and limits of the guard."""
+    findings = (*check_signals(bench), *check_guard(bench))
+    return [f"Warning: {one.sentence} {one.remedy}" for one in findings if one.fault]
 
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:
@@ -201,7 +206,7 @@ def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str
 
 def list_noises(bench: Bench) -> list[str]:
     """Return the drives of a bench for noise and jitter."""
-    return [drive.name for drive in list_drives(bench) if drive.name.startswith((NOISE, JITTER))]
+    return [drive.name for drive in list_drive_signals(bench) if drive.name.startswith((NOISE, JITTER))]
 
 
 def open_loop(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
