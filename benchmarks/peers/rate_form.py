@@ -75,7 +75,7 @@ def make_rhs(p: Wire, drive: Drive, beyond: bool = False) -> Callable[[float, An
 
 def make_compiled_rhs(p: Wire, drive: Drive, beyond: bool = False) -> Callable[[float, Any], Any]:
     """The same, compiled by numba."""
-    import numba  # pyright: ignore[reportMissingImports]
+    import numba
     import numpy
 
     rates = numba.njit(make_rates(p, beyond))

@@ -110,7 +110,7 @@ def _solve(order: dict[str, Any]) -> Loop:
     import numpy as np
 
     sys.path.insert(0, str(Path(order["folder"]) / "src/calibration"))
-    from model_funcs.Full_Model_stress import Full_Model_stress  # pyright: ignore
+    from model_funcs.Full_Model_stress import Full_Model_stress
 
     away = np.linspace(order["cold"], order["hot"], order["half"] + 1)
     path = np.concatenate([away, away[-2::-1]])

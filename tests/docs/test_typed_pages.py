@@ -1,6 +1,6 @@
-"""What users copy from the README and the pages passes pyright in strict mode, and a misspelt name does not.
+"""What users copy from the README and the pages passes a strict type check, and a misspelt name does not.
 
-Source of truth: pyright, run once over all cells, with the library as it is installed.
+Source of truth: pyrefly, run once over all cells, with the library as it is installed.
 """
 
 from __future__ import annotations
@@ -20,14 +20,20 @@ PLOTS = ("matplotlib", "plt.", "page_setup")
 """Cells with them show a figure: matplotlib has no complete types."""
 MAGIC = re.compile(r"^%%writefile (\S+\.py)\n")
 WRONG = {
-    'ms.Wire(material="flexinol-90", diametre="0.25 mm", length="200 mm")': 'No parameter named "diametre"',
-    "ms.Step(hihg=1.0)": 'No parameter named "hihg"',
-    "ms.Environment(temperature=[1.0], cooling=ms.thermal.ConstantCooling(h=70.0))": '"temperature"',
-    'ms.run("a.toml", over={"diameter": 3e-4})': '"over"',
+    'ms.Wire(material="flexinol-90", diametre="0.25 mm", length="200 mm")': "Unexpected keyword argument `diametre`",
+    "ms.Step(hihg=1.0)": "Unexpected keyword argument `hihg`",
+    "ms.Environment(temperature=[1.0], cooling=ms.thermal.ConstantCooling(h=70.0))": "parameter `temperature`",
+    'ms.run("a.toml", over={"diameter": 3e-4})': "dict value type `Sequence[Numeric] | ndarray`",
 }
-RIGHT = """# pyright: reportUnknownParameterType=false, reportMissingTypeArgument=false
-# pyright: reportUnknownArgumentType=false, reportUnknownMemberType=false
-import numpy as np
+SETTINGS = """preset = "strict"
+[errors]
+missing-override-decorator = "ignore"
+unannotated-return = "error"
+unknown-argument-type = "error"
+unknown-attribute-access = "error"
+unknown-variable-type = "error"
+"""
+RIGHT = """import numpy as np
 import pint
 import martensite as ms
 
@@ -57,18 +63,18 @@ def list_cells(page: Path) -> Iterator[tuple[str, str]]:
 
 
 def test_cells_pass_strict_types_and_misspelt_names_do_not(tmp_path: Path) -> None:
-    pytest.importorskip("pyright", reason="pyright is not installed")
+    pytest.importorskip("pyrefly", reason="pyrefly is not installed")
     files = dict(cell for page in PAGES for cell in list_cells(page)) | {"right.py": RIGHT}
     assert len(files) == 5 and all(len(text.splitlines()) > 5 for text in files.values())
     wrong = "import martensite as ms\n" + "\n".join(WRONG) + "\n"
     for name, text in (files | {"wrong.py": wrong}).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    settings = {"typeCheckingMode": "strict", "reportUnusedExpression": False, "reportUnusedCallResult": False}
-    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings))
-    command = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable, "-p", str(tmp_path)]
+    (tmp_path / "pyrefly.toml").write_text(SETTINGS, encoding="utf-8")
+    python = f"--python-interpreter-path={sys.executable}"
+    command = [sys.executable, "-m", "pyrefly", "check", "--output-format=json", python]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=500)
-    found = [one for one in json.loads(done.stdout)["generalDiagnostics"] if one["severity"] == "error"]
-    said = [(Path(one["file"]).name, one["range"]["start"]["line"], one["message"]) for one in found]
+    found = [one for one in json.loads(done.stdout)["errors"] if one["severity"] == "error"]
+    said = [(Path(one["path"]).name, one["line"] - 1, one["description"]) for one in found]
     assert [one for one in said if one[0] != "wrong.py"] == []
     for line, (call, words) in enumerate(WRONG.items(), start=1):
         assert any(one[1] == line and words in one[2] for one in said), (call, said)

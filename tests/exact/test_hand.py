@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any, cast
+from typing import Any
 
 import builders
 import numpy as np
@@ -238,8 +238,7 @@ def test_it_rests_where_nothing_is_left_over(millimetres: dict[str, float], tend
     changes = {"tendons": tendons, "torque": 1e-3, "stiffness": 0.02, "index": size, "lowest": -1.0}
     result = drawn(millimetres, **changes)
     mechanism = hand(**changes)
-    untyped = cast(Any, optimize)  # pyright infers what `root` returns for half a minute
-    found = untyped.root(lambda q: torques(mechanism, q, millimetres), [0.2, 0.2], tol=1e-12).x
+    found = optimize.root(lambda q: torques(mechanism, q, millimetres), [0.2, 0.2], tol=1e-12).x
     assert [result[f"index_{joint}"][-1] for joint in JOINTS] == pytest.approx(found, abs=1e-8)
     assert np.abs(found).max() > 0.1
     assert abs(result["thumb_proximal"][-1]) < 1e-12

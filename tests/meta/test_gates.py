@@ -1,4 +1,4 @@
-"""Limits on the source code: length of a file, complexity of a function, docstrings of methods and their openings.
+"""Limits on the source code: length of a file, complexity of a function, docstrings, private names.
 
 Source of truth: the house rules in `CONTRIBUTING.md`. Ruff (C901) counts branches; the count here adds operands of
 `and` and `or`, conditional expressions and comprehensions, and leaves nested functions to themselves. `test_names.py`
@@ -13,7 +13,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Mapping
 
-from source_facts import PACKAGE, ROOT, Facts, collect_facts, read_package
+from source_facts import PACKAGE, ROOT, Facts, collect_facts, list_imports, read_package
 
 MOST_LINES = 400
 LONG_FILES = {"simulate/adaptive.py"}
@@ -23,6 +23,8 @@ COMPLEX: set[str] = set()
 """Functions that are too complex today."""
 OPENINGS = {"What": 0, "Whether": 0, "Those|These|That of|The same|Likewise|Also": 0}
 """First words of docstrings that are no summary, and how often each occurs today; the aim is 0."""
+PRIVATE = re.compile(r"^(?:(?:async )?def |class )?(_[A-Za-z]\w*)(?=[(:\[ ])", re.MULTILINE)
+"""Private names at the top of a module."""
 SLACK = 40
 """Docstrings by which a number may be above the count before it must be lowered."""
 
@@ -73,6 +75,11 @@ def count_openings(sources: Mapping[str, Facts]) -> Counter[str]:
     return Counter({words: sum(bool(one.match(text)) for text in texts) for words, one in patterns.items()})
 
 
+def find_unused(text: str) -> set[str]:
+    """Return the private names that a module defines and does not use."""
+    return {name for name in PRIVATE.findall(text) if len(re.findall(rf"\b{name}\b", text)) == 1}
+
+
 def test_files_are_short() -> None:
     assert find_long_files(read_package()) == LONG_FILES, "split a new long file; remove a file that is short now"
 
@@ -100,6 +107,14 @@ def test_ruff_limits_the_complexity() -> None:
     assert [path for path in PACKAGE.rglob("*.py") if re.search(r"noqa:.*C901", path.read_text("utf-8"))] == []
 
 
+def test_private_names_are_used_in_their_module_only() -> None:
+    """The type checker reports neither an unused private name nor the import of one."""
+    paths = sorted(PACKAGE.rglob("*.py"))
+    assert {path.name: found for path in paths if (found := find_unused(path.read_text("utf-8")))} == {}
+    imported = [(path.name, one.name) for path in paths for _, node in list_imports(path) for one in node.names]
+    assert [one for one in imported if re.match(r"_(?!_)", one[1])] == []
+
+
 def test_breaches_are_found() -> None:
     def collect(**texts: str) -> dict[str, Facts]:
         return {path: collect_facts(text) for path, text in texts.items()}
@@ -109,6 +124,7 @@ def test_breaches_are_found() -> None:
     assert count_openings(sources)["What"] == 1
     tangled = "def g(a):\n    return [b for b in a if b and " + " and ".join("a" * 13) + "]\n"
     assert find_complex(collect(c=tangled, d=tangled.replace(" and a", "", 1))) == {"c:g"}
+    assert find_unused("_a: int = 1\n_b = 2\ndef _c(): ...\nclass _D: ...\nprint(_b)\n") == {"_a", "_c", "_D"}
     parent = 'class A:\n    def move(self):\n        """Move."""\n    def turn(self): ...\n'
     child = "class B(A):\n    def move(self): ...\n    def stop(self): ...\n    def _hide(self): ...\n"
     assert list_undocumented(collect(a=parent, b=child)) == {"A.turn", "B.stop"}

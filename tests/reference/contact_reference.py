@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from scipy import optimize
@@ -95,8 +95,7 @@ class GrippingFinger:
                 over = self.left_over(q) + slope(self.gaps, q)[chosen].T @ pushed
                 return np.concatenate([over, 1e2 * self.gaps(q)[chosen]])
 
-            untyped = cast(Any, optimize)  # pyright infers what `root` returns for half a minute
-            root = untyped.root(missing, [0.3, 0.5, *np.zeros(len(chosen))], tol=1e-13, options={"maxfev": 60})
+            root = optimize.root(missing, [0.3, 0.5, *np.zeros(len(chosen))], tol=1e-13, options={"maxfev": 60})
             q, pushed = root.x[:2], root.x[2:]
             if root.fun @ root.fun < 1e-18 and self.gaps(q).min() > -1e-9 and pushed.min(initial=0.0) >= 0.0:
                 found.append((q, np.bincount(chosen, pushed, 6) if chosen else np.zeros(6)))

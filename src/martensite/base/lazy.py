@@ -164,10 +164,11 @@ def _resolve_classes(annotation: Any, function: Callable[..., Any]) -> tuple[typ
             annotation = eval(annotation, scope)
         except (NameError, TypeError, AttributeError):  # known to type checkers only
             return ()
-    if get_origin(annotation) in (Union, UnionType):
+    origin: Any = get_origin(annotation)
+    if origin in (Union, UnionType):
         inner = [_resolve_classes(one, function) for one in get_args(annotation)]
         return tuple(cls for one in inner for cls in one) if all(inner) else ()
-    annotation = get_origin(annotation) or annotation
+    annotation = origin or annotation
     if annotation is None:
         return (type(None),)
     if annotation is float:

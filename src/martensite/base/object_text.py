@@ -43,7 +43,7 @@ def encode(value: Any) -> Any:
         return {"class": _name_class(value), "named": {n: encode(one) for n, one in value.arguments().items()}}
     if is_dataclass(value):
         return {"class": _name_class(value), "named": {f.name: encode(getattr(value, f.name)) for f in fields(value)}}
-    if isinstance(value, list | tuple):
+    if isinstance(value, (list, tuple)):
         return _encode_items(cast("list[Any]", value))
     raise DataError(f"An object of the class `{type(value).__name__}` cannot be written to a file.")
 

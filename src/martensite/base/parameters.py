@@ -186,7 +186,7 @@ class Leaf:
 def _convert_texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
     if isinstance(value, str):
         return value
-    texts: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)
+    texts: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, (list, tuple)) else (0,)
     if not all(isinstance(one, str) for one in texts):
         raise ParameterError(f"`{name}` of `{owner}` must be a text or a list of texts, but is {value!r}.")
     return texts
@@ -330,7 +330,7 @@ class Parametrised:
 def _shorten(value: Any) -> str:
     """Return a value as text; long lists are shortened."""
     listed = cast("list[Any]", value)
-    if not isinstance(value, tuple | list) or len(listed) <= SHOWN:
+    if not isinstance(value, (tuple, list)) or len(listed) <= SHOWN:
         return repr(listed)
     return f"({', '.join(map(repr, listed[:3]))}, … {len(listed)} values)"
 

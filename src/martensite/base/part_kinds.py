@@ -27,10 +27,10 @@ def find_annotated(owner: type[Any], name: str) -> tuple[type[Any], ...]:
 
 def _list_classes(annotation: Any) -> list[type[Any]]:
     """Return the classes of a union or of `Given[AbstractLaw]`; the origin of a generic type such as a tuple."""
-    origin = get_origin(annotation)
+    origin: Any = get_origin(annotation)
     if origin in (Union, UnionType, Given):
         return [one for inner in get_args(annotation) for one in _list_classes(inner)]
-    cls = annotation if origin is None else origin
+    cls: Any = annotation if origin is None else origin
     return [cls] if isinstance(cls, type) else []
 
 

@@ -55,7 +55,7 @@ class Registry(Generic[T]):
                     f'`register("{name}", replace=True)` to replace the first.'
                 )
             self._entries[name] = cast("type[T]", cls)
-            cls.registered_name = name  # type: ignore[attr-defined]
+            cls.registered_name = name
             return cls
 
         return file_under

@@ -98,7 +98,7 @@ class BoardLog:
                 axes = figure.add_subplot(len(columns), 1, row + 1)
                 axes.step(table[:, 0], table[:, k], where="post")
                 axes.set(ylabel=headings[k])
-            axes.set(xlabel="time [s]")
+            figure.axes[-1].set(xlabel="time [s]")
         return figure
 
     def describe(self, counts: LinkCounts) -> dict[str, str]:

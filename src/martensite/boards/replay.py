@@ -63,7 +63,7 @@ class Replay:
                 axes.plot(self.times, one.modelled, label="model")
                 axes.set(ylabel=f"{one.name} [{one.unit}]")
                 axes.legend(loc="best")
-            axes.set(xlabel="time [s]")
+            figure.axes[-1].set(xlabel="time [s]")
         return figure
 
 

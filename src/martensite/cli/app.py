@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -11,16 +11,19 @@ from martensite.base.errors import MartensiteError
 from martensite.base.interrupts import rescue_answer
 from martensite.cli.folder_group import FolderGroup, make_group
 
+if TYPE_CHECKING:
+    from typer._click import Context
+
 
 class PlainErrors(TyperGroup):
     """Command group that reports a `MartensiteError` as one sentence."""
 
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+    def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Accept `--debug` before or after the command name."""
         ctx.obj = {"debug": "--debug" in args}
         return super().parse_args(ctx, [arg for arg in args if arg != "--debug"])
 
-    def invoke(self, ctx: typer.Context) -> Any:
+    def invoke(self, ctx: Context) -> Any:
         """Run a command; exit with 1 or 2 on an error, with 130 on an interrupt."""
         try:
             with rescue_answer(lambda: "Interrupted; no file was written."):

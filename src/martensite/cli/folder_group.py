@@ -7,14 +7,17 @@ of the requested command is imported; a help text imports all. Other packages ad
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, ClassVar
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 from typer.core import TyperGroup
 
 from martensite.base.module_folder import ModuleFolder
 from martensite.cli.plain_values import spare_conversion
+
+if TYPE_CHECKING:
+    from typer._click import Context
 
 
 class FolderGroup(TyperGroup):
@@ -30,7 +33,7 @@ class FolderGroup(TyperGroup):
     complete = False
     """True if all files are imported."""
 
-    def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:
+    def get_command(self, ctx: Context, cmd_name: str) -> Any:
         """Return a command by name, or None."""
         self.load_command(cmd_name)
         return super().get_command(ctx, cmd_name)
@@ -46,13 +49,13 @@ class FolderGroup(TyperGroup):
             self.folder.require_import(*words)
         return name in self.commands
 
-    def list_commands(self, ctx: typer.Context) -> list[str]:
+    def list_commands(self, ctx: Context) -> list[str]:
         """Return all command names, by title and name."""
         self._import_all()
         titles = (*self.order, *sorted({self._find_title(name) for name in self.commands} - {*self.order}))
         return sorted(self.commands, key=lambda name: (titles.index(self._find_title(name)), name))
 
-    def format_commands(self, ctx: typer.Context, formatter: Any) -> None:
+    def format_commands(self, ctx: Context, formatter: Any) -> None:
         """Write the commands by title, and the files that cannot be imported."""
         groups: dict[str, list[str]] = {}
         for name in self.list_commands(ctx):
@@ -67,7 +70,7 @@ class FolderGroup(TyperGroup):
             formatter.write_paragraph()
             formatter.write_text(failure)
 
-    def get_params(self, ctx: typer.Context) -> list[Any]:  # type: ignore[override]
+    def get_params(self, ctx: Context) -> list[Any]:  # type: ignore[override]
         """Return the parameters of the group."""
         return spare_conversion(super().get_params(ctx))
 
@@ -78,7 +81,8 @@ class FolderGroup(TyperGroup):
         self.folder.import_where(*words)
         declared = len(self.declared.registered_commands) + len(self.declared.registered_groups)
         if declared != self.declared_count:
-            self.commands, self.declared_count = dict(typer.main.get_group(self.declared).commands), declared
+            commands: MutableMapping[str, Any] = dict(typer.main.get_group(self.declared).commands)
+            self.commands, self.declared_count = commands, declared
             for command in _list_inside(self.commands):
                 command.get_params = _spare(command.get_params)  # type: ignore[method-assign]
 
@@ -115,7 +119,7 @@ def make_group(
         help: help text; by default that of the callback.
         short_help: line in the list of commands; by default the start of `help`.
     """
-    group_class = type(cls.__name__, (cls,), {"folder": ModuleFolder(package)})
+    group_class: Any = type(cls.__name__, (cls,), {"folder": ModuleFolder(package)})
     group = group_class.declared = typer.Typer(
         cls=group_class,
         help=help,

@@ -43,7 +43,7 @@ def _is_plain(one: Any, value: Any) -> bool:
     if value is None:
         return not one.required
     if one.multiple or one.nargs == -1:
-        listed = bool(value) and isinstance(value, list | tuple)
+        listed = bool(value) and isinstance(value, (list, tuple))
         return listed and (kind == list[str] or (kind == list[Path] and all(_is_plain_path(about, x) for x in value)))
     if kind is Path:
         return _is_plain_path(about, value)

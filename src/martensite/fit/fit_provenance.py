@@ -92,7 +92,7 @@ def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
     for name in dict.fromkeys(one.record for one in rows):
         outputs = [one for one in rows if one.record == name]
         record = outputs[0].experiment.record
-        entries = {"name": name, **compute_digest(record), "rows": len(outputs[0].times)}
+        entries: dict[str, Any] = {"name": name, **compute_digest(record), "rows": len(outputs[0].times)}
         if record.dropped:
             entries["rows_left_out_on_reading"] = record.dropped
         entries["outputs"] = {one.output: _describe_output(one) for one in outputs}

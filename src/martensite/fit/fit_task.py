@@ -109,7 +109,9 @@ class FitTask:
         whole = build_problem(stepped, free, each=each, noise=noise, input_noise=input_noise)
         follows = list(dict.fromkeys(loaded_logs[0].scenario.follows.values()))
         notes += [*more, *(check_start(whole.training, follows) if check else ())]
-        models = {one.name: (one.scenario, one.log.model) for one in loaded_logs}
+        models: dict[str, tuple[Scenario, Callable[[Record], Scenario]]] = {
+            one.name: (one.scenario, one.log.model) for one in loaded_logs
+        }
         return ArrangedFit(whole, models, self.search, tuple(notes), self.hold_out == EACH)
 
     def _arrange_tables(self, count: int) -> ArrangedFit:
@@ -118,7 +120,7 @@ class FitTask:
         if count < len(self.logs):
             raise InputError("A table of conditions and a log over time are fitted one after the other, not together.")
         conditions = arrange_conditions(self)
-        models = {
+        models: dict[str, tuple[Scenario, Callable[[Record], Scenario]]] = {
             one.name: (conditions.scenario, lambda record: conditions.scenario)
             for one in conditions.problem.experiments
         }

@@ -77,7 +77,7 @@ def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -
     law = numbers.law_table()
     what = f"law {law['kind']} to {_format_outputs(fit)} of {_format_records(fit)}"
     sources = {FIT: Source(key, f"Fit by {describe_program()}: {what}"), **numbers.sources}
-    provenance = build_provenance(fit)
+    provenance: dict[str, Any] = build_provenance(fit)
     if numbers.scenario:
         provenance = {"scenario": numbers.scenario.title, **provenance}
     free, records = provenance.pop("free"), provenance.pop("records")

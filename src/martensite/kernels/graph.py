@@ -42,7 +42,7 @@ OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
-    "div": operator.truediv,  # pyright: ignore[reportUnknownMemberType]
+    "div": operator.truediv,
     "neg": operator.neg,
     "lt": operator.lt,
     "le": operator.le,

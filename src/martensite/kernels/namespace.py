@@ -14,7 +14,6 @@ Scalar: TypeAlias = float
 Flag: TypeAlias = bool
 
 
-# pyright: reportReturnType=false
 class Namespace(Protocol):
     """Functions that a runtime must offer; arithmetic and comparisons are operators."""
 

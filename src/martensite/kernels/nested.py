@@ -25,7 +25,7 @@ class NestedShape:
     def _fill(self, example: Any, numbers: Iterator[Any]) -> Any:
         if isinstance(example, tuple):
             items = (self._fill(item, numbers) for item in example)  # type: ignore[misc]
-            return tuple(items) if type(example) is tuple else type(example)(*items)  # type: ignore[call-arg]
+            return tuple(items) if type(example) is tuple else type(example)(*items)
         return next(numbers)
 
 
@@ -73,7 +73,11 @@ def sum_columns(xp: Namespace, *columns: Sequence[Scalar]) -> list[Scalar]:
 
 def map_rows(xp: Namespace, function: Callable[..., Scalar], *columns: Sequence[Scalar]) -> Sequence[Scalar]:
     """Return the column of values of a function of the rows of columns, as one loop."""
-    return xp.each(lambda *row: (function(*row),), *columns)[0]
+
+    def compute(*row: Scalar) -> Sequence[Scalar]:
+        return (function(*row),)
+
+    return xp.each(compute, *columns)[0]
 
 
 def map_tuples(function: Callable[..., Any], xp: Namespace, *columns: Sequence[Any]) -> list[Any]:

@@ -90,7 +90,7 @@ def make_operation_error(name: str) -> UnknownOperationError:
 
 def _find_place() -> tuple[str, str]:
     """Return the running kernel, its location, and its source line."""
-    frame: FrameType = sys._getframe(2)  # pyright: ignore[reportPrivateUsage]
+    frame: FrameType = sys._getframe(2)
     while frame.f_back and not _is_kernel(frame):
         frame = frame.f_back
     code = frame.f_code

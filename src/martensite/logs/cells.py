@@ -25,8 +25,10 @@ OVERFLOW = 9.9e36
 TINIEST = 1e-300
 """Smaller numbers count as zero, because their squares and quotients leave the range of floats."""
 DAY = 86_400.0
-MISSING = {*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#n/a", "#num!", "#div/0!", "∞", "-∞"}
-MISSING |= {"+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"}
+MISSING = {
+    *(*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#n/a", "#num!", "#div/0!", "∞", "-∞"),
+    *("+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"),
+}
 """Cells of a missing or out-of-range sample, in lower case."""
 
 _NUMBER = r"[+\-−]?(?:\d+(?:[.,'’]\d{3})*(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+\-]?\d+)?"

@@ -88,9 +88,9 @@ def describe_dataset(name: str) -> DataSet:
 
 
 def _locate_file(entry: dict[str, Any], shared: dict[str, Any]) -> DataFile:
-    lines = {**shared, **entry.get("layout", {})}
-    layout = Layout(**{**lines, "columns": tuple(lines["columns"])})
-    return DataFile(entry["name"], entry.get("upstream", ""), entry["sha256"], layout)
+    lines: dict[str, Any] = {**shared, **entry.get("layout", {})}
+    lines["columns"] = tuple(lines["columns"])
+    return DataFile(entry["name"], entry.get("upstream", ""), entry["sha256"], Layout(**lines))
 
 
 def describe_layout(key: str) -> Layout:

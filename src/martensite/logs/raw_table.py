@@ -159,7 +159,7 @@ def _select_texts(units: Above) -> dict[str, str]:
 def _describe_form(form: tuple[str, ...], style: NumberStyle, skipped: int) -> str:
     """Return the kind, separator, number style, skipped lines and encoding of a table, in words."""
     comma = "decimal commas" if style.comma else ""
-    return ", ".join(filter(None, [*form[:2], comma, _say_lines(max(0, skipped)), *form[2:]]))
+    return ", ".join(word for word in (*form[:2], comma, _say_lines(max(0, skipped)), *form[2:]) if word)
 
 
 def _find_labels(rows: Sequence[Row], used: set[int], width: int) -> tuple[str, ...]:

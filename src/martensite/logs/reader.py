@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -245,7 +246,8 @@ def read_table(
     if separator not in ("auto", *SIGNS):
         raise ParameterError(f"Argument `separator` is `{separator}`. {suggest_name(separator, ('auto', *SIGNS))}")
     layout = _find_origin(source)[1]
-    given = {"columns": None if columns is None else tuple(columns), "separator": separator, "drop": drop}
+    given: dict[str, Any] = {"separator": separator, "drop": drop}
+    given["columns"] = None if columns is None else tuple(columns)
     layout = replace(layout, **{key: value for key, value in given.items() if value not in (None, "auto", False)})
     return read_exact(source, layout, interval=interval, gaps=gaps).record
 

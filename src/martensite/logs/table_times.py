@@ -47,7 +47,7 @@ def find_start(raw: RawTable) -> tuple[Numbers | None, float | None]:
     stamp, day, clock = kinds["stamp"], kinds["date"], kinds["clock"]
     if stamp is None and clock is None:
         return None, None
-    seconds = stamp.numbers if stamp is not None else pass_midnight(clock.numbers, day is not None)  # pyright: ignore
+    seconds = stamp.numbers if stamp is not None else pass_midnight(clock.numbers, day is not None)
     if day is not None and stamp is None:
         seconds = seconds + day.numbers
     thousandths = next((c for c in raw.columns if is_part_of_clock(raw, c)), None)

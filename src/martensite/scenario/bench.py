@@ -247,12 +247,13 @@ class BenchBuilder:
             return None
         units = {drive.unit for drive in self.plant.drives()}
         scales = PlaceUnits(units.pop() if len(units) == 1 else "1", _list_units(bench))
-        full: Table | None = section_of(document, SUPERVISOR, {})
+        given = section_of(document, SUPERVISOR, {})
+        full: Table | None = given
         taken = set[str]()
-        if full.get(KIND, GUARD) in (GUARD, NONE):
+        if given.get(KIND, GUARD) in (GUARD, NONE):
             noisy = section_of(document, BENCH, {}).get("noise") != "none"
             builder = Builder(scales=scales, origins=origins, plain=True)
-            full, taken, cautions = complete_guard(full, bench, controllers, builder, noisy)
+            full, taken, cautions = complete_guard(given, bench, controllers, builder, noisy)
             self.assembly.cautions.extend(cautions)
         if full is None:
             return None

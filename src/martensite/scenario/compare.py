@@ -70,7 +70,8 @@ def list_common(result: Result, record: Record) -> list[str]:
 
 
 def _measure_agreement(name: str, result: Result, record: Record, places: list[tuple[int, float]]) -> Agreement:
-    computed, values = result[name].tolist(), record[name].tolist()
+    computed: list[float] = result[name].tolist()
+    values: list[float] = record[name].tolist()
     measured = list(filter(math.isfinite, values))
     apart = {
         time: (1.0 - share) * computed[i] + share * computed[i + 1] - value

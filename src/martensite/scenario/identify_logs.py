@@ -23,8 +23,10 @@ from martensite.signals.sampling.sampled import Sampled
 
 DRIVING = (*list_quantities("drive"), "u", "input")
 """Names of input columns, in order of preference."""
-ANSWERING = (*reversed(list_quantities("shape")), "angle", *reversed(list_quantities("load")), "temperature")
-ANSWERING += ("resistance", "rotor_speed", "y", "output")
+ANSWERING = (
+    *(*reversed(list_quantities("shape")), "angle", *reversed(list_quantities("load"))),
+    *("temperature", "resistance", "rotor_speed", "y", "output"),
+)
 """Names of output columns, in order of preference."""
 
 

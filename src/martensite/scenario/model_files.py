@@ -251,7 +251,7 @@ def block_of(table: dict[str, Any]) -> AbstractBlock:
 def _require_plain(value: Any, what: str) -> Any:
     if isinstance(value, AbstractBlock):
         return block_table(value)
-    if isinstance(value, tuple | list):
+    if isinstance(value, (tuple, list)):
         return [_require_plain(one, what) for one in cast("list[Any]", value)]
     if value is None or isinstance(value, str | bool | int):
         return value

@@ -123,7 +123,7 @@ def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, 
     from martensite.control.loop.bench import Bench
 
     if isinstance(what, Scenario):
-        new = {"waveform": drive, "duration": duration}
+        new: dict[str, Any] = {"waveform": drive, "duration": duration}
         return replace(what, **{name: value for name, value in new.items() if value is not None})
     bench = what if isinstance(what, Bench) else None
     if duration is None or (drive is None and bench is None):

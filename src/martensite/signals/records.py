@@ -73,7 +73,7 @@ class Record:
         return self.summary().brief()
 
     def _repr_html_(self) -> str:
-        return self.summary()._repr_html_()  # pyright: ignore[reportPrivateUsage]
+        return self.summary()._repr_html_()  # pyrefly: ignore[protected-access]
 
     @property
     def times(self) -> Column:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,7 +159,8 @@ def _in_discrete_time(
     trace = RowsTrace(grid.times[: len(run.rows)], run.rows, len(name_outputs(system))) if kept_all else None
     times, stored = np.asarray(grid.times), np.asarray(whole.times)[whole.stored]
     places = np.flatnonzero(np.isin(times, [start.time, *stored]))
-    plan = plan._replace(times=times[places])
+    kept: Any = times[places]
+    plan = plan._replace(times=kept)
     run = replace(run, rows=choose_rows(run.rows, places), runtime="C" if runtime == "c" else "floats")
     notes = list[str]()
     if not kept_all and len(whole.lengths) > len(whole.times):

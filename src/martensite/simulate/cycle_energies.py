@@ -61,7 +61,8 @@ def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pai
     ]
     over: Any = integrate_energies(result, ways)
     totals: tuple[Numbers, ...] = over.electrical, over.lost, over.work, over.returned
-    energies: list[Numbers] = [np.diff(np.asarray(np.interp(ends, times, total), float)) for total in totals]
+    reached: list[Numbers] = [np.interp(ends, times, total) for total in totals]
+    energies = [np.diff(total) for total in reached]
     electrical, lost, work, returned = energies
     return CycleEnergies(electrical, lost, work, returned, period)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.base import DriveSignal
@@ -43,7 +43,7 @@ def _assign_drives(signals: Sequence[DriveSignal], given: Kind | Mapping[str, Ki
                 f"This system has {len(names)} drives ({', '.join(names)}). Give a waveform for each by name, "
                 f"such as {{'{names[0]}': ...}}."
             )
-        return {names[0]: cast("Kind", given)}
+        return {names[0]: given}
     for name, one in given.items():
         if name not in names:
             raise InputError(f"There is no drive `{name}`. {suggest_name(str(name), names)}")

@@ -183,13 +183,15 @@ class AbstractMarch:
     def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         self.plan, self.functions, self.size = plan, functions, plan.compiled.size
         self.readers = [Reader(waveform) for waveform in plan.waveforms]
-        self.time, self.duration = plan.times[0], plan.times[-1]
+        self.time: float = plan.times[0]
+        self.duration: float = plan.times[-1]
         signals = self.signals(self.time)
         self.state: Row = plan.start or functions["init"](*signals)[: self.size]
         self.judged_outputs: Row = functions["judge"](*self.state, *signals)
         self.convergence_scales = len(plan.compiled.convergence_scales)
         judged, (low, high) = self.judged_outputs[: self.convergence_scales], plan.extremes
-        self.low, self.high = list(map(min, judged, low or judged)), list(map(max, judged, high or judged))
+        self.low: list[float] = list(map(min, judged, low or judged))
+        self.high: list[float] = list(map(max, judged, high or judged))
         self.sample: int = 1
         self.result = Marched([functions["observe"](*self.state, *signals)])
         self.record_piece(START, self.time, self.time, (), self.state)

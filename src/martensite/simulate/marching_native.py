@@ -187,10 +187,10 @@ class MarchArrays:
         """Prepare a pass: samples, known ranges, and the start of the runs."""
         runs, samples = self.runs, len(plan.times)
         self.plan, self.times = plan, tabulate_times(plan.times)
-        self.rows = np.empty((runs.size, samples, len(runs.outputs)))
+        self.rows: Numbers = np.empty((runs.size, samples, len(runs.outputs)))
         self.rows.fill(np.nan)
         steps = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.size - 1)
-        self.record = np.empty((max(FIRST_RECORD, 2 * steps) if plan.recorded else 0, self.width))
+        self.record: Numbers = np.empty((max(FIRST_RECORD, 2 * steps) if plan.recorded else 0, self.width))
         self.totals = np.full((runs.size, 3, len(runs.outputs)), np.nan) if plan.totalled else NOTHING
         self.ranges[...] = plan.ranges or 0.0 if runs.ranges is None else runs.ranges
         self.states[...] = plan.start or 0.0

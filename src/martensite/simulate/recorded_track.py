@@ -321,7 +321,7 @@ def build_long_track(record: Numbers, build: Callable[[Numbers], Track]) -> Trac
         rows = StepRows(track.steps.rows + first, track.steps.joined, track.steps.plain)
         tracks.append(replace(track, steps=rows))
         first += len(track.times)
-    joined = {
+    joined: dict[str, Any] = {
         name: np.concatenate([getattr(one, name) for one in tracks]) for name in ("run", "times", "values", "weights")
     }
     steps = StepRows(*(np.concatenate([getattr(one.steps, n) for one in tracks]) for n in ("rows", "joined", "plain")))

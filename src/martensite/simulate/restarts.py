@@ -218,7 +218,7 @@ class Relay:
             whole = self.march(plan)
             legs = [whole]
         for one in (*(earlier for earlier, _ in self.passes), *(leg for leg in legs if leg is not whole)):
-            one.rows = []  # rows of one pass are enough
+            one.rows = list[Any]()  # rows of one pass are enough
         self.passes.append((whole, legs))
         return whole
 
@@ -299,9 +299,12 @@ def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> M
     worst = max(legs, key=lambda one: one.status)
     low, high = last.extremes
     parts = [*legs, before] if before else legs
+    sums: dict[str, Any] = {
+        name: sum(getattr(one, name) for one in legs) for name in ("steps", "rejected", "put_in", "lost")
+    }
     return replace(
         last,
-        **{name: sum(getattr(one, name) for one in legs) for name in ("steps", "rejected", "put_in", "lost")},
+        **sums,
         rows=rows,
         ranges=tuple(map(operator.sub, high, low)),
         status=worst.status,

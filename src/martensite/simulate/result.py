@@ -30,7 +30,7 @@ from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import Track
 
 if TYPE_CHECKING:
-    import pandas  # type: ignore[import-untyped]
+    import pandas
     import xarray
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -207,12 +207,12 @@ class Result:
 
         Columns are in SI units (`attrs["units"]`).
         """
-        import pandas  # type: ignore[import-untyped]
+        import pandas
 
         index = pandas.Index(self.times, name="time")
         if self.variants is not None:
-            runs = range(len(self.variants))
-            index = pandas.MultiIndex.from_product([runs, self.times], names=["variant", "time"])
+            levels: list[Any] = [range(len(self.variants)), self.times]
+            index = pandas.MultiIndex.from_product(levels, names=["variant", "time"])
         columns = {name: self[name].reshape(-1) for name in self.outputs}
         table = pandas.DataFrame(columns, index=index)
         table.attrs["units"] = {name: self.unit(name) for name in self.outputs}

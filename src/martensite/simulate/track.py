@@ -144,7 +144,8 @@ class Track:
         if not len(step):
             return self
         late = share > 0.5
-        first, last = (self.values[np.where(late, rows[step, k + 1], rows[step, k])] for k in (0, 1))
+        places: list[Places] = [np.where(late, rows[step, k + 1], rows[step, k]) for k in (0, 1)]
+        first, last = (self.values[place] for place in places)
         values = first + (2.0 * share - late)[:, None] * (last - first)
         values[:, columns] = self._interpolate(step, share[:, None], columns)[:, 0]
         start, end = self.times[rows[step, 0]], self.times[rows[step, 2]]

@@ -22,7 +22,7 @@ class Members(Parametrised, Generic[Kind]):
     """Components of one kind by name, in the given order."""
 
     noun: ClassVar[str] = "component"
-    kind: ClassVar[type[Any]] = Parametrised
+    kind: ClassVar[type[Parametrised]] = Parametrised
     registry: ClassVar[Registry[Any] | None] = None
     """Registry from which files choose a component by name."""
 

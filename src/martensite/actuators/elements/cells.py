@@ -66,12 +66,12 @@ class AbstractCut(AbstractElement):
             )
 
     @property
-    def law(self) -> AbstractLaw:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def law(self) -> AbstractLaw:  # pyrefly: ignore[bad-override]
         """Return the law of the wire."""
         return self.wire.law
 
     @property
-    def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def limits(self) -> ElementLimits:  # pyrefly: ignore[bad-override]
         """Return the limits of the wire."""
         return self.wire.limits
 

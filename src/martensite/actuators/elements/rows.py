@@ -56,17 +56,17 @@ class AbstractRow(AbstractLumped):
         return self.one
 
     @property
-    def law(self) -> AbstractLaw:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def law(self) -> AbstractLaw:  # pyrefly: ignore[bad-override]
         """Return the law of one."""
         return self.one.law
 
     @property
-    def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def limits(self) -> ElementLimits:  # pyrefly: ignore[bad-override]
         """Return the limits of one."""
         return self.one.limits
 
     @property
-    def wear(self) -> Wear | None:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def wear(self) -> Wear | None:  # pyrefly: ignore[bad-override]
         """Return the wear of one."""
         return self._lumped.wear
 
@@ -76,12 +76,12 @@ class AbstractRow(AbstractLumped):
         return self if self.wear is None else self.rebuilt({name: self._lumped.apply_wear(xp, worn)})
 
     @property
-    def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def straight(self) -> bool:  # pyrefly: ignore[bad-override]
         """Return whether one element is a straight wire."""
         return self.one.straight
 
     @property
-    def passes(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def passes(self) -> int:  # pyrefly: ignore[bad-override]
         """Return the iterations for force and tangent of one."""
         return self.one.passes
 

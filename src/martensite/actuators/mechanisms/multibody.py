@@ -212,7 +212,7 @@ class AbstractMultibody(AbstractMechanism):
             needs = self.demand(xp, Motion(tuple(position), rest, rest), signals)
             return [n - s for n, s in zip(needs, self.supply(xp, position, pull(xp, position), rest), strict=True)]
 
-        loose = [] if self.moves else self._list_loose(given)
+        loose: Sequence[int] = [] if self.moves else self._list_loose(given)
         place = find_balance(missing, place, loose) if loose else place
         overlap = -min(self.gaps(floats, place), default=0.0)
         if overlap > 1e-12:

@@ -281,8 +281,9 @@ def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[
     from martensite.scenario.bench import BenchSettings
 
     table = documents.find_table(walk.document, BENCH)
-    given = {name: value for name, value in table.items() if name in BenchSettings.declarations}
-    whole = BenchSettings(**{**given, PERIOD: bench.period})
+    given: dict[str, Any] = {name: value for name, value in table.items() if name in BenchSettings.declarations}
+    given[PERIOD] = bench.period
+    whole = BenchSettings(**given)
     return _list_controls(walk, whole, partial(_place_setting, scenario.places.path(PERIOD)))
 
 

@@ -52,9 +52,9 @@ def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> It
         yield candidate
 
 
-def _list_kinds(document: JsonTable) -> tuple[Any, Any]:
+def _list_kinds(document: JsonTable) -> tuple[Any, ...]:
     drive = "driver" if "driver" in document else "drive"
-    return tuple(documents.find_entry(document, f"{n}.kind") for n in ("mechanism", drive))  # type: ignore[return-value]
+    return tuple(documents.find_entry(document, f"{n}.kind") for n in ("mechanism", drive))
 
 
 def _keep_single_port(scenario: Scenario, one: ChangedScenario) -> ChangedScenario | None:

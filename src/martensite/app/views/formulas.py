@@ -92,7 +92,7 @@ class Formulas:
         """Return the results with `_Row` for numbers."""
         if isinstance(result, dict):
             return {name: self._place(one, places) for name, one in result.items()}
-        if isinstance(result, list | tuple):
+        if isinstance(result, (list, tuple)):
             return [self._place(one, places) for one in result]
         if result is None or isinstance(result, str):
             places.update(dict.fromkeys(int(row) for row in re.findall("\x02(\\d+):", result or "")))

@@ -14,8 +14,6 @@ from martensite.base.errors import SolveError
 from martensite.boards.emulators.toolchains import require_tool
 
 MACHINE = "netduinoplus2"
-CLOCK = ("-icount", "shift=5")
-"""An instruction takes 2^5 ns, also if the host is busy: otherwise the watchdog resets a board that only waits."""
 CLOCK = ("-icount", "shift=3")
 """An instruction takes 8 ns, so a slow host cannot let the watchdog of the board run out."""
 START_LIMIT = 10.0

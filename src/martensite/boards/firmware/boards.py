@@ -70,8 +70,9 @@ def list_boards() -> dict[str, Board]:
     text = (files("martensite.boards.firmware") / "boards.toml").read_text("utf-8")
     boards: dict[str, Board] = {}
     for name, table in tomllib.loads(text).items():
-        numbers: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in table.items()}
-        boards[name] = Board(name=name, **{"platformio": {}, **numbers})
+        numbers: dict[str, Any] = {"platformio": {}}
+        numbers |= {k: tuple(v) if isinstance(v, list) else v for k, v in table.items()}
+        boards[name] = Board(name=name, **numbers)
     return boards
 
 

@@ -35,8 +35,10 @@ DIFFERENCES = {1.0: "100 kilohm", 2.0: "49.9 kilohm", 3.0: "33.2 kilohm", 5.0: "
 """Feedback resistor of a difference amplifier with inputs of 100 kilohm, by ratio."""
 OVER = 1.1
 """Range of the difference amplifier over the supply."""
-FUSES = (0.1, 0.125, 0.16, 0.2, 0.25, 0.315, 0.4, 0.5, 0.63, 0.8)
-FUSES += (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0)
+FUSES = (
+    *(0.1, 0.125, 0.16, 0.2, 0.25, 0.315, 0.4, 0.5, 0.63, 0.8),
+    *(1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0),
+)
 """Rated currents of IEC 60127 [A]."""
 HIGHEST_SUPPLY = 60.0
 """Extra-low voltage for direct current [V]; IEC 61140."""

@@ -46,9 +46,9 @@ def conform(
 
 def list_commands(group: Any = None, words: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the name of each command, e.g. `export c`, with the command."""
-    group = typer.main.get_command(app) if group is None else group
-    for name in group.list_commands(None):
-        one = group.get_command(None, name)
+    listed: Any = typer.main.get_command(app) if group is None else group
+    for name in listed.list_commands(None):
+        one = listed.get_command(None, name)
         if hasattr(one, "list_commands"):
             yield from list_commands(one, f"{words}{name} ")
         else:

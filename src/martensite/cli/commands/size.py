@@ -109,7 +109,7 @@ def _read_request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest
             '`martensite size --pull "8 N" --stroke "5 mm" --rate "0.5 Hz" --supply "12 V"`.'
         )
     units = {name: declared.unit for name, declared in WireRequest.declarations.items()} | {"pull": "N"}
-    numbers = {n: read_quantity(n, t, units[n]) for n, t in given.items() if t is not None}
+    numbers: dict[str, Any] = {n: read_quantity(n, t, units[n]) for n, t in given.items() if t is not None}
     numbers["force"] = numbers.pop("pull")
     return WireRequest(**numbers, **{n: v for n, v in chosen.items() if v is not None})
 

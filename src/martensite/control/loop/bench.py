@@ -100,6 +100,7 @@ class Bench(AbstractSystemAround, init=False):
         observers, controllers, supervisor, _ = period.begin_loop(self, xp, readings, given)
         return BenchState(0.0, state, sensors, observers, controllers, supervisor)
 
+    # pyrefly: ignore[bad-override]  # signals are held over a step: it gets no moments
     def step(self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar) -> tuple[BenchState, StepReport]:
         given = period.sorted_inputs(self, drives)
         allowed = period.apply_supervisor(self, xp, state, given)

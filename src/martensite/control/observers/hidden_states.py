@@ -134,6 +134,7 @@ class ProcessNoisePlant(AbstractSystemAround):
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         return self.plant.init(xp, *self._apart(drives)[0])
 
+    # pyrefly: ignore[bad-override]  # signals are held over a step: it gets no moments
     def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, StepReport]:
         signals, numbers = self._apart(drives)
         after, report = self.plant.step(xp, state, *signals, dt=dt)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import islice
-from typing import Any, NamedTuple, Self, cast
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -187,4 +187,4 @@ def compute_logarithms(gains: Gains) -> Numbers:
 
 
 def _build_column(reference: Numbers) -> Numbers:
-    return cast("Numbers", np.asarray(reference, dtype=float))[:, None]
+    return np.asarray(reference, dtype=float)[:, None]

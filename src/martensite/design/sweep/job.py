@@ -54,10 +54,10 @@ class SweepRequest:
     @classmethod
     def of_spec(cls, spec: Mapping[str, Any]) -> SweepRequest:
         """Return the request from the specification of a store."""
-        own = {name: spec[name] for name in cls.__dataclass_fields__}
-        lists = {"over": tuple(own["over"]), "measures": tuple(own["measures"])}
-        traces = tuple((str(name), int(count)) for name, count in own["traces"])
-        return cls(**{**own, **lists, "traces": traces})
+        own: dict[str, Any] = {name: spec[name] for name in cls.__dataclass_fields__}
+        own |= {"over": tuple(own["over"]), "measures": tuple(own["measures"])}
+        own["traces"] = tuple((str(name), int(count)) for name, count in own["traces"])
+        return cls(**own)
 
 
 def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:

@@ -180,4 +180,4 @@ def build_material_port(
         ParameterError: the element has several phase states.
     """
     actuator, _ = choose_actuator(system, port)
-    return MaterialPort(element=actuator.element, preload=preload, compressed=compressed)  # pyright: ignore[reportCallIssue]
+    return MaterialPort(element=actuator.element, preload=preload, compressed=compressed)  # pyrefly: ignore[missing-argument]

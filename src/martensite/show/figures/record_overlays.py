@@ -119,7 +119,7 @@ def draw_key(figure: Any, records: Sequence[MeasuredRecord], below: float) -> No
     """Draw the key of simulation and records."""
     from matplotlib.lines import Line2D
 
-    looks = [{"color": SIMULATED}, *(choose_look(r, i) for i, r in enumerate(records))]
+    looks: list[dict[str, Any]] = [{"color": SIMULATED}, *(choose_look(r, i) for i, r in enumerate(records))]
     lines = [Line2D([], [], **line) for line in looks]
     names = ["simulated", *(shorten_name(r.name, 36) for r in records)]
     add_key(figure, lines[:KEYED], names[:KEYED], below=below)

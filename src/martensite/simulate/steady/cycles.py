@@ -161,7 +161,9 @@ class Shooting:
         if self._changed(before, self._see(end)):
             return False
         linear = motion.linearise(state)
-        change = np.linalg.lstsq(linear.jacobian * linear.sizes, -linear.residual, rcond=1e-10)[0] * linear.sizes
+        change: Numbers = (
+            np.linalg.lstsq(linear.jacobian * linear.sizes, -linear.residual, rcond=1e-10)[0] * linear.sizes
+        )
         change[np.abs(change) <= ROUNDING * linear.sizes] = 0.0
         there = self._see(state + change)
         reach = [abs(there[name] - before[name]) / most for name, most in self.leaps.items()]

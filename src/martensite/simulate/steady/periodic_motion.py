@@ -236,7 +236,7 @@ class PeriodicMotion:
 def find_inert(matrix: Numbers) -> Numbers:
     """Return the states that only count or only store: columns or rows of the unit matrix."""
     aside = np.abs(matrix - np.eye(len(matrix))) <= INERT * max(np.abs(matrix).max(), 1.0)
-    return aside.all(axis=0) | aside.all(axis=1)
+    return np.all(aside, axis=0) | np.all(aside, axis=1)
 
 
 def judge_stability(matrix: Numbers) -> Stability:

@@ -107,7 +107,8 @@ def _outline_region(workspace: Workspace) -> Any:
 def _compute_rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
     """Return the margins from the shortest and longest length, and of the plate from 90° [m], shape (3, …)."""
     legs = workspace.legs
-    alphas, betas = np.broadcast_arrays(alphas, betas)
+    grid: tuple[Any, ...] = np.broadcast_arrays(alphas, betas)
+    alphas, betas = grid
     lengths = np.array(compute_lengths(ArrayNamespace(np), legs.plates, alphas, betas))
     angle = QUARTER - np.maximum(np.abs(alphas), np.abs(betas))
     short, long = lengths.min(axis=0) - legs.shortest, legs.longest - lengths.max(axis=0)

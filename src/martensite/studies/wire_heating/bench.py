@@ -106,4 +106,4 @@ def simulated_temperature(closure: str, voltage: float) -> float:
 @cache
 def heating_run(closure: str) -> Result:
     """Return the run of a closure's scenario: the voltage on, then off."""
-    return load_scenario(closure).run()  # type: ignore[return-value]
+    return load_scenario(closure).run()

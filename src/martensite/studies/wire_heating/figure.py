@@ -97,10 +97,12 @@ def _draw_film(axes: Any, printed: Printed) -> None:
 
 
 def _draw_course(axes: Any) -> None:
+    end = 0.0
     for key, colour in COLOURS.items():
         run = bench.heating_run(key)
+        end = run.times[-1]
         axes.plot(run.times, np.asarray(run["temperature"]) - bench.ZERO, color=colour, label=f"closure {key.upper()}")
-    axes.set_xlim(0.0, run.times[-1])
+    axes.set_xlim(0.0, end)
     label_axes(
         axes, "1.2 V on for 60 s, simulated; no measured course is printed", "time [s]", "$T$ [°C]", "upper right"
     )

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from pathlib import Path
-
-import typer
+from typing import TYPE_CHECKING
 
 from martensite.cli.app import app
 from martensite.cli.folder_group import FolderGroup, make_group
+
+if TYPE_CHECKING:
+    from typer._click import Context
 
 LOGS = "logs"
 """Default command."""
@@ -17,7 +19,7 @@ LOGS = "logs"
 class Fits(FolderGroup):
     """Commands of `fit`; the default is `logs`."""
 
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+    def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Insert the default command if needed."""
         return super().parse_args(ctx, self.prepend_command(args))
 

@@ -143,7 +143,7 @@ def _open_client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
 def _connect_client(dask: Any, address: Any) -> Any:
     try:
         return dask.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(f"No Dask scheduler answers at `{address}`: {error}.") from None
 
 
