@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
+from typing import Any
 
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import GROUNDS, Answer, Claim
@@ -33,7 +34,7 @@ def check_decides(claims: Iterable[Claim]) -> None:
         printed = claim.published if claim.published is not None else claim.as_printed
         assert printed is not None
         far, near = printed + 1.01 * claim.tolerance + 1e-9, printed + 0.99 * claim.tolerance
-        fields = {**bare, "published": printed}
+        fields: dict[str, Any] = {**bare, "published": printed}
         assert replace(claim, **fields, computed=far, verdict="disagrees").verdict == "disagrees"
         assert replace(claim, **fields, computed=near, verdict="reproduced").verdict == "reproduced"
 

@@ -50,7 +50,8 @@ class Elastic(AbstractElement):
         return state.pull
 
     def advance(self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Warm, StepReport]:
-        warm = state._replace(temperature=heating.drive)
+        drive: Any = heating.drive
+        warm = state._replace(temperature=drive)
         return warm._replace(pull=pull(xp, self.tangent(xp, warm, 0.0))), StepReport(0.0, 0.0)
 
     def condition(self, xp: Namespace, state: Warm, force: Scalar, environment: Environment) -> Condition:

@@ -380,7 +380,8 @@ def sweep_store(path: Path, **how: Any) -> Any:
 
     from martensite.design.sweep.api import SweepExecution, begin_sweep
 
-    return begin_sweep(wire(), wanted(), path, SweepExecution(**{"backend": "serial", **how})).run()
+    given: dict[str, Any] = {"backend": "serial"} | how
+    return begin_sweep(wire(), wanted(), path, SweepExecution(**given)).run()
 
 
 @cache

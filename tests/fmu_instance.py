@@ -28,7 +28,8 @@ class Instance:
         described: Any = read_model_description(str(path))
         self.names = {one.name: one.valueReference for one in described.modelVariables}
         self.second = described.fmiVersion == "2.0"
-        self.fmu = (FMU2Slave if self.second else FMU3Slave)(
+        slave: Any = FMU2Slave if self.second else FMU3Slave
+        self.fmu = slave(
             guid=token or described.guid,
             unzipDirectory=folder,
             modelIdentifier=described.coSimulation.modelIdentifier,

@@ -33,7 +33,11 @@ def rphase_system(law: AbstractLaw | None = None, **parts: Any) -> System:
     """The wire against a soft spring, with a resistance of three phases, driven by PWM."""
     size = {"heat_capacity": VALUES["heat_capacity"], "latent_heat": VALUES["latent_heat"]}
     wire = wire_a(law or rphase_law(), **size).with_parts(resistance=of_material(ThreePhaseResistance))
-    usual = {"element": wire, "source": PwmVoltage(supply=6.0), "mechanism": BiasSpring(stiffness=500, preload=5)}
+    usual: dict[str, Any] = {
+        "element": wire,
+        "source": PwmVoltage(supply=6.0),
+        "mechanism": BiasSpring(stiffness=500, preload=5),
+    }
     return problem_a(**(usual | parts))
 
 

@@ -68,11 +68,13 @@ class Reader:
                 return ("union", parts)
 
     def listed(self) -> Any:
-        found = self.single()
-        while self.tokens[:2] == ["[", "]"]:
-            del self.tokens[:2]
-            found = ("list", found)
-        return found
+        return self.enclose(self.single())
+
+    def enclose(self, found: Any) -> Any:
+        if self.tokens[:2] != ["[", "]"]:
+            return found
+        del self.tokens[:2]
+        return self.enclose(("list", found))
 
     def single(self) -> Any:
         if self.tokens[0] == "{":

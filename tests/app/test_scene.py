@@ -101,7 +101,8 @@ def test_the_page_knows_all_kinds() -> None:
 
 def test_a_weight_says_its_mass(drawn: dict[str, Drawn]) -> None:
     scenario, _, found = drawn["coil"]
-    assert [shape["mass"] for shape in found["shapes"] if shape["kind"] == "weight"] == [scenario.system.mechanism.mass]
+    weight: Any = scenario.system.mechanism
+    assert [shape["mass"] for shape in found["shapes"] if shape["kind"] == "weight"] == [weight.mass]
 
 
 def test_a_coil_is_drawn_as_one(drawn: dict[str, Drawn]) -> None:

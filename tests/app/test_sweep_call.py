@@ -91,8 +91,8 @@ def test_points_are_those_of_the_store(made: tuple[Desk, str, list[dict[str, Any
 
 def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
     class Large(SweepDrawing):
-        size = 90_000  # pyright: ignore[reportAssignmentType]
-        levels = (range(300), range(300))  # pyright: ignore[reportAssignmentType]
+        size = 90_000
+        levels = (range(300), range(300))
 
     found = Large(Store(tmp_path))
     kept = found.select_drawn_runs(np.arange(90_000))

@@ -29,7 +29,8 @@ def pooled(folder: Path, work: Work, **given: Any) -> Any:
     """What becomes of work with a pool of one worker, which is closed in any case."""
 
     async def whole() -> Any:
-        pool = WorkerPool(folder, **{"size": 1, **given})
+        settings: dict[str, Any] = {"size": 1} | given
+        pool = WorkerPool(folder, **settings)
         try:
             return await work(pool)
         finally:

@@ -97,7 +97,7 @@ def test_every_new_name_is_public() -> None:
 def test_quantities_of_pint_are_taken_where_text_is() -> None:
     import pint
 
-    units = pint.UnitRegistry()
+    units: Any = pint.UnitRegistry()
     cooling = ms.thermal.ConstantCooling(h=units.Quantity(7.0, "mW/cm^2/K"))
     assert ms.Environment(temperature=units.Quantity(22.0, "degC"), cooling=cooling).temperature == 295.15
     assert cooling.h == pytest.approx(70.0)

@@ -42,7 +42,7 @@ def plant(supply: float = 6.0) -> Any:
 
 def pid(**changes: Any) -> Pid:
     """A controller of its position."""
-    known = {"measured": "position", "reference": REFERENCE, "Kp": 300.0, "Ki": 80.0}
+    known: dict[str, Any] = {"measured": "position", "reference": REFERENCE, "Kp": 300.0, "Ki": 80.0}
     return Pid(**(known | changes))
 
 

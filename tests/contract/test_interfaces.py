@@ -95,7 +95,7 @@ def test_several_methods_stand_in_one_sentence() -> None:
 
 def test_a_class_that_is_not_registered_is_refused_when_it_is_made() -> None:
     with pytest.raises(InputError, match=rf"`Half` in {__name__} must define"):
-        Half()  # pyright: ignore[reportCallIssue]
+        Half()  # pyrefly: ignore[missing-argument]
 
 
 def test_a_method_that_a_flag_asks_for_is_missing_with_the_flag_alone() -> None:

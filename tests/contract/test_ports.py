@@ -217,7 +217,7 @@ def test_slack_and_preload() -> None:
 
 def test_a_step_that_no_part_solves_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     kernel = compile_port(material_of(example(LAWS["brinson"])))
-    batch = PortBatch(kernel.system, runtime="floats")  # type: ignore[arg-type]
+    batch = PortBatch(kernel.system, runtime="floats")
     states = batch.start([[0.0, WARM]])
     monkeypatch.setattr("martensite.export.ports.kernel.SOLVED", -1.0)
     with pytest.raises(SolveError, match="point 0"):

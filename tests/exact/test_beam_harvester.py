@@ -70,7 +70,7 @@ def test_harmonic_response(omega: float, load: float) -> None:
 
 def test_harvested_energy_is_what_the_balance_calls_dissipated() -> None:
     """Without other losses on the beam, what the resistor takes is all that is dissipated but for the winding."""
-    beam = {**BEAM, "damping": 0.0, "piezo_coupling": 0.01, "piezo_capacitance": CAPACITANCE}
+    beam: dict[str, Any] = {**BEAM, "damping": 0.0, "piezo_coupling": 0.01, "piezo_capacitance": CAPACITANCE}
     found = run(BeamHarvester(**beam, **SMALL, load_resistance=5e4), 2.0, 2.0)
     work, times = found.energy["work"], np.array(found.times)
     assert (work.residual or 1.0) < 1e-6
@@ -82,7 +82,8 @@ def test_harvested_energy_is_what_the_balance_calls_dissipated() -> None:
 
 def test_without_coupling_it_is_the_beam() -> None:
     alone = run(BeamMotor(**BEAM, **SMALL), 1.0, 1.0)
-    beside = run(BeamHarvester(**BEAM, **SMALL, **{**PATCH, "piezo_coupling": 0.0}, load_resistance=1e4), 1.0, 1.0)
+    uncoupled = PATCH | {"piezo_coupling": 0.0}
+    beside = run(BeamHarvester(**BEAM, **SMALL, **uncoupled, load_resistance=1e4), 1.0, 1.0)
     apart = np.abs(np.array(beside["displacement"]) - np.array(alone["displacement"])).max()
     assert apart < 1e-5 * np.abs(alone["displacement"]).max()
     assert max(map(abs, beside["piezo_voltage"])) == 0.0

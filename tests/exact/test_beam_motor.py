@@ -157,7 +157,7 @@ def test_accelerations_are_those_of_the_equations_solved_by_hand() -> None:
 
 
 def test_dry_friction_opposes_the_rotor() -> None:
-    rubbed = {**PRINTED, "dry_friction": 1e-3, "friction_rate": 0.1}
+    rubbed = PRINTED | {"dry_friction": 1e-3, "friction_rate": 0.1}
     for speed in (-5.0, 5.0):
         state = [0.0, 0.0, math.pi / 2, speed, 0.0]  # cos φ = 0: rotor and tip uncoupled
         change = traced(BeamMotor(**rubbed))(*state, 0.0)[3] - by_hand(PRINTED, state, 0.0)[3]

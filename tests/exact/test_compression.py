@@ -119,7 +119,8 @@ def test_rules_that_compression_does_not_know_are_refused() -> None:
         Brinson(**LAW_A, **SIGMA, compression="asymmetric", sigma_s_compression=160e6)
     with pytest.raises(ParameterError, match="`H_min` must not exceed"):
         LiangRogers(**LAW_A, compression="symmetric", H_min=0.05)
-    surface = {n: v for n, v in LAW_A.items() if n not in ("eps_L", "Theta")} | {"sigma_cal": 100e6, "H_k": 0.0}
+    surface: dict[str, Any] = {n: v for n, v in LAW_A.items() if n not in ("eps_L", "Theta")}
+    surface |= {"sigma_cal": 100e6, "H_k": 0.0}
     with pytest.raises(ParameterError, match="sigma_cal"):
         Lagoudas(**surface, H_min=0.04, H_sat=0.04, compression="symmetric")
 
@@ -134,7 +135,8 @@ def test_memories_go_where_an_observer_puts_them() -> None:
 
 def test_martensite_of_lagoudas_goes_back_and_forms_anew_until_it_has_no_strain() -> None:
     """Above A_s loops close. Below it what has no mean strain any more stays, for it knows no reorientation."""
-    surface = {n: v for n, v in LAW_A.items() if n not in ("eps_L", "Theta")} | {"sigma_cal": 150e6}
+    surface: dict[str, Any] = {n: v for n, v in LAW_A.items() if n not in ("eps_L", "Theta")}
+    surface["sigma_cal"] = 150e6
     law = Lagoudas(**surface, H_min=0.0, H_sat=0.04, H_k=2e-8, compression="symmetric")
     legs = [PathLeg(strain=e, steps=40) for e in (0.05, -0.05, 0.05, -0.05)]
     for celsius, turns in ((62.0, (0.0, 0.0)), (85.0, (1.0, -1.0))):

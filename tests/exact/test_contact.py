@@ -54,9 +54,10 @@ def test_a_finger_grips_at_the_tangent_without_chatter() -> None:
 
 
 def test_a_rigid_stop_is_the_limit_of_stiff_ones() -> None:
+    kinds: list[dict[str, Any]] = [{"contact": "stops"}, {"stop": 2e3}]
     runs = [
         simulate(finger(finger_law("mas-hybrid"), highest=0.6, **changes), trapezoid(), 8.0, samples=33, tolerance=1e-3)
-        for changes in ({"contact": "stops"}, {"stop": 2e3})
+        for changes in kinds
     ]
     rigid, stiff = (np.array(run["angle"]) for run in runs)
     assert rigid.max() == pytest.approx(0.6, abs=1e-14)

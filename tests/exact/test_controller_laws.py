@@ -172,11 +172,10 @@ def test_it_cannot_hold_what_is_stronger() -> None:
 def test_the_integral_rests_at_a_limit() -> None:
     controller = sliding(integral="with", low=0.0, high=1.0)
     memory = controller.rest(floats, 1.0, {"y": 0.0})
-    after: Any
-    _, after = controller.answer(floats, memory, 1.0, {"y": 0.0}, DT)
+    after: Any = controller.answer(floats, memory, 1.0, {"y": 0.0}, DT)[1]
     assert after.integral == 0.0
-    _, after = sliding(integral="with").answer(floats, memory, 1.0, {"y": 0.0}, DT)
-    assert after.integral == DT
+    free: Any = sliding(integral="with").answer(floats, memory, 1.0, {"y": 0.0}, DT)[1]
+    assert free.integral == DT
 
 
 # ---------------------------------------------------------------- two levels, direct

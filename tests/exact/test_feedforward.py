@@ -47,7 +47,7 @@ OTHER = PLANT.with_values({"environment.cooling.h0": 104.0, "element.latent_heat
 
 
 def feedforward(**changes) -> Feedforward:
-    parts = {"model": PLANT, "feedback": Correction(law=LIMITS), "reference": SINE}
+    parts: dict[str, Any] = {"model": PLANT, "feedback": Correction(law=LIMITS), "reference": SINE}
     return Feedforward(measured="position", **(parts | changes))
 
 
@@ -192,7 +192,8 @@ WAY = Table(times=(0.0, 1.0, 1.6, 2.0, 3.0, 4.0), values=(0.5, 1.9, 1.0, 1.4, 0.
 
 
 def inverse(**changes) -> InversePlay:
-    parts = {"thresholds": SUM.thresholds, "weights": SUM.weights, "knots": (0.0, 1.0), "outputs": (0.5, 2.5)}
+    parts: dict[str, Any] = {"thresholds": SUM.thresholds, "weights": SUM.weights}
+    parts |= {"knots": (0.0, 1.0), "outputs": (0.5, 2.5)}
     return InversePlay(measured="position", reference=WAY, **(parts | changes))
 
 

@@ -147,7 +147,8 @@ def fit_temperatures(points: FilmPoints, terms: tuple[int, ...], start: list[flo
             def excess(t: float, flux: float = flux) -> float:
                 return sum(c * t**k for k, c in zip(terms, numbers, strict=False)) * (t - ambient) - flux
 
-            found.append(at - optimize.brentq(excess, ambient, 400.0, xtol=1e-13))
+            root: Any = optimize.brentq(excess, ambient, 400.0, xtol=1e-13)
+            found.append(at - root)
         return found
 
     return optimize.least_squares(residuals, start, x_scale=np.abs(start), xtol=1e-14, ftol=1e-14, gtol=1e-14)

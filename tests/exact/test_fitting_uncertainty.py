@@ -5,6 +5,7 @@ the autocorrelation and the number of independent samples of an AR(1) series; χ
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,8 @@ def parabola(seed: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def judged(**changes):
     columns, values, residuals = parabola()
-    given = {"values": values.tolist(), "scales": SCALES} | changes
+    given: dict[str, Any] = {"values": values.tolist(), "scales": SCALES}
+    given |= changes
     return estimate_uncertainty(residuals, columns * given["scales"], NAMES, **given)
 
 

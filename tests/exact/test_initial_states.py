@@ -23,7 +23,7 @@ from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-THESIS = {
+THESIS: dict[str, Any] = {
     "mass": 0.1961,
     "stiffness": 541.0,
     "damping": 0.2335,
@@ -49,7 +49,7 @@ def swing(changes: dict[str, Any], duration: float, **how: Any) -> Result:
 def test_free_decay_of_the_beam_has_the_frequency_and_damping_of_its_numbers() -> None:
     """The rotor stands at right angles, where the unbalance neither drives it nor is driven."""
     found = swing({}, 2.0, samples=1001, initial={"displacement": "9 mm", "rotor_angle": "90 deg"})
-    seen = log_decrement(found.times, found["displacement"].tolist())
+    seen = log_decrement(found.times.tolist(), found["displacement"].tolist())
     omega = math.sqrt(THESIS["stiffness"] / THESIS["mass"])
     assert seen.frequency.value == pytest.approx(omega / (2.0 * math.pi), rel=1e-4)
     assert seen.zeta.value == pytest.approx(0.5 * THESIS["damping"] / (THESIS["mass"] * omega), rel=1e-4)

@@ -34,7 +34,8 @@ def law_of(exponents=(0.95, 0.95, 0.95, 0.95), **changes):
     values = load_material("niti-lagoudas").values
     numbers: dict[str, Any] = {n: values[n].value for n in Lagoudas.declarations if n in values}
     names = ("n_1", "n_2", "n_3", "n_4")
-    return Lagoudas(**(numbers | dict(zip(names, exponents, strict=True)) | changes))
+    numbers |= dict(zip(names, exponents, strict=True))
+    return Lagoudas(**(numbers | changes))
 
 
 def cycle(initial: str, stress: float) -> Any:

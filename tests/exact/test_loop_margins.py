@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import control
 import numpy as np
@@ -78,7 +79,8 @@ def test_margins_are_those_of_python_control(place: int) -> None:
     one = linearise_example()[place]
     found, omega = compute_margins(one.loop), np.geomspace(1e-2, 0.999 * np.pi / one.loop.interval, 2000)
     response = control.frd(to_control_system(one.loop), omega, smooth=True)
-    gain, phase, modulus, _, crossover, _ = control.stability_margins(response)
+    margins: Any = control.stability_margins(response)
+    gain, phase, modulus, _, crossover, _ = margins
     mine = found.gain, np.degrees(found.phase), found.modulus, found.crossover
     np.testing.assert_allclose(mine, (gain, phase, modulus, crossover), rtol=1e-6)
 
@@ -146,7 +148,9 @@ def test_a_schedule_refuses_what_it_cannot_use(words: tuple[str, str], said: str
 
 def test_a_figure_shows_every_branch_that_answers() -> None:
     figure = plot_margins(linearise_example(), "margins")
-    names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    names = [text.get_text() for text in legend.get_texts()]
     assert [name.split()[0] for name in names] == ["heating"] * 3 + ["cooling"] * 3
 
 

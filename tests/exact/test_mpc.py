@@ -328,8 +328,8 @@ def test_a_model_that_tracks_its_readings_follows_on_a_wire_that_cools_twice_as_
 
 def test_what_tracks_adds_to_its_own_drive_and_takes_from_the_one_that_it_leads() -> None:
     """The angle read is 2° more than that of the model; the model goes on under both signals, within their limits."""
-    lead = ms.load(EXAMPLES / "closed_loop_antagonistic.toml").bench.controllers.protagonist
-    lead = lead.with_parts(blocks=1, horizon=0.1, tracking=Correction(Kp=10.0, Ki=5.0))
+    bench: Any = ms.load(EXAMPLES / "closed_loop_antagonistic.toml").bench
+    lead = bench.controllers.protagonist.with_parts(blocks=1, horizon=0.1, tracking=Correction(Kp=10.0, Ki=5.0))
     rows = {f"{AHEAD}protagonist.{k}": 0.1 for k in (0, 1)}
     memory = lead.rest(floats, 0.1, {"angle": 0.0})
     known = lead.unflatten(memory)
@@ -356,7 +356,9 @@ def test_plans_count_on_what_the_model_gets_besides() -> None:
 
 
 def test_tracking_is_for_one_reading() -> None:
-    kept = {"model": SYSTEM, "measured": "position", "reference": COURSE, "period": PERIOD, "horizon": 1.0}
-    for more in ({"leads": ("a", "b")}, {"leads": ("a",), "also_measured": ("angle",)}):
+    kept: dict[str, Any] = {"model": SYSTEM, "measured": "position", "reference": COURSE}
+    kept |= {"period": PERIOD, "horizon": 1.0}
+    wrong: list[dict[str, Any]] = [{"leads": ("a", "b")}, {"leads": ("a",), "also_measured": ("angle",)}]
+    for more in wrong:
         with pytest.raises(ParameterError, match="`tracking` is for one reading, and one drive or two"):
             Mpc(tracking=Correction(), **kept, **more)

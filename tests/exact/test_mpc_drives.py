@@ -38,10 +38,17 @@ COURSE = Table(times=(0.0, 0.5, 1.0, 2.0), values=(0.0, 0.0, 4.0 * TURN, -4.0 * 
 
 
 def planned(model: Any = PAIR, **changes: Any) -> Mpc:
-    plan = {"period": PERIOD, "horizon": 0.4, "blocks": 4, "rounds": 3, "low": REST, "high": REST + 10.0}
+    plan: dict[str, Any] = {
+        "period": PERIOD,
+        "horizon": 0.4,
+        "blocks": 4,
+        "rounds": 3,
+        "low": REST,
+        "high": REST + 10.0,
+    }
     price = Price(error=0.01 * TURN, change=1e-6)
-    given = {"measured": "angle", "reference": COURSE, "leads": ("antagonist",), "price": price}
-    return Mpc(model=model, **{**plan, **given, **changes})
+    plan |= {"measured": "angle", "reference": COURSE, "leads": ("antagonist",), "price": price}
+    return Mpc(model=model, **(plan | changes))
 
 
 def bench(**controllers: Any) -> Bench:

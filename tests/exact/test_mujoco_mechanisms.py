@@ -53,7 +53,7 @@ PULSE: dict[str, Any] = {"first": Step(low=0.0, high=34.0, until=1.9)}
 
 def finger(offset: float = 3.5e-3, kind: type[Finger] = Finger, **changes: Any) -> System:
     """The prototype with inertia, some damping and the law without rates."""
-    usual = {
+    usual: dict[str, Any] = {
         "offset": offset,
         "bracket": 10.6e-3,
         "stiffness": 50.0,
@@ -69,7 +69,7 @@ def finger(offset: float = 3.5e-3, kind: type[Finger] = Finger, **changes: Any) 
 
 def platform(**changes: Any) -> Machine:
     """Three springs under power, with inertia and some damping."""
-    usual = {"side": 0.1, "height": 0.06, "mass": 0.075, "damping": 1e-3, "motion": "dynamic"}
+    usual: dict[str, Any] = {"side": 0.1, "height": 0.06, "mass": 0.075, "damping": 1e-3, "motion": "dynamic"}
     one = Actuator(
         element=platform_spring(),
         source=PowerSource(),

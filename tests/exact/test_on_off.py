@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
 from builders import ZERO, hanging_wire
@@ -36,8 +37,8 @@ def played(controller: OnOff, values: Sequence[float], period: float = PERIOD) -
     return found
 
 
-def on_off(**changes: float) -> OnOff:
-    numbers = {"high": 5.0} | changes
+def on_off(**changes: Any) -> OnOff:
+    numbers: dict[str, Any] = {"high": 5.0} | changes
     return OnOff(measured="angle", reference=Constant(level=10.0), **numbers)
 
 
@@ -155,4 +156,4 @@ def test_what_cannot_be_is_refused() -> None:
     with pytest.raises(ParameterError, match="has no parameter `delay`"):
         on_off(delay=0.1)
     with pytest.raises(ParameterError, match="needs `high`"):
-        OnOff(**{"measured": "angle", "reference": Constant(level=1.0)})
+        OnOff(measured="angle", reference=Constant(level=1.0))  # pyrefly: ignore[missing-argument]

@@ -54,9 +54,10 @@ def test_a_scenario_takes_plateaus_and_a_second_test(c_compiler: str) -> None:
     law = 'kind = "liang-rogers"\nmodulus = "mixture"\nE_A = "60 GPa"\nE_M = "30 GPa"\neps_L = "4.8 %"'
     text = SCENARIO.replace("LAW", law)
     scenario = read_scenario(text)
-    numbers = {leaf.path: leaf.value for leaf in scenario.system.element.law.leaves()}
+    system: Any = scenario.system
+    numbers = {leaf.path: leaf.value for leaf in system.element.law.leaves()}
     assert (numbers["C_M"], numbers["C_A"]) == pytest.approx((7e6, 7e6))
-    assert find_plateaus(scenario.system.element.law, 310.15).loading == pytest.approx((505e6, 555e6), rel=1e-6)
+    assert find_plateaus(system.element.law, 310.15).loading == pytest.approx((505e6, 555e6), rel=1e-6)
     run = scenario.run()
     begins = np.argmax(run["martensite_fraction"] > 1e-3)
     assert run["stress"][begins] == pytest.approx(400e6, rel=0.02)

@@ -68,6 +68,7 @@ class Bar:
                 return float(forces[-1])
             band = np.vstack([np.r_[0.0, -stiff[1:-1]], stiff[:-1] + stiff[1:]])
             correction = np.r_[0.0, solveh_banded(band, out), 0.0]
+            share, found = 1.0, (forces, stiff, states)
             for share in 0.5 ** np.arange(12):  # where an element turns round, its stiffness is another one
                 found = self._respond(moved - share * correction, warming)
                 if np.linalg.norm(np.diff(found[0])) < (1.0 - 1e-3 * share) * self.residuals[-1]:

@@ -31,7 +31,8 @@ GIVEN: dict[str, Any] = {"level": LEVEL, "bias": BIAS, "amplitude": SWING, "form
 def tune(bench: Bench, **given: Any) -> Bench:
     """A bench with the controller in the place of its own."""
     ((drive, pid),) = bench.controllers.members().items()
-    one = RelayTuning(measured=pid.measured, **{"reference": Constant(level=LEVEL), **GIVEN, **given})
+    numbers: dict[str, Any] = {"reference": Constant(level=LEVEL), **GIVEN, **given}
+    one = RelayTuning(measured=pid.measured, **numbers)
     return bench.with_parts(controllers=Controllers(**{drive: one}))
 
 

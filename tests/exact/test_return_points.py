@@ -142,9 +142,9 @@ def test_return_points_go_along_with_a_correction(name):
 
 def brinson():
     changes = {"A_s": 48.0, "A_f": 58.0, "M_s": 32.0, "M_f": 22.0}
-    numbers = {name: value for name, value in NUMBERS.items() if name in Brinson.declarations}
-    lines = {name: celsius + ZERO for name, celsius in changes.items()}
-    return Brinson(**numbers | lines, sigma_s=80e6, sigma_f=150e6, history="return-point")
+    numbers: dict[str, Any] = {name: value for name, value in NUMBERS.items() if name in Brinson.declarations}
+    numbers |= {name: celsius + ZERO for name, celsius in changes.items()}
+    return Brinson(**numbers, sigma_s=80e6, sigma_f=150e6, history="return-point")
 
 
 def walk(law, points):

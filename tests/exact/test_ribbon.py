@@ -1,7 +1,7 @@
 """Wires side by side: equal ones are a bundle; what they exchange is conduction in closed form."""
 
 import math
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -32,7 +32,8 @@ def system(element, mechanism: AbstractMechanism) -> System:
 
 
 def ribbon(**values) -> Ribbon:
-    return Ribbon(**({"wire": WIRE, "heated": 1.0, "distance": 1e-3} | values))
+    usual: dict[str, Any] = {"wire": WIRE, "heated": 1.0, "distance": 1e-3}
+    return Ribbon(**(usual | values))
 
 
 def pulse(element, mechanism, watts, step=0.02):

@@ -7,6 +7,7 @@ swings within a turn; and runs, which stay on one side of a fold and jump on the
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,7 +62,7 @@ def stays(curve: ms.simulate.ResponseCurve, place: int, volts: float, seconds: f
 
 
 def test_runs_jump_where_the_curve_turns_back(curve: ms.simulate.ResponseCurve) -> None:
-    first, second = np.flatnonzero(curve.fold)
+    first, second = np.flatnonzero(curve.fold).tolist()
     up, down = curve.folds
     assert stays(curve, first, 0.995 * up, 30.0) and not stays(curve, first, 1.005 * up, 30.0)
     assert stays(curve, second, 1.02 * down, 30.0) and not stays(curve, second, 0.98 * down, 30.0)
@@ -85,7 +86,7 @@ def test_another_number_is_followed_from_a_point(curve: ms.simulate.ResponseCurv
     assert found.parameter[[0, -1]] == pytest.approx([0.06, 0.1], rel=1e-9)
     for k in (0, -1):
         motor, peak = MOTOR.with_values({"damping": float(found.parameter[k])}), machines.natural_frequency(MOTOR)
-        speed = optimize.brentq(lambda w, m=motor: averages.voltage_at(m, w) - volts, 0.9 * peak, peak)
+        speed: Any = optimize.brentq(lambda w, m=motor: averages.voltage_at(m, w) - volts, 0.9 * peak, peak)
         assert found.speed[k] == pytest.approx(speed, rel=4e-4)
         assert found.amplitude["displacement"][k] == pytest.approx(averages.amplitude_at(motor, speed), rel=2e-3)
 

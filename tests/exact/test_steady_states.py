@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,7 +74,8 @@ def test_folds_of_a_duffing_oscillator() -> None:
 def test_a_wire_rests_where_its_heat_is_lost() -> None:
     """Constant power: T = T_a + P/(h S), which is left at the rate h S/(m c)."""
     scenario = ms.load(EXAMPLES / "pwm_bias_spring.toml", {"drive.kind": "power", "drive.waveform.high": "1 W"})
-    wire, around = scenario.single_system.element, scenario.single_system.environment
+    wire: Any = scenario.single_system.element
+    around = scenario.single_system.environment
     conductance = 60.0 * wire.surface()
     found = ms.simulate.find_steady_state(scenario, 3.0)
     assert found.outputs["temperature"] == pytest.approx(around.temperature + 3.0 / conductance, abs=1e-6)
@@ -108,13 +110,16 @@ def test_temperature_and_film_coefficient_at_a_power() -> None:
         return float(cooling.film(ms.parts.floats, temperature, ambient, shape))
 
     for power in (-0.05, 0.2, 2.0):
-        exact = optimize.brentq(lambda t, p=power: film(t) * surface * (t - ambient) - p, 200.0, 1500.0, xtol=1e-12)
+        exact: Any = optimize.brentq(
+            lambda t, p=power: film(t) * surface * (t - ambient) - p, 200.0, 1500.0, xtol=1e-12
+        )
         found = ms.simulate.find_steady_temperature(shape, power, environment=around)
         assert found == pytest.approx(exact, abs=1e-9)
         h = ms.simulate.find_film_coefficient(shape, power, environment=around)
         assert h == pytest.approx(film(exact), rel=1e-10)
     assert ms.simulate.find_steady_temperature(shape, 0.0, environment=around) == ambient
-    for wrong in ({}, {"power": 1.0, "temperature": 300.0}):
+    given: list[dict[str, Any]] = [{}, {"power": 1.0, "temperature": 300.0}]
+    for wrong in given:
         with pytest.raises(InputError, match="belongs to a power or to a temperature"):
             ms.simulate.find_film_coefficient(shape, environment=around, **wrong)
     with pytest.raises(InputError, match="`environment`"):

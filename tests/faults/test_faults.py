@@ -209,7 +209,8 @@ def test_a_burst_adds_the_normal_number_of_the_noise():
         found = simulate_bench(one, 1.0, waveforms=waves, runtime="floats", seed=4)
         off[deviation] = found["measured.felt"] - found["temperature"]
     assert set(off[0.0]) == {0.0}
-    drawn = noise_waveforms(bench(), 1.0, 4)["noise.felt"].values
+    noise: Any = noise_waveforms(bench(), 1.0, 4)["noise.felt"]
+    drawn = noise.values
     assert off[2.0] == pytest.approx([2.0 * drawn[k] if 10 <= k < 15 else 0.0 for k in range(21)], abs=1e-9)
 
 

@@ -53,12 +53,13 @@ NEEDED = {"sensor-lost": "timeout", "sensor-stuck": "longest", "open-circuit": "
 def test_a_check_without_its_limit_is_refused(name: str) -> None:
     needed = NEEDED.get(name, "limit")
     numbers: dict[str, Any] = {"power": 1.0, "capacity": 1.0, "conductance": 1.0, "ambient": 300.0}
-    given = numbers if name == "thermal-bound" else {"reading": "a"} | ({"other": "b"} if name == "mismatch" else {})
+    words: dict[str, Any] = {"reading": "a"} | ({"other": "b"} if name == "mismatch" else {})
+    given = numbers if name == "thermal-bound" else words
     if CHECKS[name].declarations[needed].default is REQUIRED:
         with pytest.raises(ParameterError, match=f"`{name}` needs `{needed}`"):
             CHECKS[name](**given)
     with pytest.raises(ParameterError, match=f"`{needed}` of `{name}` must be finite"):
-        CHECKS[name](**given, **{needed: math.inf})
+        CHECKS[name](**(given | {needed: math.inf}))
 
 
 def change_guarded(**changes: Any) -> Scenario:
@@ -289,7 +290,7 @@ def test_pulses_go_above_their_mean() -> None:
 
 def test_the_power_of_a_source_at_its_limit_is_bounded_below_it_too() -> None:
     """At 1 V a source of current gives less at 5 A than a parabola through it would give at 0.3 A."""
-    limited = WIRE.with_parts(source=CurrentSource(voltage_limit=1.0))
+    limited: Any = WIRE.with_parts(source=CurrentSource(voltage_limit=1.0))
     actuator = next(iter(limited.actuators().values()))
     most = worst_power(actuator, LIMIT, 5.0)
     for current in (0.1, 0.3, 1.0, 5.0):

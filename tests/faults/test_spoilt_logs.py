@@ -28,7 +28,7 @@ def find_fault(found: LabFile, column: ReadColumn, words: Words) -> str:
     if not words.claims or told or column.unit == "clock":
         return ""
     if column.name == "time":
-        fits = words.allows_times(found.record.times)
+        fits = words.allows_times(found.record.times.tolist())
     elif column.si == "1" and all(unit != "1" for unit, _, _ in words.claims):
         fits = f"Column {column.number}" in " ".join(found.notes)  # kept as plain numbers
     else:

@@ -201,7 +201,8 @@ def test_gains_and_limits_are_taken_as_they_are_printed() -> None:
     around = "shaping = { rate = '2 mm/s', acceleration = '4 mm/s^2' }\nslew = { falling = '3 1/s' }\n"
     text = LOOP.replace("Kp = 150", gains + around)
     scenario = read_scenario(text)
-    pid = scenario.bench.controllers.members()["drive"]
+    assert scenario.bench is not None
+    pid: Any = scenario.bench.controllers.members()["drive"]
     assert (pid.Kp, pid.Ki, pid.Kd) == pytest.approx((150.0, 0.75, 0.03))
     assert (pid.shaping.rate, pid.shaping.acceleration, pid.slew.falling) == pytest.approx((2e-3, 4e-3, 3.0))
     leaves = {scenario.places.path(leaf.path): leaf for leaf in scenario.leaves()}
@@ -212,14 +213,16 @@ def test_gains_and_limits_are_taken_as_they_are_printed() -> None:
     assert list(shown.values()) == ["150 1/m", "0.75 1/m/s", "0.03 s/m", "0.002 m/s", "0.004 m/s^2", "3 1/s"]
     assert read_scenario(text, None, shown).bench == scenario.bench
     counted = {"controller.gains_are": "per-sample", "controller.Ki": "0.75 1/m", "controller.Kd": "3 1/m"}
-    sampled = read_scenario(text, None, counted)
-    assert sampled.bench.value_of("controllers.drive.Ki") == 0.75
+    sampled = read_scenario(text, None, counted).bench
+    assert sampled is not None and sampled.value_of("controllers.drive.Ki") == 0.75
     with pytest.raises(InputError, match="cannot be converted to `1/m/s`"):
         read_scenario(text, None, {"controller.Ki": "0.75 1/m"})
     halves = "measured = 'position'\nperiod = '20 ms'\nstart = '60 degC'\n[controller.outer]\nKp = '20 K/mm'\n"
     halves += "law = { high = '80 K' }\n[controller.inner]\nKp = '0.05 1/K'\nKi = '2 %/K/s'\n"
     plain = PLANT + DRIVER + f"[controller]\nkind = 'cascade'\n{halves}" + REFERENCE
-    outer, inner = (read_scenario(plain).bench.controllers.members()["drive"].__dict__[n] for n in ("outer", "inner"))
+    halved = read_scenario(plain).bench
+    assert halved is not None
+    outer, inner = (halved.controllers.members()["drive"].__dict__[n] for n in ("outer", "inner"))
     assert (outer.Kp, outer.law.high, inner.Kp, inner.Ki) == pytest.approx((2e4, 80.0, 0.05, 0.02))
 
 
@@ -277,8 +280,9 @@ def test_a_model_may_be_of_another_kind() -> None:
     }
     scenario = read_scenario(SENSED, None, changes)
     assert scenario.bench is not None
-    (found,) = scenario.bench.observers.members().values()
-    own, other = scenario.system, found.model
+    found: Any = next(iter(scenario.bench.observers.members().values()))
+    own: Any = scenario.system
+    other = found.model
     kinds = [other.element.law, other.mechanism, other.environment.cooling]
     assert [one.registered_name for one in kinds] == ["r-phase", "dead-weight", "polynomial"]
     assert (other.element.law.A_s, other.element.law.M_s) == (343.15, own.element.law.M_s)
@@ -296,7 +300,7 @@ def test_a_bank_has_models_of_its_own_or_the_usual_ones() -> None:
     assert own.bench is not None
     names = [n for n in list_readings(usual) if n.startswith("estimated.probability_")]
     assert [n.removeprefix("estimated.probability_") for n in names] == [AS_MODELLED, *USUAL]
-    (bank,) = own.bench.observers.members().values()
+    bank: Any = next(iter(own.bench.observers.members().values()))
     (model,) = bank.models.members().values()
     assert (model.element.diameter, model.environment.cooling.h0) == (pytest.approx(0.14e-3), 300.0)
     assert placed(own)["observer.models.windy.environment.cooling.h0"].value == 300.0

@@ -12,7 +12,7 @@ OURS = Options(available(["ours"]), repeats=1, calls=60)
 def test_realtime(monkeypatch):
     cheap = {
         "pid": sections_realtime.drive(sections_realtime.bench(False).controllers.members()["drive"]),
-        "loop": sections_realtime.loop(False, native=False),
+        "loop": sections_realtime.loop(sections_realtime.bench(False), native=False),
     }
     monkeypatch.setattr(sections_realtime, "calls", lambda: cheap)
     (table,) = sections_realtime.realtime(OURS)

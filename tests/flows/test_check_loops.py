@@ -173,7 +173,7 @@ def test_a_reference_beyond_the_stroke_is_out_of_reach() -> None:
 
 @pytest.mark.parametrize(("path", "value", "allowed"), [("high", 2, 1.0), ("low", -0.2, 0.0)])
 def test_a_duty_that_there_is_not_is_a_fault(path: str, value: float, allowed: float) -> None:
-    found = find_only(check_signals(build_case(**{f"controller__{path}": value}).bench))
+    found = find_only(check_signals(build_case("closed_loop", **{f"controller__{path}": value}).bench))
     assert (found.fault, found.number, found.allowed) == (True, value, allowed)
     assert found.where == f"controllers.drive.law.{path}"
 

@@ -149,7 +149,7 @@ def test_the_coil_that_is_saved_runs(tmp_path: Path) -> None:
     file, figure = tmp_path / "bag.toml", tmp_path / "bag.svg"
     text = WIRE.fine(*BAG, "--pulse", "5 s", "--out", str(file), "--figure", str(figure))
     assert "50 turns of 4.28 mm mean diameter" in text and figure.is_file()
-    found, run = rate_wire(CoilInHand(**COIL)), load(file).run()  # type: ignore[arg-type]
+    found, run = rate_wire(CoilInHand(**COIL)), load(file).run()
     assert max(run["position"]) == pytest.approx(found.stroke, rel=0.02)
     assert max(run["resistance"]) == pytest.approx(3.0)
 

@@ -134,7 +134,7 @@ def test_burning_the_wire_never_pays(name: str, low: bool) -> None:
 def test_nobody_gains_by_burning_a_wire_that_has_gone_too_far() -> None:
     """From beyond the range, where every period costs most: heating on must lose to idling from 6 K below the limit."""
     envs, length = SmaVectorEnv("wire", {}, 4, autoreset_mode="Disabled"), 600
-    limit = min(envs._episodes.temperature_limits) - 6.0  # pyright: ignore[reportPrivateUsage]
+    limit = min(envs._episodes.temperature_limits) - 6.0
     for begin in (100, 250):
         sums, burnt = np.zeros((2, 4)), np.zeros((2, 4), bool)
         for careful in (0, 1):

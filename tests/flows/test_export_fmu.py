@@ -107,7 +107,7 @@ def played(path: Path, levels: list[float], outputs: list[str], **start: float) 
     )
 
 
-def apart(found: Any, columns: dict[str, list[float]], name: str) -> Any:
+def apart(found: Any, columns: dict[str, Any], name: str) -> Any:
     """Differences of a column, as a share of its largest value."""
     wanted = np.array(columns[name.removesuffix("_echo")])
     return np.abs(found[name] - wanted) / np.abs(wanted).max()

@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from shlex import split
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -154,8 +155,8 @@ def test_the_held_out_tail_of_a_log_contains_no_whole_transformation(cycles: int
     """One cycle cools in its last third: a model cannot learn A from heating alone and predict M."""
     times = np.linspace(0.0, 1.0, 301)
     strain = 1.0 - np.interp((times * cycles) % 1.0, [0.0, 0.5, 0.7, 0.95, 1.0], [0.0, 1.0, 1.0, 0.0, 0.0])
-    log = SimpleNamespace(times=times, measured=strain[:, None])
-    assert cross_validation._shows_both_ways(log) is kept  # pyright: ignore[reportPrivateUsage]
+    log: Any = SimpleNamespace(times=times, measured=strain[:, None])
+    assert cross_validation._shows_both_ways(log) is kept
 
 
 def test_options_of_a_scenario_are_refused_without_one(rig_logs: list[str]) -> None:

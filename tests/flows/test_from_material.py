@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import martensite as ms
@@ -37,7 +39,7 @@ def test_the_material_gives_numbers_law_resistance_and_limits() -> None:
     expected = build_in_scenario("wire", "liang-rogers", WIRE)
     assert ms.Wire(material="flexinol-90", **WIRE) == expected
     assert ms.Wire(material=ms.load_material("flexinol-90"), **WIRE) == expected
-    coil = {"diameter": "0.25 mm", "coil_diameter": "2.5 mm", "turns": "20"}
+    coil: dict[str, Any] = {"diameter": "0.25 mm", "coil_diameter": "2.5 mm", "turns": "20"}
     coil |= {"coil_measure": "mean", "free_length": "20 mm"}
     assert ms.CoilSpring(material="flexinol-90", **coil) == build_in_scenario("coil-spring", "liang-rogers", coil)
 
@@ -53,6 +55,6 @@ def test_what_is_missing_is_said() -> None:
     with pytest.raises(UnknownNameError, match="Did you mean `flexinol-90`"):
         ms.Wire(material="flexinol-9", **WIRE)
     with pytest.raises(ParameterError, match="`wire` needs `length`"):
-        ms.Wire(material="flexinol-90", diameter="0.25 mm")
+        ms.Wire(material="flexinol-90", diameter="0.25 mm")  # pyrefly: ignore[missing-argument]
     with pytest.raises(ParameterError, match="`lagoudas` needs `sigma_cal`"):
         ms.Wire(material="flexinol-90", law="lagoudas", **WIRE)

@@ -152,7 +152,7 @@ def same(one: Any, other: Any) -> None:
 
 def test_some_are_reset_by_a_mask_and_the_others_go_on(bench: Bench) -> None:
     envs = SmaVectorEnv(bench, PLAIN, 3, autoreset_mode="Disabled")
-    envs.reset(seed=0)
+    seen = envs.reset(seed=0)[0]
     for given in actions(5, 3):
         seen = envs.step(given)[0]
     mask = np.array([False, True, False])

@@ -124,8 +124,8 @@ def test_steps_that_are_logged_act_from_their_row_on() -> None:
         errors[between] = float(np.max(np.abs(np.subtract(again["position"], log["position"])))) / run.range("position")
     assert errors[""] < 1e-4
     assert errors[', between = "linear"'] > 1e-2
-    assert is_stepped(log["current"])
-    assert not is_stepped(cycle()["temperature"])
+    assert is_stepped(log["current"].tolist())
+    assert not is_stepped(cycle()["temperature"].tolist())
     assert hold_levels([(0.0, 1.0), (1.0, 1.0), (2.0, 3.0)]) == [(0.0, 1.0), (1.0, 1.0), (1.9999, 1.0), (2.0, 3.0)]
     notes = fitted(log, "h", HEATED).notes
     assert any("Column `current` of record `switched` is held" in note for note in notes)

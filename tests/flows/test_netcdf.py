@@ -10,7 +10,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5netcdf
 import h5py
@@ -41,11 +41,12 @@ class Ramp(AbstractWaveform):
 
 
 def make_result(accuracy: float | None = 0.000125, status_time: float | None = 0.5) -> Result:
-    columns = {name: [i + t / 8 for t in TIMES] for i, name in enumerate(OUTPUTS)}
+    times: Any = TIMES
+    columns: Any = {name: [i + t / 8 for t in TIMES] for i, name in enumerate(OUTPUTS)}
     return Result(
         plain_system(),
         Ramp(),
-        TIMES,
+        times,
         columns,
         Status.LONG_STEP,
         status_time,

@@ -359,7 +359,7 @@ def test_no_text_covers_another_and_legends_stand_outside_the_data(case: str) ->
     texts = visible_texts(figure)
     assert len(texts) > 40
     check_apart(figure, texts)
-    legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
+    legends = [legend for axes in figure.axes if (legend := axes.get_legend())]
     assert legends
     for legend in [*legends, *figure.legends]:
         for axes in figure.axes:

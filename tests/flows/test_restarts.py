@@ -184,7 +184,7 @@ def test_a_damaged_state_is_refused(name: str, value: float, said: str) -> None:
         state.pop()
     spoilt = replace(kept, passes=(*kept.passes[:-1], kept.passes[-1]._replace(state=tuple(state))))
     with pytest.raises(InputError, match=said):
-        run(scenario, start=replace(whole, restarts=(spoilt,)), duration=20.0)
+        run(scenario, start=replace(whole, restarts=[spoilt]), duration=20.0)
 
 
 def test_a_damaged_number_in_a_file_is_noticed(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import h5netcdf
 import numpy as np
@@ -104,7 +105,8 @@ def test_a_file_cannot_name_arbitrary_code(kept: object, words: str, tmp_path: P
     result = ms.run(ms.load(ROOT / "examples" / "pwm_bias_spring.toml"), duration=1.0, samples=5)
     result.save(tmp_path / "a.nc")
     with h5netcdf.File(tmp_path / "a.nc", "a") as file:
-        own = json.loads(file.attrs[KEPT_RESULT])
+        text: Any = file.attrs[KEPT_RESULT]
+        own = json.loads(text)
         file.attrs[KEPT_RESULT] = json.dumps(own | {"table": [*own["table"], ["system", kept]]})
     with pytest.raises(ms.InputError, match=f"cannot be opened as a result: .*{words}"):
         ms.open_result(tmp_path / "a.nc")

@@ -410,7 +410,7 @@ def compare_alarm(
         yield trial_row(trial, f"alarm first({name})", mine.first, abs(mine.first - right.first), None)
         yield trial_row(trial, f"alarm duration({name})", mine.duration, abs(mine.duration - right.duration), None)
         return
-    low, here, high = shifted  # type: ignore[misc]
+    low, here, high = shifted
     for word, value, exact in (("first", mine.first, right.first), ("duration", mine.duration, right.duration)):
         spread = max(abs(getattr(one, word) - getattr(here, word)) for one in (low, high))
         yield trial_row(trial, f"alarm {word}({name})", value, abs(value - exact), spread + hair)

@@ -17,6 +17,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -182,8 +183,8 @@ class Wire:
         def starts(t: float, y: Sequence[float]) -> float:
             return self.waits(forward, y[0])
 
-        turn.direction = -1.0 if heating else 1.0
-        events = [turn]
+        events: list[Any] = [turn]
+        events[0].direction = -1.0 if heating else 1.0
         left = 1.0 - self.xi if forward else self.xi
         if mode and self.kind == "cosine":
             events.append(done)

@@ -14,7 +14,7 @@ OPENINGS = re.compile(r"(It|No|Nothing|Of|Whose|What|Who|How|As|When|For|They|Th
 """First words that leave out the noun."""
 ONE_NAME = {"--save": "--out", "--output-file": "--out", "--budget": "--time-box", "--overwrite": "--force"}
 """Names that no option has, since another name is in use for the same meaning."""
-OTHER_MEANING = {("hardware", "characterise"): {"--budget"}}
+OTHER_MEANING: dict[tuple[str, ...], set[str]] = {("hardware", "characterise"): {"--budget"}}
 """Options whose name is in `ONE_NAME`, and which mean another quantity: a duration of experiments."""
 
 

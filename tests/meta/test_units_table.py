@@ -12,6 +12,7 @@ import re
 import tomllib
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pint
 import pytest
@@ -24,7 +25,7 @@ from martensite.scenario.scenario import load
 
 MATERIALS = Path(materials.__file__).parent / "data"
 EXAMPLES = Path(__file__).parents[2] / "examples"
-REGISTRY = pint.UnitRegistry()
+REGISTRY: Any = pint.UnitRegistry()
 
 
 @pytest.mark.parametrize("spelling", units.EVERYDAY)

@@ -53,7 +53,7 @@ def hold(system: AbstractSystem, seconds: float, steps: int = 3) -> tuple[dict[s
 
 def lead_from_cold(law: Any, stress: float, temperature: float) -> float:
     share = law.trained_share(floats, stress)
-    memory = law.init(floats, Fractions(1.0, share), stress, 250.0)
+    memory, found = law.init(floats, Fractions(1.0, share), stress, 250.0), Fractions(1.0, share)
     for k in range(1, LEGS + 1):
         memory, found = law.kinetics(floats, memory, stress, 250.0 + (temperature - 250.0) * k / LEGS, 1.0)
     return found.martensite
@@ -61,6 +61,7 @@ def lead_from_cold(law: Any, stress: float, temperature: float) -> float:
 
 @pytest.mark.parametrize("law", LAWS, ids=label)
 def test_the_start_of_every_law_is_its_equilibrium(law: Any) -> None:
+    xi = 1.0
     for celsius in AMBIENTS:
         system: Any = warmed(example_system(law), celsius)
         first, last = hold(system, 3600.0, 1)

@@ -45,7 +45,7 @@ def make_record(
 ) -> Record:
     """Return heating and cooling at each rate [K/min], in W/kg; a hold of one minute before each ramp."""
     chance = np.random.default_rng(seed)
-    times, kelvin, heat = [np.zeros(1)], [np.full(1, -40.0)], [np.zeros(1)]
+    times, kelvin, heat = [np.zeros(1)], [np.full(1, -40.0)], list[Any]([np.zeros(1)])
     for rate in rates:
         for way, peaks in ((1.0, HEATING), (-1.0, cooling)):
             speed = way * rate / 60.0

@@ -105,7 +105,7 @@ def test_measures_of_rows_come_from_all_steps(tmp_path: Path, samples: int):
     heading = "current [A],max(power) [W],energy [J],max(temperature) [degC]"
     path = write_table(tmp_path, heading, "8,80,50,80", "7,60,40,70", "6,45,30,60")
     task = build_task(scenario, str(path), "A_s").with_changes(step=0.02, hold_out="none")
-    (made,) = task.arrange().problem.experiments
+    made: Any = task.arrange().problem.experiments[0]
     rows = made.runner(0.02).run_one(np.array(compile_march(made.system).values(made.system)))
     run = simulate(scenario.system, scenario.waveform, scenario.duration, step=0.02, samples=2)
     places = [list(made.columns).index(one) for one in words]

@@ -5,6 +5,8 @@ Source of truth: the systems of `ladder_cases`, none of which is computed by a b
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from ladder_cases import SYSTEMS, excite, linear, low_pass, noise, record
@@ -48,7 +50,7 @@ class TestClimb:
         """The system is a first-order lag: arithmetic does as well."""
         rng = np.random.default_rng(8)
         u = excite(rng, 800)
-        y = lfilter([0.1], [1.0, -0.9], u)
+        y: Any = lfilter([0.1], [1.0, -0.9], u)
         found = climb_ladder(record("lag", u, y, rng), time_box=20.0)
         assert found.rivals["first-order lag"] > 95.0
         assert not found.predicts

@@ -1,5 +1,7 @@
 """Scores, tests of residuals, and uncertainty of chains, on records whose truth is known."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -219,7 +221,7 @@ def test_errors_of_estimates_are_their_scatter_for_any_initial_state():
     """The truth: the scatter of a time constant over records that do not begin in steady state, with white noise."""
     u = np.repeat(np.random.default_rng(20).uniform(0.5, 1.0, 30), 20)
     y = lfilter([0.0, 0.05], [1.0, -0.95], u)  # from 0, far below the steady state of the first input
-    estimates = []
+    estimates: list[Any] = []
     for seed in range(12):
         noisy = y + np.random.default_rng(seed).normal(0.0, 0.01, len(u))
         record = Sampled("steps", DT, u, noisy, ("u",), ("y",), {"u": "1", "y": "mm"})
@@ -231,7 +233,8 @@ def test_errors_of_estimates_are_their_scatter_for_any_initial_state():
     band = estimates[0].uncertainty.band(one.record, state=one.state)
     assert band.outputs == pytest.approx(one.outputs, rel=1e-12)
     assert 0.9 < measure_coverage(band, one.record)[0] < 0.99
-    (said,) = (x.text for x in summarise_model([one], estimates[0].uncertainty).blocks if "95 % band" in str(x))
+    blocks: list[Any] = [*summarise_model([one], estimates[0].uncertainty).blocks]
+    (said,) = (x.text for x in blocks if "95 % band" in str(x))
     assert f"{100.0 * measure_coverage(band, one.record)[0]:.1f} %" in said
 
 

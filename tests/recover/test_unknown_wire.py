@@ -55,7 +55,8 @@ def calibrated() -> tuple[Lanes, dict[str, np.ndarray], np.random.Generator]:
 def test_none_gets_too_hot_and_all_go_through_all_phases() -> None:
     _, run, _ = calibrated()
     phases = run["estimated.phase"]
-    assert run["temperature"].max() < BENCH.plant.element.limits.temperature_limit
+    plant: Any = BENCH.plant
+    assert run["temperature"].max() < plant.element.limits.temperature_limit
     for column, fraction in zip(phases.T, run["martensite_fraction"].T, strict=True):
         assert np.unique(column).tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
         assert fraction[column == 3.0].max() < 0.01

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import exp
+from typing import Any
 
 import numpy as np
 from scipy.integrate import quad
@@ -26,7 +27,8 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 def root(function, low: float, high: float) -> float:
     """Where a function changes its sign, to rounding."""
-    return float(brentq(function, low, high, xtol=1e-15, rtol=1e-14))  # pyright: ignore
+    found: Any = brentq(function, low, high, xtol=1e-15, rtol=1e-14)
+    return float(found)
 
 
 @dataclass

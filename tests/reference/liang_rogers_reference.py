@@ -66,7 +66,7 @@ def pieces(p: Parameters, leg: tuple[float, float, float, float]) -> list[tuple[
         for line in lines:
             if min(a, b) < line < max(a, b):
                 cuts.setdefault((line - a) / (b - a), {}).update({name: line})
-    points = []
+    points: list[tuple[float, ...]] = []
     for s in sorted(cuts):
         u = cuts[s].get("u", u0 + s * (u1 - u0))
         w = cuts[s].get("w", w0 + s * (w1 - w0))

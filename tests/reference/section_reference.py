@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -44,7 +45,8 @@ class BrinsonFibre:
 
     def stress(self, strain: float) -> float:
         """Stress at a strain [Pa]."""
-        return brentq(lambda s: self.strain(s) - strain, 0.0, self.E_A * strain + 1.0, xtol=1e-3, rtol=1e-14)
+        found: Any = brentq(lambda s: self.strain(s) - strain, 0.0, self.E_A * strain + 1.0, xtol=1e-3, rtol=1e-14)
+        return found
 
 
 def find_coil_force(fibre: BrinsonFibre, wire: float, coil: float, turns: float, elongation: float) -> float:

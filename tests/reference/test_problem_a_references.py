@@ -48,7 +48,7 @@ def test_rates_in_c_are_those_in_python():
     for state, numbers[-1] in zip(states, rng.uniform(0.0, 25.0, count), strict=True):
         arrays = (ctypes.c_void_p(one.ctypes.data) for one in (state, found, numbers))
         rates(ctypes.c_double(0.0), *arrays)
-        assert found == pytest.approx(python(*state.tolist(), numbers[-1]), rel=1e-9)
+        assert found == pytest.approx(python(state[0], state[1], numbers[-1]), rel=1e-9)
 
 
 @pytest.fixture(scope="module")

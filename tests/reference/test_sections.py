@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from builders import example
@@ -25,6 +27,7 @@ def test_force_over_elongation_is_the_integral_over_the_section(temperature: flo
     fibre = BrinsonFibre(**numbers, temperature=temperature, cold=cold)
     lengths = [0.09, 0.27, 0.36]
     forces = np.array([find_coil_force(fibre, WIRE, COIL, TURNS, y) for y in lengths])
+    state: Any = None
     for fibres, bound, last in [("20", 2e-4, 4e-3), ("40", 1e-4, 5e-4)][: 1 + cold]:
         choices = {"initial_fraction": float(cold), "initial_oriented": 0.0, "free_length": 20e-3}
         spring = platform_spring(section_model="fibres", fibres=fibres, law=law, **choices)

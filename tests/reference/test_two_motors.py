@@ -86,4 +86,4 @@ def test_motors_of_different_speed_keep_step_through_the_beam() -> None:
 
 def test_the_mass_holds_both_unbalances() -> None:
     with pytest.raises(ParameterError, match="holds both unbalances"):
-        BeamMotors(**{**BEAM, **FIRST, **SECOND, "unbalance_2": 0.19})
+        BeamMotors(**(BEAM | FIRST | SECOND | {"unbalance_2": 0.19}))

@@ -137,5 +137,5 @@ def fitted(function: Any, end: float, degree: int) -> list[float]:
     """(f - 1)/x interpolated at Chebyshev points of [0, end], in powers of x."""
     nodes = 0.5 * end * (1.0 - np.cos(np.pi * (np.arange(degree) + 0.5) / degree))
     values = [(function(x) - 1.0) / x for x in nodes.tolist()]
-    powers = np.polynomial.Polynomial.fit(nodes, values, degree - 1).convert()
+    powers: Any = np.polynomial.Polynomial.fit(nodes, values, degree - 1).convert()
     return powers.coef.tolist()
