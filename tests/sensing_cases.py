@@ -65,7 +65,7 @@ def sensing_bench(
 
 def shaken(plant: AbstractSystem, **noise: float) -> ProcessNoisePlant:
     """The plant with a random walk of temperature and fraction."""
-    parts: dict[str, Any] = {"plant": plant, "noise_interval": PERIOD, **noise}
+    parts: dict[str, Any] = {"plant": plant, "held": PERIOD, **noise}
     return ProcessNoisePlant(**parts)
 
 

@@ -262,7 +262,7 @@ def test_a_resistance_is_judged_by_its_change_with_the_fraction_and_by_its_noise
 )
 def test_every_example_has_its_verdict(example: str, verdict: str, untested: set[str]) -> None:
     report = report_loop(example)
-    assert (report.verdict, set(report.impossible_tests)) == (verdict, untested)
+    assert (report.verdict, set(report.untested)) == (verdict, untested)
     assert report.findings == ()
 
 

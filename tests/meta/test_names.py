@@ -31,6 +31,7 @@ FIELD = {
 VAGUE = IRREGULAR | {"found", "left", "made", "met", "named", "said", "wanted", "written"}
 IN_FILES = {
     *(("Mpc", "kept"), ("AbstractFilter", "wanted"), ("InverseModel", "wanted")),  # keys of scenarios
+    ("ProcessNoisePlant", "held"),  # an argument in saved runs
     *(("ClampReference", "held"), ("Controlling", "wanted"), ("Sensed", "held")),  # states of saved runs
 }
 """Members whose names are in files of users."""

@@ -48,7 +48,7 @@ class TuningVerdict:
     def list_blocks(self) -> Iterator[Block]:
         """Yield loop findings and verdict."""
         yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in self.report.findings)
-        untested = f" ({', '.join(self.report.impossible_tests)})" if self.report.verdict == "not all tested" else ""
+        untested = f" ({', '.join(self.report.untested)})" if self.report.verdict == "not all tested" else ""
         tone = "bad" if self.report.verdict == "not sound" else ""
         yield Sentence(f"Tests of the tuned loop: {self.report.verdict}{untested}.", tone)
 

@@ -30,8 +30,8 @@ class LoopReport:
     """Result of the tests of all loops of a bench."""
 
     findings: tuple[LoopFinding, ...]
-    tests: tuple[str, ...]
-    impossible_tests: Mapping[str, str]
+    tested: tuple[str, ...]
+    untested: Mapping[str, str]
     """Reason by the name of each test that was impossible."""
     margins: tuple[Mapping[str, Any], ...] = ()
     """One row for every operating point: branch, reading, signal, and margins."""
@@ -40,7 +40,7 @@ class LoopReport:
     def verdict(self) -> str:
         """Return `not sound` with a fault, `not all tested`, or `sound`."""
         faults = any(one.fault for one in self.findings)
-        return "not sound" if faults else "not all tested" if self.impossible_tests else "sound"
+        return "not sound" if faults else "not all tested" if self.untested else "sound"
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields and the verdict."""

@@ -119,7 +119,7 @@ class ProcessNoisePlant(AbstractSystemAround):
 
     temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
     fraction_noise: Number = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
-    noise_interval: Number = param("s", "time between two random numbers", above=0.0)
+    held: Number = param("s", "time between two random numbers", above=0.0)
 
     def check(self) -> None:
         build_example(self.plant)
@@ -138,7 +138,7 @@ class ProcessNoisePlant(AbstractSystemAround):
     def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, StepReport]:
         signals, numbers = self._apart(drives)
         after, report = self.plant.step(xp, state, *signals, dt=dt)
-        scale = dt / xp.sqrt(self.noise_interval)
+        scale = dt / xp.sqrt(self.held)
         sizes = [self.temperature_noise, self.fraction_noise] * len(self.plant.actuators())
         at = read_hidden(xp, self.plant, after, signals)
         moved = [x + q * n * scale for x, q, n in zip(at, sizes, numbers, strict=True)]

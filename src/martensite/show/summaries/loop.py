@@ -69,8 +69,8 @@ def describe_loops(report: LoopReport) -> Iterator[Block]:
         several = len({row["drive"] for row in report.margins}) > 1
         cells = [_list_cells(row, f"{row['drive']}, " * several) for row in report.margins]
         yield DataTable(HEADINGS, cells, right=tuple(range(1, len(HEADINGS))))
-    for why in dict.fromkeys(report.impossible_tests.values()):
-        names = ", ".join(name for name, reason in report.impossible_tests.items() if reason == why)
+    for why in dict.fromkeys(report.untested.values()):
+        names = ", ".join(name for name, reason in report.untested.items() if reason == why)
         yield Sentence(f"Not tested: {names}: {why}.")
 
 
