@@ -148,7 +148,7 @@ def inside(system: AbstractSystem) -> AbstractSystem:
     """A twin whose phases at the start and strains are inside their ranges, where its law allows it."""
     for ending, value in INSIDE.items():
         paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith(ending)]
-        bare = ending == "initial_oriented" and not all(getattr(part, "twins", True) for part in system.tree())
+        bare = ending == "initial_oriented" and not all(getattr(part, "has_twins", True) for part in system.tree())
         system = system if bare else system.with_values(dict.fromkeys(paths, value))
     return system
 

@@ -156,7 +156,7 @@ def test_samples_have_no_grid(tmp_path: Path) -> None:
     assert open_sweep(path)["stroke"].dims == ("run",)
     table = read_sweep(path)
     assert (table.design, table.shape) == ("sobol", None)
-    assert [one.log for one in table.varied.values()] == [True, False]
+    assert [one.is_logarithmic for one in table.varied.values()] == [True, False]
     assert list(table.varied) == [DIAMETER, "element.length"]
 
 

@@ -63,7 +63,7 @@ class CCore:
     inputs: tuple[CoreVariable, ...]
     outputs: tuple[CoreVariable, ...]
     states: int
-    reports: bool
+    has_report: bool
     """True if steps end with residual and crossing."""
     sample: str | None
     """C expression of the sample time in discrete time; None if steps may have any length."""
@@ -191,7 +191,7 @@ def core_of(
         inputs=list_variables("u", inputs, 0.0),
         outputs=list_variables("y", outputs, math.nan),
         states=states,
-        reports=reports,
+        has_report=reports,
         sample=sample,
         sample_time=whole.sample_time() if sample else 0.0,
         answers=answers,

@@ -51,7 +51,7 @@ def fill_text(core: CCore, text: str) -> str:
         SAMPLE=core.sample or "",
         N_CONSTANTS=count_elements(core.constants),
         N_STATES=count_elements(core.states),
-        N_RESULTS=count_elements(core.states + (2 if core.reports else 0)),
+        N_RESULTS=count_elements(core.states + (2 if core.has_report else 0)),
         N_OUTPUTS=count_elements(len(core.outputs)),
         TWO=precision.literal(2.0),
         PARTS=PARTS,
@@ -86,9 +86,9 @@ def _print_step(core: CCore) -> str:
             _STEP_CHECKED,
             _SAMPLE if core.sample else "",
             "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
-            _CHECKED if core.reports else _FINITE_STATE,
+            _CHECKED if core.has_report else _FINITE_STATE,
             _TAKEN,
-            _REPORTED if core.reports else "    return ${NAME}_OK;\n",
+            _REPORTED if core.has_report else "    return ${NAME}_OK;\n",
             "}\n\n",
         ]
     )

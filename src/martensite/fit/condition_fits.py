@@ -54,7 +54,7 @@ class ArrangedConditions:
     problem: Problem
     scenario: Scenario
     notes: tuple[str, ...]
-    turns: bool
+    leaves_each_out: bool
     """True if every record is left out in turn."""
 
 

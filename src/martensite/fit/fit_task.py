@@ -124,7 +124,7 @@ class FitTask:
             one.name: (conditions.scenario, lambda record: conditions.scenario)
             for one in conditions.problem.experiments
         }
-        return ArrangedFit(conditions.problem, models, self.search, conditions.notes, conditions.turns)
+        return ArrangedFit(conditions.problem, models, self.search, conditions.notes, conditions.leaves_each_out)
 
     def with_changes(
         self,
@@ -161,7 +161,7 @@ class ArrangedFit:
     """Record -> its scenario, and a function that builds it with another record."""
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
-    turns: bool = False
+    leaves_each_out: bool = False
     """True if every record is also left out in turn."""
 
     def choose_drift(self, tell: Tell | None = None) -> ArrangedFit:
@@ -192,7 +192,7 @@ class ArrangedFit:
         if first.follows:
             refuse_swapped(fit, self.models)
         cautions = tuple(describe_step_error(fit))
-        if self.turns:
+        if self.leaves_each_out:
             weighed = replace(self.problem, prior_scale=fit.problem.prior_scale)
             fit = replace(fit, transfer=predict_each(weighed, vars(self.search), tell))
         return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)

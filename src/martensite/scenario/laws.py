@@ -160,9 +160,9 @@ def rphase_caution(material: Material | None, element: Parametrised) -> str | No
     law = next((part for part in parts if isinstance(part, AbstractLaw)), None)
     model = next((part for part in parts if isinstance(part, AbstractResistance)), None)
     start, name = (material.values.get("R_s"), material.name) if material else (None, "")
-    if law is None or model is None or not (law.rphase or start):
+    if law is None or model is None or not (law.has_rphase or start):
         return None
-    blind = [] if law.rphase else [f"law `{law.registered_name}`"]
+    blind = [] if law.has_rphase else [f"law `{law.registered_name}`"]
     blind += [] if model.three_phases else [f"resistance `{model.registered_name}`"]
     where = f"Material `{name}` has an R-phase (from {start.text} on cooling)" if start else "The law has an R-phase"
     sentence = (

@@ -231,8 +231,8 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context
     columns = np.array(np.asarray(run.require().rows, float).T, order="C")
     notes, heat, work, unknown = list[str](), None, None, list[str]()
     if plan.step is None and not system.sample_time():
-        heat = balance_heat(run.put_in, run.lost, run.accounts) if book.heat else None
-        work = balance_work(book, run.accounts) if book.work else None
+        heat = balance_heat(run.put_in, run.lost, run.accounts) if book.has_heat_balance else None
+        work = balance_work(book, run.accounts) if book.has_work_balance else None
         notes, unknown = _warn_of_residuals({"heat": heat, "work": work}, plan.tolerance), list(book.unknown)
     if run.status is Status.OUT_OF_ENVELOPE:
         notes.append(describe_exit(system, run.time, run.place, run.value))

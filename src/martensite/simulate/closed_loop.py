@@ -49,7 +49,7 @@ class LoopPlan:
     drive: AbstractDrive
     periods: int
     period: float
-    pulses: bool
+    is_pulsed: bool
     shortest: float
     """Shortest pulse or gap [s]."""
     probe: float
@@ -62,7 +62,7 @@ class LoopPlan:
 
     def pieces(self, signal: float) -> list[tuple[float, float]]:
         """Return the signals and lengths [s] of the parts of a period."""
-        if not self.pulses:
+        if not self.is_pulsed:
             return [(signal, self.period)]
         share = limit_duty(signal, self.shortest / self.period)
         both = (1.0, share * self.period), (0.0, (1.0 - share) * self.period)
@@ -72,7 +72,7 @@ class LoopPlan:
         """Return the applied signals as a waveform."""
         frequency = 1.0 / self.period
         staircase = Held(values=tuple(signals), frequency=frequency)
-        if not self.pulses:
+        if not self.is_pulsed:
             return staircase
         return Carrier(duty=staircase, frequency=frequency, shortest=self.shortest)
 
@@ -217,7 +217,7 @@ class _Walk:
             if self.walk.gone is not None:
                 break
             if number == 0:
-                on = level != 0.0 or not self.plan.pulses
+                on = level != 0.0 or not self.plan.is_pulsed
                 self.ends.append(end if on else self.rows[-1])
                 self.switched = end if on else self.switched
         return memory
@@ -270,7 +270,7 @@ class _Walk:
         inside_rows = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
         times, place = [time for time, _ in self.passed[: len(inside_rows)]], self.names.index("drive")
         table = np.array(inside_rows)
-        if self.plan.pulses:
+        if self.plan.is_pulsed:
             periods = np.searchsorted([self.plan.start(k) for k in range(len(self.signals))], times, side="right") - 1
             table[:, place] = np.array(self.signals)[periods]
         return RowsTrace(times, table, len(self.names))

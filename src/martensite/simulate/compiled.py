@@ -321,10 +321,16 @@ class _Trace:
             stores = {name: one for name, one in entry.energies.items() if isinstance(one, Expr)}
             accounts = [ACCOUNTS.index(name) for name, _ in entry.efforts]
             books.append(
-                Book(tuple(map(ACCOUNTS.index, stores)), tuple(accounts), entry.heat, entry.work, entry.unknown)
+                Book(
+                    tuple(map(ACCOUNTS.index, stores)),
+                    tuple(accounts),
+                    entry.has_heat_balance,
+                    entry.has_work_balance,
+                    entry.unknown,
+                )
             )
             numbers = [*stores.values(), *flatten_numbers(tuple(effort for _, effort in entry.efforts))]
-            return [*numbers, *([entry.lost] if entry.heat else [])]
+            return [*numbers, *([entry.lost] if entry.has_heat_balance else [])]
 
         self.program.add("entries", [*self.names, *self.signals], entries)
         return books[-1]

@@ -179,7 +179,7 @@ def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float]
     law, martensite = element.law, own.get("martensite_fraction", fractions.martensite)
     share = fractions.oriented / fractions.martensite if fractions.martensite else 1.0
     oriented = own.get("oriented_fraction", martensite * share)
-    if not law.twins and oriented != martensite:
+    if not law.has_twins and oriented != martensite:
         raise InputError(
             f"{WHERE} Law `{law.registered_name}` knows oriented martensite only; leave `oriented_fraction` out."
         )

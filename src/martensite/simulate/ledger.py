@@ -58,9 +58,9 @@ class Book(NamedTuple):
     """Account of every stored energy, as an index of `ACCOUNTS`."""
     efforts: tuple[int, ...] = ()
     """Account of every effort."""
-    heat: bool = False
+    has_heat_balance: bool = False
     """True if there is a ledger of the heat."""
-    work: bool = False
+    has_work_balance: bool = False
     """True if there is a ledger of the work."""
     unknown: tuple[str, ...] = ()
     """Reasons for missing ledgers, in sentences."""
@@ -68,7 +68,7 @@ class Book(NamedTuple):
     @property
     def size(self) -> int:
         """Return the number of values per entry."""
-        return len(self.energies) + 2 * len(self.efforts) + self.heat
+        return len(self.energies) + 2 * len(self.efforts) + self.has_heat_balance
 
 
 EMPTY = Book()
@@ -98,7 +98,7 @@ class Ledger:
                 given += abs(work)
         self.accounts[-2] += swung[1]
         self.accounts[-1] += max(given, swung[2])
-        if book.heat:
+        if book.has_heat_balance:
             first, half, last = (row[-1] for row in rows)
             self.lost += SIXTH * length * (first + 4.0 * half + last)
         self.last = end

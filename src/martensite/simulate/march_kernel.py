@@ -135,7 +135,7 @@ class MarchKernel:
             "ENTRIES": book.size,
             "HELD": len(book.energies),
             "EFFORTS": len(book.efforts),
-            "BALANCED": int(book.heat),
+            "BALANCED": int(book.has_heat_balance),
             "FLOWS": len(compiled.program.functions["flows"].outputs),
             "ACCOUNTS": len(ACCOUNTS),
             "ACCOUNT_OF": _format_list([*book.energies, *book.efforts]),

@@ -108,7 +108,7 @@ class Guide:
         """
         temperature = self.marks.M_f - 10.0
         fractions = TWINNED
-        if not (self.law.twins and find_loaded(self.law, temperature, TWINNED)):
+        if not (self.law.has_twins and find_loaded(self.law, temperature, TWINNED)):
             temperature = 0.5 * (self.marks.M_s + self.marks.A_s)
             fractions = AUSTENITE
         if self.choices.temperatures:

@@ -88,7 +88,7 @@ class Actuator(Parametrised):
 
     def own_outputs(self) -> dict[str, Output]:
         """Return the outputs of element and drive."""
-        rphase = getattr(self.element.law, "rphase", False)  # a user-defined element may have no law
+        rphase = getattr(self.element.law, "has_rphase", False)  # a user-defined element may have no law
         return {name: one.output for name, one in OBSERVABLES.items() if rphase or not one.of_rphase}
 
     def profile(self, state: Any) -> CellProfile:

@@ -271,7 +271,7 @@ class AbstractAssembly(AbstractSystem):
             name = self.mechanism.registered_name
             entries.unknown += (f"work: not balanced, since `{name}` does not say what it holds",)
             return entries
-        entries.work = True
+        entries.has_work_balance = True
         energy = mechanics.energy
         entries.energies.update(zip(energy._fields, energy, strict=True))
         self._enter_work(xp, entries, loads, mechanics.ways)
@@ -284,9 +284,9 @@ class AbstractAssembly(AbstractSystem):
         fed = [load for load in loads if load.heating.temperature is None]
         rows = [(load, load.element.stored_heat(xp, load.state)) for load in fed]
         heats = [stored for _, stored in rows if stored is not None]
-        entries.heat = bool(fed) and len(heats) == len(fed)
+        entries.has_heat_balance = bool(fed) and len(heats) == len(fed)
         entries.unknown += _describe_unknown(rows) if loads else ()
-        if not entries.heat:
+        if not entries.has_heat_balance:
             return
         entries.energies["sensible"] = sum_column([stored.sensible for stored in heats])
         entries.efforts += [("latent", effort) for stored in heats for effort in stored.latent]

@@ -36,9 +36,9 @@ class Entries:
     """Account and effort along a path."""
     lost: Scalar = 0.0
     """Heat loss [W] of elements of known heat."""
-    heat: bool = False
+    has_heat_balance: bool = False
     """True if there is a heat balance."""
-    work: bool = False
+    has_work_balance: bool = False
     """True if there is a work balance."""
     unknown: tuple[str, ...] = ()
     """Reasons for missing balances, in sentences."""

@@ -54,12 +54,12 @@ class AbstractCut(AbstractElement):
             )
         if wire.wear is not None:
             raise ParameterError(f"The `wire` of `{owner}` must have no `wear`; take a lumped one, such as `wire`.")
-        if wire.law.grouped:
+        if wire.law.has_groups:
             raise ParameterError(
                 f"Law `{wire.law.registered_name}` has its own groups, which a `{owner}` "
                 "cannot divide further; try law `mas`."
             )
-        if wire.law.rphase:
+        if wire.law.has_rphase:
             raise ParameterError(
                 f"Law `{wire.law.registered_name}` has three phases, but the cells of a `{owner}` solve for two; "
                 "take a plain `wire`."

@@ -280,7 +280,7 @@ class AbstractLumped(AbstractElement):
         )
 
     def _ohms_of(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
-        rphase = [fractions.rphase_fraction] if self.law.rphase else []
+        rphase = [fractions.rphase_fraction] if self.law.has_rphase else []
         return self.ohms(xp, fractions.martensite, strain, temperature, *rphase)
 
     def _strain_under(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:

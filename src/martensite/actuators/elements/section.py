@@ -102,7 +102,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
     def check(self) -> None:
         super().check()
         law, lopsided = self.law, getattr(self.law, "compression", "") == "asymmetric"
-        if not self.uniform and (lopsided or law.rate_dependent or law.grouped or law.rphase or self.wear):
+        if not self.uniform and (lopsided or law.rate_dependent or law.has_groups or law.has_rphase or self.wear):
             raise ParameterError(
                 f"Fibres of `{self.registered_name}` take symmetric laws of two phases without rates, such as "
                 f"`brinson`, and no `wear`, but have `{law.registered_name}`"
@@ -117,7 +117,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             cautions.append(
                 "Thermal strain counts as a strain of the section, which expansion neither twists nor bends."
             )
-        if not self.uniform and not law.twins:
+        if not self.uniform and not law.has_twins:
             words = (
                 f"All martensite of law `{law.registered_name}` is strained, in the core too, where a section is not"
             )
@@ -208,7 +208,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         def train(lever: Scalar) -> tuple[Scalar, Scalar]:
             share = lever / levers[-1]
             own = self.initial_fractions(xp, stress * share)
-            return own.martensite if self.law.twins else own.martensite * share, own.oriented * share
+            return own.martensite if self.law.has_twins else own.martensite * share, own.oriented * share
 
         martensite, oriented = xp.each(train, levers)
         whole = self.add_contact(xp, self.combine_fibres(xp, martensite, oriented, temperature), force)

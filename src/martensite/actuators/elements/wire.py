@@ -57,7 +57,7 @@ class AbstractRoundWire(AbstractElement):
 
     @override
     def check(self) -> None:
-        if self.initial_oriented < 1.0 and not self.law.twins:
+        if self.initial_oriented < 1.0 and not self.law.has_twins:
             raise ParameterError(
                 f"Parameter `initial_oriented` of `{self.registered_name}` must be 1 with law "
                 f"`{self.law.registered_name}`, which knows oriented martensite only, but is "
@@ -118,7 +118,7 @@ class AbstractRoundWire(AbstractElement):
     ) -> Scalar:
         """Return the resistance [ohm]."""
         shape = Conductor(self.section(), self.wire_length())
-        if self.law.rphase:
+        if self.law.has_rphase:
             return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)
         return self.resistance.resistance(xp, fraction, strain, temperature, shape)
 

@@ -171,7 +171,7 @@ def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, magnified: fl
         "judged": judged,
         "envelope": _list_bounds(scenario, compiled),
         "accounts": list(ACCOUNTS),
-        "balances": {"heat": book.heat, "work": book.work},
+        "balances": {"heat": book.has_heat_balance, "work": book.has_work_balance},
         "statuses": {str(int(one)): one.sentence for one in Status},
         "magnified": magnified,
         "differs": [describe_rounding(magnified)] if magnified else [],

@@ -190,7 +190,7 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
 
 def write_design(optimum: OptimisedDesign, scenario: Scenario) -> str:
     """Return the optimised scenario as TOML."""
-    sense = "most" if optimum.question.most else "least"
+    sense = "most" if optimum.question.is_maximised else "least"
     goal = f"# designed for the {sense} {optimum.question.goal.words}"
     limits = [f"# subject to {one.words}" for one in optimum.question.subject]
     missed = [f"# NOT KEPT: {words}" for words in optimum.violated_constraints]

@@ -111,7 +111,7 @@ def _add_rphases(model: AbstractSystem, rise: Scalar) -> AbstractSystem | None:
     changed: dict[str, Any] = {}
     for path, one in list_placed(model, ""):
         if isinstance(one, AbstractLaw):
-            if not isinstance(one, AbstractPhaseDiagram) or one.rphase:
+            if not isinstance(one, AbstractPhaseDiagram) or one.has_rphase:
                 return None
             changed[path.rstrip(".")] = _add_rphase(one)
         if isinstance(one, AbstractResistance):

@@ -159,7 +159,7 @@ class DesignEvaluator:
     @property
     def sign(self) -> float:
         """Return 1 for a goal to minimise, else -1."""
-        return -1.0 if self.question.most else 1.0
+        return -1.0 if self.question.is_maximised else 1.0
 
     def restore_goal(self, goal: float) -> float:
         """Return a scaled goal in SI."""

@@ -140,7 +140,9 @@ def _list_active(
         rate = float(sum(rates[k] for k in rows)) / one.scale
         step, unit = PER_CENT * one.scale, one.aim.unit
         cases = tuple(int(slack[k]) // len(subject) for k in rows)
-        active.append(ActiveConstraint(one.words, "constraint", one.limit, unit, rate, step, goal, one.most, cases))
+        active.append(
+            ActiveConstraint(one.words, "constraint", one.limit, unit, rate, step, goal, one.is_upper_limit, cases)
+        )
     return active
 
 
@@ -251,7 +253,7 @@ class OptimisedDesign:
             "goal": {
                 "measure": question.goal.words,
                 "unit": question.goal.unit,
-                "sense": "max" if question.most else "min",
+                "sense": "max" if question.is_maximised else "min",
                 "before": self.goal_before,
                 "after": self.goal,
             },

@@ -53,7 +53,7 @@ class Constraint:
     """Limit of an aim."""
 
     aim: DesignAim
-    most: bool
+    is_upper_limit: bool
     """True for an upper limit."""
     limit: float
     """SI"""
@@ -65,7 +65,7 @@ class Constraint:
         """Return the constraint as text, such as `max(stress) <= 200 MPa`."""
         unit = units.choose_familiar_unit(self.limit, self.aim.unit)
         number = f"{units.from_si(self.limit, unit, self.aim.unit):.6g}"
-        sign = "<=" if self.most else ">="
+        sign = "<=" if self.is_upper_limit else ">="
         return f"{self.aim.words} {sign} {number}{'' if unit == '1' else f' {unit}'}"
 
     @property
@@ -78,7 +78,7 @@ class Constraint:
     @property
     def sign(self) -> float:
         """Return 1 if larger values are better, else -1."""
-        return -1.0 if self.most else 1.0
+        return -1.0 if self.is_upper_limit else 1.0
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class DesignQuestion:
 
     free: tuple[FreeNumber, ...]
     goal: DesignAim
-    most: bool
+    is_maximised: bool
     """True to maximise the goal."""
     subject: tuple[Constraint, ...] = ()
     cases: tuple[Mapping[str, float], ...] = ({},)

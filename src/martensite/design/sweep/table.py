@@ -30,7 +30,7 @@ class SweepColumn:
     """SI unit."""
     values: Numbers
     """(runs,), in SI; NaN for a failed or missing run, infinite for an event that never happens."""
-    log: bool = False
+    is_logarithmic: bool = False
     """True for a logarithmic scale."""
 
     @property

@@ -61,9 +61,9 @@ NEVER = -1e15
 class AbstractLayers(AbstractLaw):
     """Law of layers in wells; subclasses define the groups of layers."""
 
-    twins = True
+    has_twins = True
     one_way = False
-    steep = True
+    has_drive = True
 
     E_A: Number = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="50 GPa")
     E_M: Number = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")

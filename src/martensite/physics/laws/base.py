@@ -103,19 +103,19 @@ class AbstractLaw(Parametrised):
     Each memory has at least `stress` [Pa] and `temperature` [K] of the last accepted point.
     """
 
-    twins: ClassVar[bool] = False
+    has_twins: ClassVar[bool] = False
     """True if unoriented martensite is possible; else all martensite is oriented."""
-    rphase: ClassVar[bool] = False
+    has_rphase: ClassVar[bool] = False
     """True if its fractions are `RPhaseFractions`."""
     one_way: ClassVar[bool] = True
     """True if a move changes both fractions in a fixed proportion."""
-    steep: ClassVar[bool] = False
+    has_drive: ClassVar[bool] = False
     """True if the law has `drive`."""
     orders: ClassVar[tuple[tuple[str, str], ...]] = ()
     """Pairs of parameters, the first below the second; searches keep the order."""
     rate_dependent: ClassVar[bool] = False
     """True if the result depends on time."""
-    grouped: ClassVar[bool] = False
+    has_groups: ClassVar[bool] = False
     """True if the law has groups with separate phase states."""
 
     @property
@@ -234,8 +234,8 @@ class AbstractLaw(Parametrised):
     def drive(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """Return the distance of the selected process beyond balance at the end, on any scale.
 
-        It is nearly linear in (stress, temperature) and 0 in equilibrium. The solver of a `steep` law takes its first
-        guess from it.
+        It is nearly linear in (stress, temperature) and 0 in equilibrium. The solver of a law with `has_drive` takes
+        its first guess from it.
         """
         return 0.0
 

@@ -40,7 +40,7 @@ class Brinson(AbstractSidedDiagram):
 
     cites = ("brinson1993", "chung2007")
     orders = (*WIDTHS, ("sigma_s", "sigma_f"))
-    twins = True
+    has_twins = True
     one_way = False
 
     sigma_s: Number = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")

@@ -64,9 +64,9 @@ def advance_memory(
         return law.drive(xp, move, *settle(xp, _blend_fractions(start, aim, q)), dt)
 
     aim = type(start)(*answer(xp, start))
-    guess = _guess_place(xp, drive) if law.steep else _expect_place(xp, start, aim, change)
-    enough = SMALL if law.one_way or law.steep else POLISHING_STEP
-    end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.steep)
+    guess = _guess_place(xp, drive) if law.has_drive else _expect_place(xp, start, aim, change)
+    enough = SMALL if law.one_way or law.has_drive else POLISHING_STEP
+    end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.has_drive)
     if not law.one_way:
         end = _polish_fractions(xp, answer, end)
     response = answer(xp, end)

@@ -75,7 +75,7 @@ class Lagoudas(AbstractSurfaceLaw):
     """
 
     cites = ("lagoudas2012", "boyd1996", "hartl2010")
-    twins: ClassVar[bool] = True
+    has_twins: ClassVar[bool] = True
     one_way: ClassVar[bool] = False
     reorients: ClassVar[bool] = False
     """True with compression: martensite may be oriented against the stress."""

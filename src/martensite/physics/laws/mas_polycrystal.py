@@ -64,7 +64,7 @@ class PolycrystalStep(NamedTuple):
 class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
-    grouped = True
+    has_groups = True
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Number = param("Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9, default=20e6)

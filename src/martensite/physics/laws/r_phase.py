@@ -68,7 +68,7 @@ class RPhase(AbstractPhaseDiagram):
 
     cites = ("liang1990", "otsuka2005", "rphase2026")
     orders = (*WIDTHS, ("R_f", "R_s"))
-    rphase = True
+    has_rphase = True
     one_way = False
 
     R_s: Number = param(

@@ -83,7 +83,7 @@ class Wear(Parametrised):
         if not strain or not any(name in values for name in TEMPERATURES):
             listed = ", ".join((*STRAINS, *TEMPERATURES))
             raise ParameterError(f"Law `{law.registered_name}` cannot wear: it has none of {listed}.")
-        if (self.temperature_shift or self.temperature_shift_per_decade) and law.steep and not law.rate_dependent:
+        if (self.temperature_shift or self.temperature_shift_per_decade) and law.has_drive and not law.rate_dependent:
             raise ParameterError(f"Law `{law.registered_name}` is too steep for a `temperature_shift`; try law `mas`.")
         growth = (self.residual_strain + self.residual_strain_per_decade / LN_10) / self.settling_cycles
         if growth > 0.1 * strain:

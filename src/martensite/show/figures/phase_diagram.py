@@ -129,7 +129,7 @@ def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: floa
     bands = [Band(process, line(start), line(finish)) for process, start, finish, _ in _STRIPS]
     bands = [band for band in bands if len(band.start.stress) > 1 < len(band.finish.stress)]
     warmest = table[stresses[0]].M_f
-    if law.twins and math.isfinite(warmest):
+    if law.has_twins and math.isfinite(warmest):
         bands += _find_orientation(law, min(coldest, warmest - 1.0), warmest)
     return bands
 

@@ -152,7 +152,7 @@ def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for one, axis, name in ((x, axes.xaxis, "xscale"), (y, axes.yaxis, "yscale")):
-        if one is not None and one.log:
+        if one is not None and one.is_logarithmic:
             axes.set(**{name: "log"})
             values = one.values[np.isfinite(one.values)]
             narrow = not values.size or values.max() < NARROW * values.min()

@@ -22,7 +22,7 @@ COARSE = 1e-2
 def summarise_design(optimum: OptimisedDesign, title: str) -> Summary:
     """Return the summary of a design."""
     question, counts = optimum.question, optimum.counts
-    sense = "most" if question.most else "least"
+    sense = "most" if question.is_maximised else "least"
     lead = (
         f"{sense} {question.goal.words}: {write_quantity(optimum.goal, question.goal.unit)}, of "
         f"{counts.simulations:,} simulations and {counts.slopes:,} with derivatives"
@@ -43,7 +43,7 @@ def describe_verdict(optimum: OptimisedDesign) -> str:
     if not optimum.feasible:
         missed = ", ".join(optimum.violated_constraints)
         return f"No design that keeps all limits was found: the nearest one misses {missed}"
-    sense, goal = "most" if optimum.question.most else "least", optimum.question.goal
+    sense, goal = "most" if optimum.question.is_maximised else "least", optimum.question.goal
     verdict = (
         "All constraints are kept, but limits of the elements are exceeded"
         if optimum.exceeded_limits
@@ -102,11 +102,11 @@ def _write_value(value: float, one: ReportedMeasure) -> str:
 def _write_limits(optimum: OptimisedDesign, words: str) -> tuple[str, str]:
     question = optimum.question
     limits = [c for c in question.subject if c.aim.words == words]
-    goal = [("most" if question.most else "least")] if words == question.goal.words else []
+    goal = [("most" if question.is_maximised else "least")] if words == question.goal.words else []
     pressing = [] if optimum.balance is None else [p.name for p in optimum.balance.pressing]
     active = ["active"] if any(c.words in pressing for c in limits) else []
     missed = ["not kept"] if any(c.words in optimum.violated_constraints for c in limits) else []
-    signs = [("<= " if c.most else ">= ") + write_quantity(c.limit, c.aim.unit) for c in limits]
+    signs = [("<= " if c.is_upper_limit else ">= ") + write_quantity(c.limit, c.aim.unit) for c in limits]
     return ", ".join(signs), ", ".join([*goal, *(missed or active)])
 
 

@@ -68,7 +68,7 @@ class CurvePoint:
     tangent: Numbers
     """Tangent of unit length, in units of `sizes`."""
     sizes: Numbers
-    fold: bool = False
+    is_fold: bool = False
 
     @property
     def parameter(self) -> float:
@@ -180,7 +180,7 @@ class Curve:
         yield here
         for _ in range(self.steps.most):
             there, length = self._advance(here, length)
-            if here.turn * there.turn < 0.0 and not here.fold:
+            if here.turn * there.turn < 0.0 and not here.is_fold:
                 yield (fold := self.locate(here, there, lambda one: one.turn, length_of(here, there), True))
                 if not low <= fold.parameter <= high:
                     return

@@ -45,7 +45,7 @@ class SolutionCurve:
     @classmethod
     def collect(cls, points: Sequence[CurvePoint]) -> SolutionCurve:
         """Build a curve from points in their order."""
-        return cls(np.array([one.unknowns for one in points]), np.array([one.fold for one in points]))
+        return cls(np.array([one.unknowns for one in points]), np.array([one.is_fold for one in points]))
 
 
 class DifferencedEquations:
@@ -187,7 +187,7 @@ def trace_folds(
         ParameterError: the fold or parameter does not exist, or the bounds do not enclose the present value.
         SolveError: the fold cannot be followed, or an element with memory is heated or cooled along it.
     """
-    points = [one for one in curve.points if one.fold]
+    points = [one for one in curve.points if one.is_fold]
     if not 0 <= place < len(points):
         raise ParameterError(f"The curve has {len(points)} folds, but no fold {place}.")
     motion, one = curve.motion, curve.subject

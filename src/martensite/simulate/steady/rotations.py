@@ -271,7 +271,7 @@ def _describe_curve(
         amplitude,
         np.array([each.largest for each in judged]),
         np.array([each.neutral for each in judged]),
-        np.array([point.fold for point in points]),
+        np.array([point.is_fold for point in points]),
         tuple(points),
         motion,
         {name: output.unit for name, output in one.system.outputs().items()},
