@@ -52,7 +52,7 @@ def parse(line: str) -> None:
     while arguments and hasattr(command, "commands") and arguments[0] in command.list_commands(None):
         name, *arguments = arguments
         command = command.get_command(None, name)
-        arguments = getattr(command, "worded", list)(arguments)
+        arguments = getattr(command, "prepend_command", list)(arguments)
     if hasattr(command, "commands") and not command.invoke_without_command:
         raise LookupError(f"no such command: {line}")
     command.make_context(name, arguments)
