@@ -13,8 +13,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from sphinx.util import logging
-
 import martensite
 from martensite.actuators.assembly import OUTPUTS
 from martensite.base import units
@@ -29,10 +27,9 @@ from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import VERDICTS, AbstractStudy, Answer, Claim, load_study, study_names
-from martensite.studies.shipped_numbers import find_changes, find_figure
+from martensite.studies.shipped_numbers import find_figure
 from martensite.studies.tables import TableStudy
 
-_logger = logging.getLogger(__name__)
 _SPACES = re.compile(r"[ \t\n]+")  # not those that keep words together
 PLURALS = {
     "element": "Elements",
@@ -291,7 +288,7 @@ def everyday_units() -> str:
 
 # -- studies -----------------------------------------------------------------------------
 FIGURES = Path(__file__).parents[1] / "_figures"
-"""Where figures of studies are drawn; the claims that follow reuse their runs."""
+"""Where figures of studies are drawn."""
 
 
 @cache
@@ -320,7 +317,7 @@ STUDY_PAGES = {
 
 
 def all_studies() -> str:
-    """Return counts, claims and reports of all studies, and warn of numbers that changed since they were shipped."""
+    """Return counts, claims and reports of all studies."""
     studies = [load_study(name) for name in study_names()]
     answers = {study: study.find_answer() for study in studies}
     return "\n".join([_tally(answers), *(_study(study, answer) for study, answer in answers.items())])
@@ -343,7 +340,6 @@ def _tally(answers: Mapping[AbstractStudy, Answer]) -> str:
 
 
 def _study(found: AbstractStudy, answer: Answer) -> str:
-    _warn_of_changes(found)
     page = STUDY_PAGES.get(found.key)
     told = f"Claims and verdicts: [page of this source](sources/{page}.md#claims-and-verdicts).\n" if page else None
     reports = [(plain(one.statement), _number(one.computed), one.unit, plain(one.why)) for one in answer.reports]
@@ -362,14 +358,6 @@ def _study(found: AbstractStudy, answer: Answer) -> str:
 def _claims_of(found: AbstractStudy, answer: Answer) -> str:
     columns = ("claim", "published", "computed", "unit", "verdict", "reason")
     return digest(found.key) + "\n" + table(columns, map(_claim, answer.claims))
-
-
-def _warn_of_changes(found: AbstractStudy) -> None:
-    """Compute a study, whose figure has left most of its runs, and compare it with what was shipped."""
-    for sentence in find_changes(found, wandering=False) if isinstance(found, TableStudy) else ():
-        _logger.warning(
-            "Study %s: %s Run `python -m martensite.studies.shipped_numbers` to update it.", found.key, sentence
-        )
 
 
 def _claim(claim: Claim) -> tuple[str, ...]:

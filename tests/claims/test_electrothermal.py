@@ -11,14 +11,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 
 from martensite.base.errors import DataError
 from martensite.logs import datasets
 from martensite.logs.reader import read_table
 from martensite.scenario.citations import read_bibliography
 from martensite.scenario.scenario import load
-from martensite.studies.base import Answer, load_study, study_names
+from martensite.studies.base import AbstractStudy, Answer, load_study, study_names
 from martensite.studies.electrothermal import model, record, record_numbers, resistance_figure
 from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers
 from martensite.studies.electrothermal.record import RecordStaircase
@@ -40,8 +40,13 @@ NEEDLESS = {"maker-martensite", "maker-austenite", "maker-start", "maker-end", "
 
 
 @pytest.fixture(scope="module")
-def answer() -> Answer:
-    return load_study(NAME).compute()
+def study() -> AbstractStudy:
+    return load_study(NAME)
+
+
+@pytest.fixture(scope="module")
+def answer(study: AbstractStudy) -> Answer:
+    return study.compute()
 
 
 @pytest.fixture
@@ -65,6 +70,10 @@ def test_verdicts(answer: Answer) -> None:
     assert verdicts_of(answer.claims) == VERDICTS
     check_decides(claim for claim in answer.claims if claim.tolerance)
     assert all(number is not None for number in numbers_of([answer]).values())
+
+
+def test_what_ships_is_what_is_computed(study: AbstractStudy) -> None:
+    check_shipped(study)
 
 
 @needs_record

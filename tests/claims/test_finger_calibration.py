@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
@@ -38,8 +38,13 @@ needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="needs a C c
 
 
 @pytest.fixture(scope="module")
-def answer():
-    return FingerCalibration().compute()
+def study():
+    return FingerCalibration()
+
+
+@pytest.fixture(scope="module")
+def answer(study):
+    return study.compute()
 
 
 @pytest.fixture(scope="module")
@@ -273,6 +278,11 @@ class TestWhole:
     def test_figure(self, tmp_path, listed):
         load_study("finger-calibration").figure(tmp_path / "calibration.png")
         assert (tmp_path / "calibration.png").read_bytes().startswith(b"\x89PNG")
+
+
+@needs_compiler
+def test_what_ships_is_what_is_computed(study):
+    check_shipped(study)
 
 
 def test_sources_are_known():

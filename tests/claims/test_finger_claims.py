@@ -10,11 +10,11 @@ import math
 from dataclasses import replace
 
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
-from martensite.studies.base import Answer, load_study
+from martensite.studies.base import AbstractStudy, Answer, load_study
 from martensite.studies.finger import FingerStudy, bench, bending_numbers, crystal_numbers, loop_numbers, wire_numbers
 from martensite.studies.tables import printed_numbers
 
@@ -25,8 +25,13 @@ needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="slow withou
 
 
 @pytest.fixture(scope="module")
-def answer() -> Answer:
-    return load_study("finger").compute()
+def study() -> AbstractStudy:
+    return load_study("finger")
+
+
+@pytest.fixture(scope="module")
+def answer(study: AbstractStudy) -> Answer:
+    return study.compute()
 
 
 @pytest.fixture(scope="module")
@@ -163,6 +168,10 @@ class TestWhole:
         angles = [f"{computed(listed, f'angle-{r}mm-2.0W'):.1f}°" for r in (1.5, 3.5, 5.5)]
         lag = f"{computed(listed, 'proportional'):.1f} K off"
         assert [word for word in (*shown, *ends, *angles, lag) if word not in text] == []
+
+
+def test_what_ships_is_what_is_computed(study: AbstractStudy) -> None:
+    check_shipped(study)
 
 
 def test_redundant_parameters_change_nothing():

@@ -9,12 +9,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 
 from martensite.base.errors import DataError
 from martensite.characterise.film_coefficient import film_r_squared
 from martensite.simulate.result import Result
-from martensite.studies.base import Answer, load_study
+from martensite.studies.base import AbstractStudy, Answer, load_study
 from martensite.studies.migaone import bench, film_numbers, motion_numbers, wire_numbers
 from martensite.studies.tables import printed_numbers
 
@@ -31,8 +31,13 @@ VERDICTS = {
 
 
 @pytest.fixture(scope="module")
-def answer() -> Answer:
-    return load_study("migaone").compute()
+def study() -> AbstractStudy:
+    return load_study("migaone")
+
+
+@pytest.fixture(scope="module")
+def answer(study: AbstractStudy) -> Answer:
+    return study.compute()
 
 
 # ---------------------------------------------------------------- verdicts
@@ -42,6 +47,10 @@ def test_verdicts(answer: Answer) -> None:
     assert verdicts_of(answer.claims) == VERDICTS
     check_complete(answer)
     check_decides(answer.claims)
+
+
+def test_what_ships_is_what_is_computed(study: AbstractStudy) -> None:
+    check_shipped(study)
 
 
 def test_the_digest_has_the_computed_numbers(answer: Answer) -> None:

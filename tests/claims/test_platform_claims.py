@@ -12,14 +12,14 @@ import re
 from dataclasses import replace
 
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 from platform_cases import PLATES, about_x, about_y, by_matrices
 from platform_reference import Platform as Reference
 from platform_reference import bisected
 
 from martensite.simulate.result import Result
 from martensite.studies import readings
-from martensite.studies.base import Answer, load_study
+from martensite.studies.base import AbstractStudy, Answer, load_study
 from martensite.studies.platform import Platform, bench, control_numbers, equation_numbers, loop, response_numbers
 from martensite.studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
 from martensite.studies.tables import printed_numbers
@@ -36,8 +36,13 @@ AT_25, AT_30 = math.radians(25.0), math.radians(30.0)
 
 
 @pytest.fixture(scope="module")
-def answer() -> Answer:
-    return load_study("platform").compute()
+def study() -> AbstractStudy:
+    return load_study("platform")
+
+
+@pytest.fixture(scope="module")
+def answer(study: AbstractStudy) -> Answer:
+    return study.compute()
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +80,10 @@ def test_verdicts(answer: Answer) -> None:
     assert verdicts_of(answer.claims) == VERDICTS
     check_complete(answer)
     check_decides(answer.claims)
+
+
+def test_what_ships_is_what_is_computed(study: AbstractStudy) -> None:
+    check_shipped(study)
 
 
 # ---------------------------------------------------------------- geometry

@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 from scipy import integrate, optimize
 
 from martensite.actuators.assembly import Machine
@@ -45,15 +45,18 @@ KT, J, L, B, R = 0.0211, 0.82e-4, 3.1e-3, 8.17e-7, 41.0
 needs_c = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 
 
+STUDY = Sommerfeld(PRINTED)
+"""Its parts are computed when they are first needed."""
+
+
 @cache
 def of_motor() -> Answer:
-    parts = [Sommerfeld(PRINTED).settle_part(part) for part in ("beam", "ramp")]
-    return Answer.join(parts, {})
+    return Answer.join([STUDY.settle_part(part) for part in ("beam", "ramp")], {})
 
 
 @cache
 def of_wire() -> Answer:
-    return Sommerfeld(PRINTED).settle_part("wire")
+    return STUDY.settle_part("wire")
 
 
 def computed(answer: Answer, id: str) -> float:
@@ -65,7 +68,6 @@ def computed(answer: Answer, id: str) -> float:
 # ---------------------------------------------------------------- verdicts
 
 
-@pytest.mark.slow
 def test_verdicts_on_the_motor() -> None:
     assert verdicts_of(of_motor().claims) == {
         "reproduced": {"stiffness", "frequency", "captured"},
@@ -82,7 +84,6 @@ def test_verdicts_on_the_motor() -> None:
     check_decides(of_motor().claims)
 
 
-@pytest.mark.slow
 @needs_c
 def test_verdicts_on_the_wire() -> None:
     assert verdicts_of(of_wire().claims) == {
@@ -90,6 +91,11 @@ def test_verdicts_on_the_wire() -> None:
         "recovery": {"wire-slack", "wire-jump", "wire-reduction", "wire-current-drop", "actuator-current"},
     }
     check_complete(of_wire())
+
+
+@needs_c
+def test_what_ships_is_what_is_computed() -> None:
+    check_shipped(STUDY)
 
 
 def test_whole_millimetres_near_the_printed_ones() -> None:

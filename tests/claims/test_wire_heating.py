@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
+from claim_checks import check_complete, check_decides, check_shipped, numbers_of, verdicts_of
 from scipy import optimize
 
 from martensite.simulate.result import Result
-from martensite.studies.base import Answer, load_study
+from martensite.studies.base import AbstractStudy, Answer, load_study
 from martensite.studies.tables import printed_numbers
 from martensite.studies.wire_heating import bench, closures, steady_numbers
 
@@ -63,8 +63,13 @@ def steady(power: float, ambient: float) -> float:
 
 
 @pytest.fixture(scope="module")
-def answer() -> Answer:
-    return load_study("wire-heating").compute()
+def study() -> AbstractStudy:
+    return load_study("wire-heating")
+
+
+@pytest.fixture(scope="module")
+def answer(study: AbstractStudy) -> Answer:
+    return study.compute()
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +94,10 @@ def test_verdicts(answer: Answer) -> None:
     }
     check_complete(answer)
     check_decides(answer.claims)
+
+
+def test_what_ships_is_what_is_computed(study: AbstractStudy) -> None:
+    check_shipped(study)
 
 
 def test_the_last_prandtl_number_is_not_that_of_air() -> None:

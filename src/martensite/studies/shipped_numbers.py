@@ -9,8 +9,8 @@ verdicts are those of `claims.toml`, which can change without a computation.
 The figure is shipped as `figure.svg`, so that pages show it without a computation. The usual compiler optimises;
 compile without `MARTENSITE_CFLAGS`, because rounding can change the end of a search.
 
-A test compares fingerprints, and recomputes two quick studies; the documentation recomputes all parts that do not
-wander and warns of changed numbers. Slow tests compute the others.
+A test compares fingerprints. The tests of the claims recompute all parts that do not wander and compare their numbers.
+Slow tests compute the others.
 """
 
 from __future__ import annotations
