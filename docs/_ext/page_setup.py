@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 from IPython import get_ipython
+from matplotlib_inline.config import InlineBackend
 
 from martensite.show.figures.style import STYLE
 
@@ -23,7 +24,8 @@ def link_checkout() -> None:
 
 shell: Any = get_ipython()  # type: ignore[no-untyped-call]
 shell.run_line_magic("matplotlib", "inline")
-shell.run_line_magic("config", 'InlineBackend.figure_formats = ["svg"]')
+inline: Any = InlineBackend.instance(parent=shell)
+inline.figure_formats = {"svg"}
 # figures are laid out; to crop them, each would be drawn twice
-shell.run_line_magic("config", "InlineBackend.print_figure_kwargs = {'bbox_inches': None}")
+inline.print_figure_kwargs = {"bbox_inches": None}
 plt.rcParams.update(STYLE)
