@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,12 @@ def c_compiler() -> str:
     if found is None:
         pytest.skip("no C compiler on this machine (install gcc or clang)")
     return found
+
+
+@pytest.hookimpl(optionalhook=True, wrapper=True)
+def pytest_xdist_auto_num_workers() -> Generator[None, int, int]:
+    """One worker more than there are cores: some tests wait, for a browser, a board or a process."""
+    return 1 + (yield)
 
 
 @pytest.hookimpl(tryfirst=True)
