@@ -26,6 +26,7 @@ JUDGED = 4
 FEW = 8  # sets of a peer that runs them one by one
 MOST = 1.5  # [s] of one call, as far as one chunk allows
 DIFFRAX = importlib.util.find_spec("diffrax") is not None
+LSODA_C = importlib.util.find_spec("numbalsoda") is not None
 
 
 @cache
@@ -81,18 +82,33 @@ def cut(make: Any, problem: Problem, sets: list[Wire], setting: float) -> tuple[
     return make(problem, sets[:size], setting), size
 
 
+def in_turn(sets: Sequence[Wire], make: Callable[[Wire], Callable[[], Any]]) -> Callable[[], Any]:
+    """Return x [mm] of all sets by a solver that runs one set after another."""
+    runs = [make(p) for p in sets]
+    return lambda: np.array([mas_ode.outcome(p, run())[0] for p, run in zip(sets, runs, strict=True)])
+
+
+def odeint(sets: Sequence[Wire], rtol: float) -> Callable[[], Any]:
+    """Return x [mm] of all sets by `odeint`."""
+    return in_turn(sets, lambda p: mas_ode.trajectory(mas_ode.by_odeint, p, "edge", rtol))
+
+
+def lsoda_c(sets: Sequence[Wire], rtol: float) -> Callable[[], Any]:
+    """Return x [mm] of all sets by LSODA in C."""
+    from benchmarks.peers import mas_lsoda_c
+
+    return in_turn(sets, lambda p: mas_lsoda_c.trajectory(p, rtol))
+
+
 def lsoda(judge: Judge, sets: Sequence[Wire], rtols: Sequence[int]) -> list[Candidate]:
     """LSODA, one set after another."""
-    found = []
-    for n in rtols:
-        runs = [mas_ode.trajectory(mas_ode.by_odeint, p, "edge", 10.0**-n) for p in sets[:FEW]]
-
-        def run(runs: Any = runs) -> Any:
-            pairs = zip(sets, runs, strict=False)
-            return np.array([mas_ode.outcome(p, one())[0] for p, one in pairs])
-
-        found.append(judge.candidate("LSODA", f"rtol 1e-{n}", run, len(runs)))
-    return found
+    few = sets[:FEW]
+    solvers = {"LSODA": odeint} | ({"LSODA in C": lsoda_c} if LSODA_C else {})
+    return [
+        judge.candidate(name, f"rtol 1e-{n}", solve(few, 10.0**-n), len(few))
+        for name, solve in solvers.items()
+        for n in rtols
+    ]
 
 
 def kvaerno(judge: Judge, sets: Sequence[Wire], rtols: Sequence[int]) -> list[Candidate]:

@@ -15,6 +15,8 @@ import numpy as np
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
+from martensite.simulate.api import simulate
+from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import TimeGrid, build_grid
@@ -138,7 +140,19 @@ def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
     return judged(march)
 
 
-SINGLE = {"ours, floats": floats, "ours, C": native, "ours, march": adaptive}
+def call(problem: Problem, tolerance: float) -> Callable[[], Any]:
+    """What a user calls: `simulate` in C, all outputs, with its error bound."""
+    whole, drive = problem.system(), waveform()
+    options: dict[str, Any] = {"tolerance": tolerance, "samples": SAMPLES, "runtime": "c"}
+
+    def run() -> Any:
+        result = simulate(whole, drive, DURATION, **options)
+        return scaled([result[name] for name in COLUMNS], failed=False)  # what is missing is NaN
+
+    return run
+
+
+SINGLE = {"ours, floats": floats, "ours, C": native, "ours, march": adaptive, "ours, call": call}
 
 
 # ---------------------------------------------------------------- batches
@@ -188,7 +202,15 @@ def adaptive_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Call
     return run
 
 
-BATCH = {"ours, SIMD C": simd_batch, "ours, march": adaptive_batch}
+def call_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Callable[[], Any]:
+    """What a user calls: `simulate_batch` in C on one thread, x [mm] with error bounds."""
+    whole, drive = problem.system(), waveform()
+    over = {whole.resolve(NAMES.get(name, name)): [getattr(p, name) for p in sets] for name in SHARES}
+    options: dict[str, Any] = {"tolerance": tolerance, "samples": SAMPLES, "runtime": "c"}
+    return lambda: 1e3 * simulate_batch(whole, drive, DURATION, over, **options)["position"]
+
+
+BATCH = {"ours, SIMD C": simd_batch, "ours, march": adaptive_batch, "ours, call": call_batch}
 
 
 class Setting(NamedTuple):
@@ -200,6 +222,6 @@ class Setting(NamedTuple):
 
 def settings_of(name: str, numbers: Sequence[float]) -> list[Setting]:
     """Of an engine, from tolerances or steps [ms]."""
-    if "march" in name:
+    if name in ("ours, march", "ours, call"):
         return [Setting(x, f"tol {x:.0e}") for x in numbers]
     return [Setting(1e-3 * x, f"dt {x:g} ms") for x in numbers]

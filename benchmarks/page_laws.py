@@ -15,14 +15,14 @@ import numpy as np
 from benchmarks import law_paths
 from benchmarks.harness import Candidate, measure
 from benchmarks.law_paths import LANES, Case
-from benchmarks.page_parts import BASE, Choice, part
+from benchmarks.page_parts import FLOATS, Choice, part
 from benchmarks.peers import simcoon_path, sma_react_path
 from benchmarks.peers.simcoon_path import ALLOY, Alloy
 from benchmarks.report import Table
 from benchmarks.sections_laws import apart
 from martensite.physics.laws.lagoudas import Lagoudas
 
-STEPS = 1000
+BASE, STEPS = "martensite, C", 1000
 LINEAR = ALLOY._replace(exponent=1.0)
 HOT, COLD = (law_paths.STRESS, 423.15), (law_paths.STRESS, 293.15)  # [Pa], [K]
 
@@ -88,7 +88,7 @@ def laws(choice: Choice) -> list[Table]:
     cooled = ways["cooled"]
     runs = [
         Candidate(name, law_paths.single(cooled, kind), lambda found: apart(found, exact["cooled"]))
-        for name, kind in {BASE: "c", "martensite, floats": "floats"}.items()
+        for name, kind in {BASE: "c", FLOATS: "floats"}.items()
     ]
     runs += [*law_batches(cooled), *peers(exact)]
     rows = [

@@ -14,23 +14,26 @@ from typing import Any, NamedTuple
 
 from benchmarks import mas_batches, mas_runs, sections_realtime, sections_sweep, sections_throughput
 from benchmarks.engines import Engine, available
-from benchmarks.equal_error import Contender, equal_error
+from benchmarks.equal_error import Contender, Made, equal_error
 from benchmarks.inputs import Drive, sine
-from benchmarks.problem_a import Wire, rms_error
+from benchmarks.problem_a import Wire, first_sets, parameter_sets, rms_error
 from benchmarks.problem_b import Wire as RateWire
-from benchmarks.references import reference
+from benchmarks.references import batch_reference, reference
 from benchmarks.report import Table
 from benchmarks.sections import Options, gradient
 from benchmarks.sections_mas import Effort, library, peers
 
 Row = dict[str, Any]
-BASE, LEVELS = "martensite, C", (1e-4, 1e-5)
+LEVELS = (1e-4, 1e-5)
+COMPILED, ODEINT = "numbalsoda (LSODA in C)", "SciPy odeint (LSODA)"
+CALL, MARCH, FLOATS = "martensite, `simulate`", "martensite, C alone", "martensite, floats"
 NAMES = {
-    "ours": "martensite, floats",
-    "ours-march": BASE,
+    "lsoda-c": COMPILED,
+    "odeint": ODEINT,
+    "ours-call": CALL,
+    "ours-march": MARCH,
     "ours-c": "martensite, C, equal steps",
-    "lsoda-c": "numbalsoda (LSODA in C)",
-    "odeint": "SciPy odeint (LSODA)",
+    "ours": FLOATS,
     "lsoda": "SciPy solve_ivp (LSODA)",
     "rk45": "SciPy solve_ivp (RK45)",
     "dop853": "SciPy solve_ivp (DOP853)",
@@ -40,15 +43,23 @@ NAMES = {
     "diffrax-forward": "diffrax (Tsit5, forward mode)",
 }
 RATE_NAMES = {
-    "ours, march": BASE,
+    "LSODA in C": COMPILED,
+    "LSODA": ODEINT,
+    "ours, call": CALL,
+    "ours, march": MARCH,
     "ours, C": "martensite, C, equal steps",
-    "ours, floats": "martensite, floats",
-    "LSODA": "SciPy odeint (LSODA)",
+    "ours, floats": FLOATS,
     "Radau": "SciPy solve_ivp (Radau)",
     "CVODE": "SUNDIALS CVODE (BDF)",
     "Kvaerno5": "diffrax (Kvaerno5)",
 }
 UNITS = re.compile(r"\[(?:n|u|m)?(?:s|mm|MB|us/run|GB)\]|/s\b")
+
+
+BATCHED = ("lsoda-c", "odeint", "ours-call", "ours-march")
+RATE_BATCHED = ("LSODA in C", "LSODA", "ours, call", "ours, march")
+JUDGED, FEW = 4, 16
+"""Runs of a batch that are compared with references, and runs of a solver that makes them one after another."""
 
 
 class Choice(NamedTuple):
@@ -81,8 +92,8 @@ def without_units(row: Row) -> Row:
 
 
 def table_at(level: float, contenders: Sequence[Contender], repeats: int) -> Table:
-    """Engines at equal error."""
-    rows = equal_error(contenders, level, repeats, BASE)
+    """Engines at equal error; the first one is the base."""
+    rows = equal_error(contenders, level, repeats, contenders[0].name)
     return Table(f"Error of at most {level:.0e}", rows)
 
 
@@ -100,9 +111,8 @@ def wire_contender(engine: Engine, p: Wire, drive: Drive) -> Contender:
 @part
 def wire(choice: Choice) -> list[Table]:
     """Single runs of problem A."""
-    names = ["ours-march", "ours-c", "ours", "lsoda-c", "odeint", "lsoda", "rk45", "dop853"]
-    names += ["cvode", "diffrax"]
-    engines = available(names if choice.quick else [*names, "radau"])
+    names = [name for name in NAMES if name != "diffrax-forward" and not (choice.quick and name == "radau")]
+    engines = available(names)
     contenders = [wire_contender(e, Wire(), sine()) for e in engines]
     return [table_at(level, contenders, choice.repeats) for level in choice.levels()]
 
@@ -126,6 +136,51 @@ def rates(choice: Choice) -> list[Table]:
 
 
 # ---------------------------------------------------------------- batches
+
+
+def wire_batch(engine: Engine, sets: Wire, count: int) -> Contender:
+    """An engine on the first `count` wires of a batch of problem A; the first ones are judged."""
+    assert engine.batch is not None
+    some, make = first_sets(sets, count), engine.batch
+    exact = batch_reference(engine.rule, sets, sine(), JUDGED)
+    settings = {
+        label: lambda setting=setting: make(some, sine(), setting) for label, setting in engine.settings.items()
+    }
+    return Contender(NAMES[engine.name], settings, lambda x: max(map(rms_error, x[:JUDGED], exact)), count)
+
+
+def rate_batch(name: str, sets: list[RateWire], count: int) -> Contender:
+    """An engine on the first `count` wires of a batch of problem B; the first ones are judged."""
+    some, effort = sets[:count], Effort()
+    exact = [mas_batches.reference(one, "edge")[0] for one in sets[:JUDGED]]
+    settings: dict[str, Made] = {}
+    if make := mas_runs.BATCH.get(name):
+        for setting in mas_runs.settings_of(name, effort.march):
+            settings[setting.label] = partial(make, mas_runs.Problem(some[0]), some, setting.value)
+    else:
+        solve = mas_batches.lsoda_c if name == "LSODA in C" else mas_batches.odeint
+        settings = {f"rtol 1e-{n}": partial(solve, some, 10.0**-n) for n in effort.rtols}
+
+    def error(found: Any) -> float:
+        return max(mas_batches.errors(x, y)[0] for x, y in zip(found, exact, strict=False))
+
+    return Contender(RATE_NAMES[name], settings, error, count)
+
+
+@part
+def calls(choice: Choice) -> list[Table]:
+    """Batches as users call them, at equal error."""
+    count = 64 if choice.quick else 256
+    sets, rate_sets = parameter_sets(count), mas_runs.parameter_sets(RateWire(), count)
+    names = [name for name in RATE_BATCHED if name != "LSODA in C" or mas_batches.LSODA_C]
+    wires = [wire_batch(e, sets, count if e.name.startswith("ours") else FEW) for e in available(BATCHED)]
+    rates = [rate_batch(name, rate_sets, count if name.startswith("ours") else FEW) for name in names]
+    tables = []
+    for level in choice.levels():
+        for problem, contenders in (("A", wires), ("B", rates)):
+            table = table_at(level, contenders, choice.repeats)
+            tables.append(table._replace(title=f"Problem {problem}, batch of {count}. {table.title}"))
+    return tables
 
 
 @part

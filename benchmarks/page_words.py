@@ -33,14 +33,30 @@ of one run.
 
 The parameters of both problems are chosen for this project; they describe no experiment. General solvers integrate
 the rate form of A, which restarts a transformation when it reverses. martensite continues where the transformation
-stopped. Each engine is compared with the converged solution of its form. Right-hand sides of SciPy and SUNDIALS
-are Python functions, as users write them. The right-hand sides of diffrax are JAX functions.
+stopped. Each engine is compared with the converged solution of its form. The right-hand side of LSODA in C is C.
+Right-hand sides of SciPy and SUNDIALS are Python functions. The right-hand sides of diffrax are JAX functions.
 """
 
 PARTS = {
-    "wire": Words("One run of problem A at equal error", "Base: martensite in C, one run, called from Python."),
+    "wire": Words(
+        "One run of problem A at equal error",
+        """
+Base: the first row, LSODA in C with a right-hand side in C, as numbalsoda calls it. *simulate* is the call of a user
+with all outputs and an error bound, for which the run is integrated twice. *C alone* is one integration with prepared
+arrays.
+""",
+    ),
     "rates": Words(
-        "One run of problem B at equal error", "Base: martensite in C. The solvers restart at the kinks of the power."
+        "One run of problem B at equal error",
+        "Base and rows as for problem A. The solvers restart at the kinks of the power.",
+    ),
+    "calls": Words(
+        "Batches as users call them",
+        """
+Every run has ten individual parameters. CPU time of a run, one thread; base: the first row. *simulate* stands here
+for `simulate_batch`. *C alone* is one integration of each run in batches with prepared arrays. LSODA runs 16 wires,
+one after another. Errors are those of the worst of four runs.
+""",
     ),
     "batches": Words(
         "Batches",

@@ -2,8 +2,8 @@
 
 What: positions are judged against Radau at rtol 1e-10, which meets the printed numbers of
 `problem_b` (Rodas4); rms and largest error are shares of the range. LSODA and Radau have their
-right-hand side in Python and restart at the kinks of the input; Kvaerno5 runs where diffrax is
-installed. Of a batch the first few sets are judged, each against its own reference.
+right-hand side in Python and restart at the kinks of the input; LSODA in C runs where numbalsoda is
+installed, Kvaerno5 where diffrax is. Of a batch the first few sets are judged, each against its own reference.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks import mas_batches, mas_runs
 from benchmarks.harness import Candidate, Timing, measure
-from benchmarks.mas_batches import DIFFRAX, errors, reference
+from benchmarks.mas_batches import DIFFRAX, LSODA_C, errors, reference
 from benchmarks.mas_runs import Problem, parameter_sets
 from benchmarks.peers import mas_ode
 from benchmarks.problem_b import REFERENCE, Wire, stiff
@@ -46,10 +46,10 @@ class Effort(NamedTuple):
     def steps(self, law: str) -> dict[str, Sequence[float]]:
         """Of single runs, by engine; tolerances of the march."""
         floats, c = (self.hybrid, self.hybrid) if law == "mas-hybrid" else (self.floats, self.c)
-        return {FLOATS: floats, C: c, MARCH: self.march}
+        return {FLOATS: floats, C: c, MARCH: self.march, CALL: self.march}
 
 
-FLOATS, C, MARCH = mas_runs.SINGLE
+FLOATS, C, MARCH, CALL = mas_runs.SINGLE
 USUAL = Effort()
 
 
@@ -60,6 +60,11 @@ def peers(p: Wire, form: str, effort: Effort) -> dict[tuple[str, str], Callable[
         for name, solve in mas_ode.SOLVERS.items()
         for n in effort.rtols
     }
+    if LSODA_C and form == "edge":
+        from benchmarks.peers import mas_lsoda_c
+
+        for n in effort.rtols:
+            runs["LSODA in C", f"rtol 1e-{n}"] = mas_lsoda_c.trajectory(p, 10.0**-n)
     if DIFFRAX and effort.kvaerno:
         from benchmarks.peers import mas_diffrax
 
@@ -151,8 +156,8 @@ def single_tables(options: Options, label: str, effort: Effort) -> list[Table]:
 def batch_tables(options: Options, label: str, size: int, effort: Effort) -> list[Table]:
     """A batch around one wire: every setting, and cost at equal error."""
     sets = parameter_sets(WIRES[label], size)
-    judge, (simd, march) = mas_batches.Judge(sets), mas_runs.BATCH
-    settings = {simd: effort.simd_batch, march: effort.march_batch}
+    judge, (simd, march, call) = mas_batches.Judge(sets), mas_runs.BATCH
+    settings = {simd: effort.simd_batch, march: effort.march_batch, call: effort.march_batch}
     runs = mas_batches.library(judge, sets, settings) if ours(options) else []
     runs += mas_batches.lsoda(judge, sets, effort.rtols)
     runs += mas_batches.kvaerno(judge, sets, effort.kvaerno_batch)

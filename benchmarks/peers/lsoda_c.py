@@ -70,25 +70,46 @@ def list_numbers(p: Wire) -> list[float]:
     return [*(float(getattr(p, name)) for name in NAMES), *more]
 
 
+def bind_solver(source: str, rtol: float, atol: float) -> Callable[[Any, Any, Any], Any]:
+    """Return a function of first state, numbers and times: states at the times, or None where LSODA gave up.
+
+    Args:
+        source: C of `rates(time, state, slope of the state, numbers)`.
+        rtol: relative tolerance.
+        atol: absolute tolerance of every state.
+    """
+    import numpy as np
+
+    solver, rates = _find_solver(), ctypes.cast(load_library(source).rates, ctypes.c_void_p)
+    worked = ctypes.c_int(0)
+    end = (rtol, atol, MOST_STEPS, ctypes.addressof(worked))
+
+    def solve(y: Any, numbers: Any, times: Any) -> Any:
+        states = np.empty((len(times), len(y)))
+        pointers = (y.ctypes.data, numbers.ctypes.data, len(times), times.ctypes.data, states.ctypes.data)
+        solver(rates, len(y), *pointers, *end)
+        return states if worked.value == 1 else None
+
+    return solve
+
+
 def single(p: Wire, drive: Drive, s: Setting) -> Callable[[], Any]:
     """Return one run, displacement [mm] included."""
     import numpy as np
 
-    solver, rates = _find_solver(), ctypes.cast(load_library(SOURCE).rates, ctypes.c_void_p)
-    d, numbers = lumped(p), np.array(list_numbers(p))
+    solve, d, numbers = bind_solver(SOURCE, s.rtol, s.rtol), lumped(p), np.array(list_numbers(p))
     parts = list(spans(drive, s, np.arange(round(drive.duration * 10) + 1) / 10))
     levels = drive.levels or (-1.0,)
 
     def go() -> Any:
-        y, rows, worked = np.array([p.T_a, 1.0]), [], ctypes.c_int(0)
+        y, rows = np.array([p.T_a, 1.0]), []
         for (times, on_grid), level in zip(parts, levels, strict=True):
-            numbers[-1], found = level, np.empty((len(times), 2))
-            at = (y.ctypes.data, numbers.ctypes.data, len(times), times.ctypes.data, found.ctypes.data)
-            solver(rates, 2, *at, s.rtol, s.rtol, MOST_STEPS, ctypes.addressof(worked))
-            if worked.value != 1:
+            numbers[-1] = level
+            states = solve(y, numbers, times)
+            if states is None:
                 return np.full(round(drive.duration * 10) + 1, np.nan)
-            y = found[-1].copy()
-            rows.append(found[:-1][on_grid[:-1]])
+            y = states[-1].copy()
+            rows.append(states[:-1][on_grid[:-1]])
         return displacement(p, d, *np.concatenate([*rows, y[None]]).T)
 
     return go

@@ -4,14 +4,17 @@ Errors are shares of the range of the stroke: rms over 201 samples as in the ben
 the largest where it says so.
 """
 
+import ctypes
 from functools import cache
 
 import mas_reference as reference
 import numpy as np
 import pytest
 from benchmarks import problem_b
+from benchmarks.peers import mas_lsoda_c, mas_ode
 from benchmarks.problem_b import RANGE, REFERENCE, Wire, lumped, stiff, system, waveform
 
+from martensite.kernels.compiler import find_compiler, load_library
 from martensite.simulate.api import simulate
 
 TIMES = np.linspace(0.0, problem_b.DURATION, 201)
@@ -50,6 +53,20 @@ def apart(a, b):
     """rms and largest difference of the strokes over their range."""
     gap = np.abs(a[3] - b[3]) / np.ptp(b[3])
     return np.sqrt((gap**2).mean()), gap.max()
+
+
+# ---------------------------------------------------------------- right-hand side in C
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+def test_rates_in_c_are_those_in_python():
+    """The source of truth is the right-hand side in Python, on both sides of every threshold."""
+    rates, rng, kink = load_library(mas_lsoda_c.SOURCE).rates, np.random.default_rng(1), (3.0, 0.5, 0.4)
+    python, numbers = mas_ode.make_rhs(Wire(), "edge")(*kink), np.array([*mas_lsoda_c.list_numbers(Wire()), *kink])
+    for plus, minus, T in rng.uniform((0.0, 0.0, 280.0), (0.5, 0.5, 400.0), (200, 3)):
+        state, slope = np.array([plus, minus, T]), np.empty(3)
+        rates(ctypes.c_double(4.0), *(ctypes.c_void_p(one.ctypes.data) for one in (state, slope, numbers)))
+        assert slope == pytest.approx(python(4.0, state), rel=1e-9)
 
 
 # ---------------------------------------------------------------- printed numbers
