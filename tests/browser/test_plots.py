@@ -12,7 +12,9 @@ from martensite.cli.commands.web_bench import pack_text
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = (EXAMPLES / "constant_power.toml").read_text("utf-8")
 INKED = """canvas => {
-  const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+  pen.drawImage(canvas, 0, 0);
+  const data = pen.getImageData(0, 0, canvas.width, canvas.height).data;
   const seen = new Set();
   for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200)
     seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);

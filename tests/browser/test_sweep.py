@@ -97,7 +97,9 @@ def filled(page: Page) -> float:
         """() => {
           const canvas = document.querySelector(".sweep-canvas canvas");
           const over = document.querySelector(".sweep-canvas .chart-over");
-          const pen = canvas.getContext("2d");
+          const size = [canvas.width, canvas.height];
+          const pen = new OffscreenCanvas(...size).getContext("2d", { willReadFrequently: true });
+          pen.drawImage(canvas, 0, 0);
           const [left, top, w, h] = ["left", "top", "width", "height"]
             .map(side => parseFloat(over.style[side]) * devicePixelRatio);
           const data = pen.getImageData(left + 1, top + 1, w - 2, h - 2).data;

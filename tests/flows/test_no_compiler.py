@@ -25,7 +25,7 @@ def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.setenv("PATH", "")
     compiler._find_zig.cache_clear()
     try:
         found = compiler.find_compiler()
@@ -38,7 +38,7 @@ def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
 
 
 def test_without_any_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.setenv("PATH", "")
     monkeypatch.setattr(compiler, "find_spec", lambda name: None)
     compiler._find_zig.cache_clear()
     assert compiler.find_compiler() is None
