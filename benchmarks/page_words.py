@@ -42,8 +42,8 @@ PARTS = {
         "One run of problem A at equal error",
         """
 Base: the first row, LSODA in C with a right-hand side in C, as numbalsoda calls it. *simulate* is the call of a user
-with all outputs and an error bound, for which the run is integrated twice. *C alone* is one integration with prepared
-arrays.
+with all outputs and an error bound, for which the run is integrated two or three times; the other programs report no
+bound. *C alone* is one integration with prepared arrays.
 """,
     ),
     "rates": Words(
@@ -127,7 +127,7 @@ ALT = {
 }
 CAPTIONS = {
     "cost": "Figure: The CPU time per run falls until about 1,000 runs, because the start-up is shared.",
-    "memory": "Figure: The peak memory hardly depends on the number of runs.",
+    "memory": "Figure: The peak memory of the whole process, relative to the memory before the sweep.",
     "throughput": "Figure: Batches of 64 runs and more are several times faster than single runs.",
 }
 
