@@ -30,7 +30,7 @@ from martensite.export.wasm import build_wasm
 from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
 from martensite.kernels.compiler import load_library
-from martensite.simulate.compiled import Compiled, bind_system, compile_system
+from martensite.simulate.compiled import CompiledSystem, bind_system, compile_system
 from martensite.simulate.lanes import Lanes
 
 ROUNDS = 5
@@ -47,7 +47,7 @@ class Program(NamedTuple):
     """Length of a step [s]."""
 
     @property
-    def compiled(self) -> Compiled:
+    def compiled(self) -> CompiledSystem:
         """Traced."""
         return compile_system(self.system)
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.kernels.compiler import load_library
-from martensite.simulate.compiled import Compiled
+from martensite.simulate.compiled import CompiledSystem
 
 FREE = frozenset({"input", "constant", "item", "result", "detach", "store", "solved", "eps"})
 TYPICAL = 3
@@ -90,7 +90,7 @@ def peaks(turns: int = 1_000_000, megabytes: int = 256) -> Peaks:
     return Peaks(2 * made / best(looped("products")), made / best(looped("quotients")), 2 * source.nbytes / copied)
 
 
-def work(compiled: Compiled) -> Work:
+def work(compiled: CompiledSystem) -> Work:
     """Operations of a step, those in loops as often as they are made, about."""
     graph, found = compiled.program.graph, Counter[str]()
     constant = {node.index for node in compiled.program.hoisted_nodes}

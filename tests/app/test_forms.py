@@ -17,7 +17,7 @@ from martensite.base import units
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.files import toml_document
 from martensite.base.formats import spell_symbol
-from martensite.base.parameters import Declared, Number, param
+from martensite.base.parameters import FieldDeclaration, Number, param
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import read_scenario
@@ -130,18 +130,18 @@ def test_sliders_hold_the_value_and_stay_in_bounds() -> None:
 
 
 def test_ranges_follow_the_declaration() -> None:
-    length = Declared("parameter", "length", 1.0, "m", 0.0, 20.0, open_low=True)
+    length = FieldDeclaration("parameter", "length", 1.0, "m", 0.0, 20.0, open_low=True)
     assert controls.build_slider(0.1, length) == {
         "low": pytest.approx(0.01),
         "high": pytest.approx(1.0),
         "log": True,
         "whole": False,
     }
-    share = Declared("parameter", "share", 1.0, "1", 0.0, 1.0)
+    share = FieldDeclaration("parameter", "share", 1.0, "1", 0.0, 1.0)
     assert controls.build_slider(0.3, share) == {"low": 0.0, "high": 1.0, "log": False, "whole": False}
-    count = Declared("parameter", "number of elements", 1.0, "1", 1.0, 1e4)
+    count = FieldDeclaration("parameter", "number of elements", 1.0, "1", 1.0, 1e4)
     assert (controls.build_slider(2.0, count) or {})["whole"]
-    assert controls.build_slider(math.inf, Declared("parameter", "end", math.inf, "s")) is None
+    assert controls.build_slider(math.inf, FieldDeclaration("parameter", "end", math.inf, "s")) is None
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 from bad_calls import command
 
 from martensite.app import worker_pool
-from martensite.app.messages import Refusal, Written
+from martensite.app.messages import Refusal, WorkerJson
 from martensite.app.worker_pool import Worker, WorkerPool
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
@@ -117,7 +117,7 @@ def test_numbers_that_json_lacks_are_null(tmp_path: Path) -> None:
 def test_a_message_of_the_greatest_length_is_answered(tmp_path: Path) -> None:
     text = "x" * (8 * 2**20)
     found = pooled(tmp_path, lambda pool: pool.ask("", "run", {"t": text}))
-    assert isinstance(found, Written)  # passed on as it came
+    assert isinstance(found, WorkerJson)  # passed on as it came
     assert json.loads(found) == {"echo": {"t": text}}
 
 

@@ -21,7 +21,7 @@ from martensite.control.controllers.relay import OnOff
 from martensite.control.faults.base import AbstractFault
 from martensite.control.faults.sensor import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.parts import NEVER, WORST, Controllers, Disturbed, MountedSensor, Sensed, Sensors
+from martensite.control.loop.parts import NEVER, WORST, Controllers, MountedSensor, SensorFaults, Sensors, SensorState
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.channel import CurrentSensor
 from martensite.control.sensors.position import IdealSensor, PositionSensor
@@ -49,7 +49,7 @@ class Silent(AbstractFault):
 
 def followed(
     mounted: MountedSensor, truth: Any, late: Any = None, faults: tuple[AbstractFault, ...] = (), period: float = PERIOD
-) -> list[Sensed]:
+) -> list[SensorState]:
     """The sensor from rest along a record of what it looks at."""
     rows = np.atleast_2d(np.asarray(truth, float).T).T.tolist()
     late = np.zeros(len(rows)) if late is None else late
@@ -59,7 +59,7 @@ def followed(
     for k in range(1, len(rows)):
         active = [(fault, fault.active(floats, k * period)) for fault in faults]
         numbers = 0.0, float(late[k])
-        held = mounted.step(floats, held, known[k], numbers, period, Disturbed("it", active))
+        held = mounted.step(floats, held, known[k], numbers, period, SensorFaults("it", active))
         found.append(held)
     return found
 

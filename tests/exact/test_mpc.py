@@ -23,7 +23,7 @@ from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import AHEAD
 from martensite.control.controllers.mpc import Mpc, PlanMemory
 from martensite.control.controllers.pid import Correction, Pid
-from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
+from martensite.control.controllers.planning import Planner, PlanStart, Price, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
@@ -100,7 +100,7 @@ def test_a_plan_costs_what_its_parts_add_up_to() -> None:
 def test_the_plan_found_is_nearly_as_good_as_the_best_of_many_drawn() -> None:
     """From rest to 4 mm, eight signals: against 2000 plans of a random search."""
     tool, nothing = planner(4 * MM, 8, 1), (0.0,) * 8
-    found = tool.search(floats, 3, Planned(nothing, nothing, nothing))
+    found = tool.search(floats, 3, PlanStart(nothing, nothing, nothing))
     cost = tool.rate_plan(floats, found.plan).total
     lanes, rng = Lanes(SYSTEM, 100), np.random.default_rng(0)
     centre, spread, least = np.full(8, 0.3), np.full(8, 0.3), np.inf

@@ -19,7 +19,7 @@ from martensite.kernels.compiler import find_compiler
 from martensite.scenario.netcdf import read_labelled, read_restarts
 from martensite.scenario.running import run
 from martensite.scenario.scenario import Scenario, load
-from martensite.simulate.marching import Marched
+from martensite.simulate.marching import MarchResult
 from martensite.simulate.restarts import HOME, Relay
 from martensite.simulate.result import Result
 
@@ -46,9 +46,9 @@ def test_a_pass_is_made_on_one_runtime() -> None:
     """`auto` changes to C once its library is loaded, which may be between two legs; their records differ."""
     used = iter(["floats", "C", "C", "C"])
 
-    def march(plan: Any) -> Marched:
+    def march(plan: Any) -> MarchResult:
         rows = [[time] for time in plan.times]
-        return Marched(rows, runtime=next(used), state=(0.0,), extremes=((0.0,), (0.0,)))
+        return MarchResult(rows, runtime=next(used), state=(0.0,), extremes=((0.0,), (0.0,)))
 
     relay = Relay(march, HOME, [1.0])
     plan: Any = Leg([0.0, 1.0, 2.0])

@@ -32,7 +32,7 @@ VAGUE = IRREGULAR | {"found", "left", "made", "met", "named", "said", "wanted", 
 IN_FILES = {
     *(("Mpc", "kept"), ("AbstractFilter", "wanted"), ("InverseModel", "wanted")),  # keys of scenarios
     ("ProcessNoisePlant", "held"),  # an argument in saved runs
-    *(("ClampReference", "held"), ("Controlling", "wanted"), ("Sensed", "held")),  # states of saved runs
+    *(("ClampReference", "held"), ("ControllerState", "wanted"), ("SensorState", "held")),  # states of saved runs
 }
 """Members whose names are in files of users."""
 

@@ -12,7 +12,7 @@ from importlib import import_module
 from pkgutil import walk_packages
 
 import martensite
-from martensite.base.parameters import Declared, Parametrised
+from martensite.base.parameters import FieldDeclaration, Parametrised
 from martensite.base.units import DEGREES, DIFFERENCE
 
 UNITS = {
@@ -46,7 +46,7 @@ PARTS = ("actuators", "control", "physics", "scenario", "signals", "simulate")
 
 
 @cache
-def list_declared() -> tuple[tuple[str, Declared], ...]:
+def list_declared() -> tuple[tuple[str, FieldDeclaration], ...]:
     """Name and declaration of every parameter of the package."""
     for module in walk_packages(martensite.__path__, "martensite."):
         if module.name.split(".")[1] in PARTS:
@@ -71,7 +71,7 @@ def name_quantity(meaning: str) -> str:
     return "" if RATIO.search(head) or not head.split() else head.split()[-1]
 
 
-def is_wrong(one: Declared) -> bool:
+def is_wrong(one: FieldDeclaration) -> bool:
     """Return whether the unit does not fit the quantity that the meaning names."""
     quantity = name_quantity(one.doc)
     return quantity in UNITS and one.unit not in UNITS[quantity]
@@ -94,5 +94,5 @@ def test_no_default_is_the_absolute_zero() -> None:
 
 
 def test_a_spread_of_a_temperature_in_ohm_is_found() -> None:
-    assert is_wrong(Declared("parameter", "standard deviation of the soak temperature", 7.0, DIFFERENCE))
-    assert not is_wrong(Declared("parameter", "standard deviation of the soak temperature", 7.0, DEGREES))
+    assert is_wrong(FieldDeclaration("parameter", "standard deviation of the soak temperature", 7.0, DIFFERENCE))
+    assert not is_wrong(FieldDeclaration("parameter", "standard deviation of the soak temperature", 7.0, DEGREES))

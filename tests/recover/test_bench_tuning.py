@@ -19,7 +19,7 @@ from martensite.control.rules.rule_starts import convert_to_pid, gains_by_tests,
 from martensite.control.tuning.bench_tuning import tune_bench
 from martensite.control.tuning.gain_search import TuningSearch, build_free_gains
 from martensite.control.tuning.goals import ERRORS, Cost, Course, TuningGoal
-from martensite.control.tuning.loop_runs import LoopRuns, Seen, find_judged_output
+from martensite.control.tuning.loop_runs import LoopOutputs, LoopRuns, find_judged_output
 from martensite.control.tuning.measures import measure_loop
 from martensite.control.tuning.plant_spread import METHODS, OverPlants, compare_over_plants, draw_plants
 
@@ -33,9 +33,9 @@ SPREADS = {
 }
 
 
-def course_of(reference: Any, output: Any, period: float = 0.5) -> tuple[Course, Seen]:
+def course_of(reference: Any, output: Any, period: float = 0.5) -> tuple[Course, LoopOutputs]:
     y = np.asarray(output, float)
-    seen = Seen(y, np.asarray(reference, float), np.sin(y), 2.0 + y**2, 300.0 + y)
+    seen = LoopOutputs(y, np.asarray(reference, float), np.sin(y), 2.0 + y**2, 300.0 + y)
     return Course(seen, period), seen
 
 
@@ -72,10 +72,13 @@ def test_what_never_settles() -> None:
 def test_a_cost_has_its_derivatives(error: str) -> None:
     rng = np.random.default_rng(1)
     reference = np.repeat([1.0, 0.3, 0.8], 8)
-    seen = Seen(*rng.normal(1.0, 0.5, (5, 24)))._replace(reference=reference)
+    seen = LoopOutputs(*rng.normal(1.0, 0.5, (5, 24)))._replace(reference=reference)
     cost = Cost(TuningGoal(error=error, overshoot=0.7, energy=0.3, activity=0.4), Course(seen, 0.1))
-    moved = Seen(*rng.normal(0.0, 1.0, (5, 24, 1)))._replace(reference=np.zeros((24, 1)))
-    ends = [cost(Seen(*((a + h * b[:, 0])[None] for a, b in zip(seen, moved, strict=True))))[0] for h in (1e-6, -1e-6)]
+    moved = LoopOutputs(*rng.normal(0.0, 1.0, (5, 24, 1)))._replace(reference=np.zeros((24, 1)))
+    ends = [
+        cost(LoopOutputs(*((a + h * b[:, 0])[None] for a, b in zip(seen, moved, strict=True))))[0]
+        for h in (1e-6, -1e-6)
+    ]
     slope = float(cost.slope(seen, moved)[0])
     assert slope == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=1e-6)
     assert abs(slope) > 1e-3
@@ -83,7 +86,7 @@ def test_a_cost_has_its_derivatives(error: str) -> None:
 
 def test_parts_of_a_cost_count_by_their_weights() -> None:
     course, seen = course_of([1.0] * 6, [0.0, 0.5, 1.3, 0.9, 1.02, 1.0])
-    rows = Seen(*(column[None] for column in seen))
+    rows = LoopOutputs(*(column[None] for column in seen))
     bare = Cost(TuningGoal(overshoot=0.0, energy=0.0, activity=0.0), course)(rows)[0]
     for name in ("overshoot", "energy", "activity"):
         parts: Any = {"overshoot": 0.0, "energy": 0.0, "activity": 0.0, name: 1.0}
@@ -181,7 +184,7 @@ def sensed(c_compiler: str) -> LoopRuns:
 
 def cost_of(runs: LoopRuns) -> Cost:
     nominal = runs.run(runs.table({}, 1))
-    return Cost(TuningGoal(), Course(Seen(*(column[0] for column in nominal)), runs.bench.period))
+    return Cost(TuningGoal(), Course(LoopOutputs(*(column[0] for column in nominal)), runs.bench.period))
 
 
 def test_derivatives_through_the_loop_are_those_of_differences(ideal: LoopRuns) -> None:
@@ -291,7 +294,7 @@ def test_without_a_compiler_the_search_has_no_derivatives() -> None:
 
 
 def test_a_loop_that_cannot_be_run_is_an_error(sensed: LoopRuns, monkeypatch: pytest.MonkeyPatch) -> None:
-    failed = lambda self, table: Seen(*(np.full((len(table), 161), np.nan),) * 5)  # noqa: E731
+    failed = lambda self, table: LoopOutputs(*(np.full((len(table), 161), np.nan),) * 5)  # noqa: E731
     monkeypatch.setattr(LoopRuns, "run", failed)
     with pytest.raises(SolveError, match="fails with its present parameters"):
         tune_bench(sensed.bench, 8.0, ["Kp"], starts=[{GAINS[0]: 80.0}], search=QUICK)

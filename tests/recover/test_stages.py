@@ -17,7 +17,7 @@ from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.goals import at_rest
 from martensite.identify.chains.scores import free_run, score_chain
-from martensite.identify.chains.stages import Identified, ModelStage, identify_stages
+from martensite.identify.chains.stages import IdentifiedStages, ModelStage, identify_stages
 from martensite.signals.sampling.resampling import resample_record, select_signals
 from martensite.signals.sampling.sampled import Sampled
 
@@ -32,14 +32,14 @@ FITTED, SLOW = log("pulses", pulses(1)), log("ramps", ramps(), seed=2)
 
 
 @pytest.fixture(scope="module")
-def found() -> Identified:
+def found() -> IdentifiedStages:
     return identify_stages(FITTED, [STRUCTURE, LINE], SLOW, options=replace(FEW, anchor=0.1))
 
 
 # ---------------------------------------------------------------- stages
 
 
-def test_stages_and_their_series(found: Identified) -> None:
+def test_stages_and_their_series(found: IdentifiedStages) -> None:
     assert [s.output for s in found.stages] == ["temperature", "position"]
     assert found.model.text() == "poly(2) | oe(1,1,1) | poly(1)"
     assert (found.model.input_names, found.model.output_names) == (("duty",), ("position",))
@@ -56,7 +56,7 @@ def test_stages_and_their_series(found: Identified) -> None:
     assert rows["series", "validation"].worst == pytest.approx(np.max(np.abs(run - SLOW.outputs[:, 1:])))
 
 
-def test_rest_is_anchored(found: Identified) -> None:
+def test_rest_is_anchored(found: IdentifiedStages) -> None:
     still = np.zeros((50, 1))
     assert found.estimates[0].chain.simulate(still)[-1, 0] == pytest.approx(AMBIENT, abs=0.05)
     level = at_rest(stage_one(FITTED)).outputs[0, 0]
@@ -84,7 +84,7 @@ def test_what_stages_need() -> None:
 # ---------------------------------------------------------------- scores and records
 
 
-def test_free_runs_begin_as_is_said(found: Identified) -> None:
+def test_free_runs_begin_as_is_said(found: IdentifiedStages) -> None:
     chain = found.estimates[0].chain
     late = stage_one(log("late", ramps()[120:], noise=0.0))
     late = late.rows(5)  # in motion, neither at rest nor at zero
@@ -94,7 +94,7 @@ def test_free_runs_begin_as_is_said(found: Identified) -> None:
     assert free_run(chain, late, "rest")[0, 0] > 20.0
 
 
-def test_a_record_of_another_sample_time_is_brought_to_that_of_the_model(found: Identified) -> None:
+def test_a_record_of_another_sample_time_is_brought_to_that_of_the_model(found: IdentifiedStages) -> None:
     fine = resample_record(stage_one(SLOW), ratio=0.5)
     (score,) = score_chain(found.estimates[0].chain, [fine], "other")
     assert (score.role, score.fit > 98.0) == ("other", True)

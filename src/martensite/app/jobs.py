@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import JsonTable, Refusal, Written, describe_refusal
+from martensite.app.messages import JsonTable, Refusal, WorkerJson, describe_refusal
 from martensite.app.worker_pool import STOP_LIMIT, Worker
 
 AT_ONCE = 4
@@ -144,7 +144,7 @@ class PageJobs:
     async def _work(self, job: PageJob) -> None:
         try:
             answer = await job.worker.ask(job.call, job.request, job.add_note)
-            job.end("done", json.loads(answer) if isinstance(answer, Written) else answer)
+            job.end("done", json.loads(answer) if isinstance(answer, WorkerJson) else answer)
         except Refusal as refusal:
             state = "cancelled" if refusal.kind == "stopped" else "failed"
             if job.state == "running":

@@ -43,7 +43,7 @@ class BadMessageError(InputError):
     """A message does not fit its call."""
 
 
-class Written(bytes):
+class WorkerJson(bytes):
     """JSON of a worker, passed on unchanged."""
 
 
@@ -56,19 +56,19 @@ def write_message(message: Any) -> bytes:
     return text.encode("utf-8", "replace")
 
 
-class Packed(bytes):
+class PackedColumns(bytes):
     """An answer with columns, packed by a worker (`pack_columns`)."""
 
 
 COLUMNS_TYPE = "application/x-martensite-columns"
-"""Media type of `Packed`, for clients that accept it."""
+"""Media type of `PackedColumns`, for clients that accept it."""
 NUMBERS = "$numbers"
 SHORTEST_COLUMN = 16
 """Smallest length of a packed list."""
 _NUMERIC = {float, int, type(None)}
 
 
-def pack_columns(message: Any) -> Packed:
+def pack_columns(message: Any) -> PackedColumns:
     """Return a message with its long lists of numbers as binary.
 
     Four bytes, little endian, give the length of the following JSON, where such a list is `{"$numbers": [first,
@@ -93,7 +93,7 @@ def pack_columns(message: Any) -> Packed:
     if sys.byteorder == "big":
         numbers.byteswap()
     data = numbers.tobytes()
-    return Packed(len(head).to_bytes(4, "little") + head + b"".join(data[k::8] for k in range(8)))
+    return PackedColumns(len(head).to_bytes(4, "little") + head + b"".join(data[k::8] for k in range(8)))
 
 
 def read_message(data: bytes) -> JsonTable:

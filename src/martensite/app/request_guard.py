@@ -22,7 +22,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from martensite.app.earlier_tokens import digest_token
-from martensite.app.messages import COLUMNS_TYPE, Packed, Refusal, Written, write_message
+from martensite.app.messages import COLUMNS_TYPE, PackedColumns, Refusal, WorkerJson, write_message
 
 POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
@@ -194,9 +194,9 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) 
 
 def json_response(content: Any, status: int = 200) -> Response:
     """Return a JSON answer, or packed columns."""
-    if isinstance(content, Packed):
+    if isinstance(content, PackedColumns):
         return Response(content, status, media_type=COLUMNS_TYPE)
-    body = content if isinstance(content, Written) else write_message(content)
+    body = content if isinstance(content, WorkerJson) else write_message(content)
     return Response(body, status, media_type="application/json")
 
 

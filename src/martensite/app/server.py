@@ -21,7 +21,7 @@ LOOPBACK = "127.0.0.1"
 
 
 @dataclass(frozen=True)
-class Served:
+class ServerAddress:
     """Address of a running server."""
 
     port: int
@@ -68,7 +68,9 @@ def make_folder(folder: Path) -> Path:
     return folder.resolve()
 
 
-def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None) -> None:
+def serve_bench(
+    port: int = 0, folder: Path | None = None, ready: Callable[[ServerAddress], None] = lambda at: None
+) -> None:
     """Serve the bench until it is interrupted (Ctrl-C, SIGTERM, SIGHUP).
 
     Args:
@@ -89,7 +91,7 @@ def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Serv
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
         folder, record = make_folder(folder), TokenRecord.of_user()
         opened = stack.enter_context(bind_usual_port(port, record))
-        at = Served(opened.getsockname()[1], secrets.token_urlsafe(24))
+        at = ServerAddress(opened.getsockname()[1], secrets.token_urlsafe(24))
         earlier = record.list_earlier(at.port)
         record.add_start(at.port, at.token)
         config = uvicorn.Config(

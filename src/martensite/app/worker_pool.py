@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import JsonTable, Packed, Refusal, Written, write_message
+from martensite.app.messages import JsonTable, PackedColumns, Refusal, WorkerJson, write_message
 from martensite.base.child_python import python_command, python_environment
 
 COMMAND = tuple(python_command("-m", "martensite.app.worker"))
@@ -61,7 +61,7 @@ class Worker:
         return self._process
 
     async def ask(self, call: str, request: JsonTable, tell: Tell | None = None, columns: bool = False) -> Any:
-        """Return the answer to a call; `Packed` if it can be columns.
+        """Return the answer to a call; `PackedColumns` if it can be columns.
 
         Raises:
             Refusal: the call was refused or failed, or the process died.
@@ -139,11 +139,11 @@ async def _read_line(process: asyncio.subprocess.Process) -> bytes:
         reading.cancel()
 
 
-async def _read_bytes(process: asyncio.subprocess.Process, count: int) -> Packed:
+async def _read_bytes(process: asyncio.subprocess.Process, count: int) -> PackedColumns:
     try:
         if process.stdout is None or not 0 <= count <= LONGEST_LINE:
             raise Refusal("The answer is too long to be shown.", 422, "failed")
-        return Packed(await process.stdout.readexactly(count))
+        return PackedColumns(await process.stdout.readexactly(count))
     except asyncio.IncompleteReadError:
         raise Refusal(LOST_SENTENCE, 500, "lost") from None
 
@@ -153,7 +153,7 @@ def _parse_line(line: bytes) -> JsonTable:
     if not line.endswith(b"\n"):
         raise Refusal(LOST_SENTENCE, 500, "lost")
     if len(line) > LONG_ANSWER and line.startswith(ANSWER) and line.endswith(b"}\n"):
-        return {"answer": Written(line[len(ANSWER) : -2])}
+        return {"answer": WorkerJson(line[len(ANSWER) : -2])}
     try:
         message = json.loads(line)
         if "bytes" in message:

@@ -37,7 +37,7 @@ class ByUnit(dict[str, Any]):
 
 
 @dataclass(frozen=True)
-class Declared:
+class FieldDeclaration:
     """Declaration of one field; `kind` is parameter, option, text or part."""
 
     kind: str
@@ -149,15 +149,15 @@ def param(
         high: highest allowed value.
         above: excluded lower bound, instead of `low`.
         default: default value; without a default, the parameter is required.
-        typical: ordinary value, in SI or as text with a unit (`Declared.typical`).
+        typical: ordinary value, in SI or as text with a unit (`FieldDeclaration.typical`).
     """
     least = low if above is None else above
-    return Declared("parameter", doc, default, unit, least, high, above is not None, typical=typical)
+    return FieldDeclaration("parameter", doc, default, unit, least, high, above is not None, typical=typical)
 
 
 def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
     """Declare a choice between words; each choice is a different program."""
-    return Declared("option", doc, default, choices=choices, typical=choices[0])
+    return FieldDeclaration("option", doc, default, choices=choices, typical=choices[0])
 
 
 def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED, typical: str | None = None) -> Any:
@@ -165,12 +165,12 @@ def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED, typical: str | 
 
     A typical text `=name` equals the entry `name`.
     """
-    return Declared("text", doc, default, typical=typical)
+    return FieldDeclaration("text", doc, default, typical=typical)
 
 
 def part(doc: str, registry: Registry[Any] | None = None, *, default: Any = REQUIRED, typical: Any = None) -> Any:
     """Declare a component, chosen by name from `registry` in files; `typical` is a name or a table."""
-    return Declared("part", doc, default, registry=registry, typical=typical)
+    return FieldDeclaration("part", doc, default, registry=registry, typical=typical)
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ class Leaf:
     """One parameter of a tree: dotted path, declaration, value, owner."""
 
     path: str
-    declared: Declared
+    declared: FieldDeclaration
     value: Any
     owner: str = field(default="")
 
@@ -198,7 +198,7 @@ class Parametrised:
 
     registered_name: ClassVar[str] = ""
     cites: ClassVar[tuple[str, ...]] = ()
-    declarations: ClassVar[dict[str, Declared]] = {}
+    declarations: ClassVar[dict[str, FieldDeclaration]] = {}
     names_reading: ClassVar[tuple[str, ...]] = ()
     """Text fields that may name a reading; the first named reading gives the unit of levels and differences here and in
     components.
@@ -213,8 +213,8 @@ class Parametrised:
         super().__init_subclass__()
         if isinstance(cls.declarations, property):  # computed by the class
             return
-        own = {name: d for name, d in vars(cls).items() if isinstance(d, Declared)}
-        inherited: dict[str, Declared] = {}
+        own = {name: d for name, d in vars(cls).items() if isinstance(d, FieldDeclaration)}
+        inherited: dict[str, FieldDeclaration] = {}
         for base in cls.__bases__:
             inherited |= getattr(base, "declarations", {})
         cls.declarations = {**inherited, **own}
@@ -371,7 +371,7 @@ def describe_structure(part: Parametrised) -> tuple[Any, ...]:
     )
 
 
-class Keyed(Generic[Part]):
+class StructureKey(Generic[Part]):
     """Hashable key of a parametrised object: objects of equal structure are equal."""
 
     __slots__ = ("key", "part")
@@ -383,7 +383,7 @@ class Keyed(Generic[Part]):
         return hash(self.key)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Keyed) and self.key == cast("Keyed[Any]", other).key
+        return isinstance(other, StructureKey) and self.key == cast("StructureKey[Any]", other).key
 
 
 def values_at(part: Parametrised, paths: Sequence[str]) -> list[Any]:

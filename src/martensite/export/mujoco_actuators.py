@@ -48,7 +48,7 @@ from martensite.export.strand import TracedStrand
 from martensite.kernels.compiled_program import get_address
 from martensite.kernels.compiler import load_library
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import CompiledSystem, compile_system
 
 HEAD, OWN = 2, 7
 """Numbers in `userdata` for a group, and for each of its elements in addition to its states."""
@@ -136,7 +136,7 @@ class MujocoActuators:
         self.model = add_actuators(spec, self.tendons, (number, self._first), end)
         self._numbers = find_tendons(self.model, self.tendons)
 
-    def _make_group(self, compiled: Sequence[Compiled], weights: Sequence[float]) -> Any:
+    def _make_group(self, compiled: Sequence[CompiledSystem], weights: Sequence[float]) -> Any:
         self._library.make_group.restype = ctypes.c_void_p
         group = ctypes.c_void_p(self._library.make_group(get_address(np.array(weights))))
         for k, (one, strand) in enumerate(zip(compiled, self.strands, strict=True)):
@@ -240,7 +240,7 @@ def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) ->
     ]
 
 
-def place_strands(compiled: Sequence[Compiled], first: int) -> list[int]:
+def place_strands(compiled: Sequence[CompiledSystem], first: int) -> list[int]:
     """Return the first index in `userdata` of each element, and the end of the last one."""
     places = [first]
     for one in compiled:

@@ -11,7 +11,7 @@ from martensite.base.errors import InputError
 from martensite.export.c_kernels import CKernel, kernels_text, precision_of
 from martensite.export.mujoco_models import load_mujoco
 from martensite.kernels.compiler import load_library
-from martensite.simulate.compiled import Compiled
+from martensite.simulate.compiled import CompiledSystem
 
 NUMBERS = {"SOLVED": 1e-8, "AGREED": 1e-10, "LEAST": 1e-3, "TURNS": 50, "SWEEPS": 200, "MOST": 4096}
 """Residual of a solved element; relative change and smallest significant force [N] of balanced elements; iterations and
@@ -24,7 +24,7 @@ def list_flags() -> tuple[str, ...]:
     return (f"-I{Path(load_mujoco().__file__).parent / 'include'}",)
 
 
-def write_source(compiled: Sequence[Compiled]) -> str:
+def write_source(compiled: Sequence[CompiledSystem]) -> str:
     """Write the C of all elements of a model."""
     texts, kinds = list[str](), dict[int, int]()
     for one in compiled:

@@ -11,7 +11,7 @@ import numpy as np
 from martensite.fit.evaluation import Evaluation
 from martensite.fit.losses import Loss, estimate_scale
 from martensite.fit.search_monitor import SearchMonitor
-from martensite.search.least_squares import SETTLED, Descended, descend_squares
+from martensite.search.least_squares import SETTLED, DescentEnd, descend_squares
 
 RESUMED = "best so far"
 CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
@@ -116,7 +116,7 @@ def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_
 
 def _descend_to_optimum(
     watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
-) -> Descended:
+) -> DescentEnd:
     order = watch.problem.order
 
     def evaluate(v: Any, slopes: bool) -> Evaluation | None:

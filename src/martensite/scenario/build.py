@@ -16,7 +16,7 @@ from typing import Any, cast
 from martensite.actuators.elements.from_material import ASSUMED_KINDS
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, UnitError, suggest_name
-from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Parametrised
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import NAMES, Material
 from martensite.scenario.components import component_class, convert_plain, is_members, is_plain
@@ -145,7 +145,7 @@ class Builder:
         self,
         values: dict[str, Any],
         name: str,
-        declared: Declared,
+        declared: FieldDeclaration,
         child: tuple[type[Parametrised], Table] | None,
         path: str,
         draws: bool,
@@ -158,7 +158,9 @@ class Builder:
             valid = f"Write a table [{path}.{name}]." if kinds is None else suggest_name("", kinds.names())
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
-    def _convert_value(self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str) -> Any:
+    def _convert_value(
+        self, cls: type[Parametrised], name: str, declared: FieldDeclaration, value: Any, path: str
+    ) -> Any:
         """Return the value for the constructor; text keeps its unit for messages."""
         if declared.kind in ("option", "text"):
             return value
@@ -211,7 +213,7 @@ class Builder:
                 remedy = f"material `{self.material.name}` does not hold it: {remedy}"
         return f"[{path}] `{_name_class(cls)}` needs {listed}; {remedy}."
 
-    def _describe_number(self, declared: Declared, name: str, brief: bool) -> str:
+    def _describe_number(self, declared: FieldDeclaration, name: str, brief: bool) -> str:
         unit = self.scales.label(declared) if declared.kind == "parameter" else ""
         unit = f" [{unit}]" if unit else ""
         return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")

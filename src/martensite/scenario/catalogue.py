@@ -9,7 +9,7 @@ from typing import Any, TypedDict
 
 from martensite.base.errors import UnknownNameError
 from martensite.base.formats import spell_symbol, spell_title
-from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Parametrised
 from martensite.base.registry import Registry
 from martensite.base.units import OF_LOOPS, OF_READINGS
 from martensite.signals.base import DRIVE
@@ -147,7 +147,7 @@ def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
     }
 
 
-def describe_entry(name: str, declared: Declared) -> EntryDescription:
+def describe_entry(name: str, declared: FieldDeclaration) -> EntryDescription:
     """Return the declaration of one entry as plain values."""
     required = declared.default is REQUIRED
     default = None if required else declared.default
@@ -172,7 +172,7 @@ def describe_entry(name: str, declared: Declared) -> EntryDescription:
     }
 
 
-def _describe_allowed(declared: Declared) -> str:
+def _describe_allowed(declared: FieldDeclaration) -> str:
     if declared.unit == DRIVE:
         return "any level in the unit of the source"
     if declared.unit in OF_LOOPS:

@@ -13,7 +13,7 @@ from typing import Any, cast
 
 from martensite.actuators.assembly import Members
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Declared, Parametrised
+from martensite.base.parameters import FieldDeclaration, Parametrised
 from martensite.base.part_kinds import find_annotated
 
 PLAIN = ("Any", "int")
@@ -79,7 +79,7 @@ def is_plain(owner: type[Parametrised], name: str) -> bool:
     return declared.kind == "part" and declared.registry is None and _read_annotation(owner, name) in PLAIN
 
 
-def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
+def convert_plain(declared: FieldDeclaration, name: str, value: Any, path: str) -> Any:
     """Return a whole number or a list of numbers as the value of a part.
 
     Raises:

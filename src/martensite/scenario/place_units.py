@@ -12,7 +12,7 @@ from typing import Any, cast
 
 from martensite.base import units
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Declared, Parametrised
+from martensite.base.parameters import FieldDeclaration, Parametrised
 from martensite.signals.base import DRIVE
 
 
@@ -44,7 +44,7 @@ class PlaceUnits:
         )
         return self if units_here == self else units_here
 
-    def unit(self, declared: Declared) -> str:
+    def unit(self, declared: FieldDeclaration) -> str:
         """Return the SI unit of a number; 1 for readings of several units.
 
         Raises:
@@ -58,7 +58,7 @@ class PlaceUnits:
             raise ParameterError(f"No reading is named, in whose unit is: {declared.doc}.")
         raise ParameterError(f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}")
 
-    def find_unit(self, declared: Declared) -> str | None:
+    def find_unit(self, declared: FieldDeclaration) -> str | None:
         """Return the SI unit of a number, or None if its reading is unknown."""
         if declared.unit == DRIVE:
             return self.drive
@@ -73,7 +73,7 @@ class PlaceUnits:
         own = {units.of_reading(declared.unit, self.readings[name]) for name in self.reading_names}
         return own.pop() if len(own) == 1 else "1"
 
-    def label(self, declared: Declared) -> str:
+    def label(self, declared: FieldDeclaration) -> str:
         """Return the familiar unit of a number; empty without a known unit."""
         unit = units.choose_readable_unit(self.find_unit(declared) or "1")
         return "" if unit == "1" else unit

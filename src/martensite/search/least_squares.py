@@ -34,7 +34,7 @@ class Residuals(Protocol):
         ...
 
 
-class Descended(NamedTuple):
+class DescentEnd(NamedTuple):
     """End of a descent."""
 
     shares: Numbers
@@ -54,7 +54,7 @@ def descend_squares(
     scale: float = 1.0,
     held: Sequence[int] = (),
     weights: Numbers | float = 1.0,
-) -> Descended:
+) -> DescentEnd:
     """Return the nearest minimum from a start.
 
     Args:
@@ -99,4 +99,4 @@ def descend_squares(
         loss=loss,
         f_scale=scale,
     )
-    return Descended(whole(outcome.x), float(outcome.cost), outcome.status > 0)
+    return DescentEnd(whole(outcome.x), float(outcome.cost), outcome.status > 0)

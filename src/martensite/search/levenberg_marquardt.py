@@ -43,7 +43,7 @@ class LeastSquaresCost(Protocol):
 
 
 @dataclass(frozen=True)
-class Found:
+class CostMinimum:
     """End of a search."""
 
     theta: Numbers
@@ -61,7 +61,7 @@ def minimise_cost(
     patience: int = 4,
     free: NDArray[np.bool_] | None = None,
     watch: Callable[[int, float, Numbers], None] | None = None,
-) -> Found:
+) -> CostMinimum:
     """Return the nearest minimum from a start, within a number of iterations.
 
     The search ends after `patience` consecutive steps with a relative gain below the tolerance. `free` is True for
@@ -74,15 +74,15 @@ def minimise_cost(
     for count in range(iterations):
         step = _try_step(cost, theta, normal, damping, moving)
         if step is None or not len(moving):
-            return Found(theta, normal.value, count, True)
+            return CostMinimum(theta, normal.value, count, True)
         theta, damping = step
         before, normal = normal.value, cost.normal(theta)
         if watch is not None:
             watch(count + 1, normal.value, theta)
         little = little + 1 if before - normal.value <= tolerance * before else 0
         if little >= patience:
-            return Found(theta, normal.value, count + 1, True)
-    return Found(theta, normal.value, iterations, False)
+            return CostMinimum(theta, normal.value, count + 1, True)
+    return CostMinimum(theta, normal.value, iterations, False)
 
 
 def _try_step(

@@ -34,7 +34,7 @@ from martensite.simulate.adaptive import PER_STRESS, AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.forks import Decision
 from martensite.simulate.march import FixedMarch
-from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.marching import MarchPlan, MarchResult
 from martensite.simulate.recorded_track import Observe, observe_on_floats
 from martensite.simulate.restarts import SampleTimes
 from martensite.simulate.track import Numbers
@@ -71,7 +71,7 @@ FEW = 201
 LEAST_ACCURACY = 1e-12
 """Smallest accuracy that is reported."""
 
-March = Callable[[MarchPlan], Marched]
+March = Callable[[MarchPlan], MarchResult]
 _SPENT: WeakKeyDictionary[CompiledMarch, float] = WeakKeyDictionary()
 """CPU time [s] on floats in this process, by structure; many short runs also justify a compiler."""
 
@@ -91,14 +91,14 @@ class RunEngine:
     """Runtime of the last pass."""
     begin: float = field(default_factory=time.process_time)
 
-    def __call__(self, plan: MarchPlan) -> Marched:
+    def __call__(self, plan: MarchPlan) -> MarchResult:
         """Run a plan; raise `BudgetError` if the budget is spent."""
         ways = {"auto": self._quickest, "c": self._on_c, "floats": self._on_floats}
         run = ways[self.runtime](plan)
         run.runtime = self.last_runtime
         return run
 
-    def _quickest(self, plan: MarchPlan) -> Marched:
+    def _quickest(self, plan: MarchPlan) -> MarchResult:
         """Run on floats if the run is short or no compiler is available, else in C."""
         from martensite.kernels.compiler import find_compiler
 
@@ -118,7 +118,7 @@ class RunEngine:
                 _SPENT[self.compiled] = spent + time.process_time() - begin
         return self._on_c_if_possible(plan)
 
-    def _on_c_if_possible(self, plan: MarchPlan) -> Marched:
+    def _on_c_if_possible(self, plan: MarchPlan) -> MarchResult:
         """Run in C, or on floats if the compiler fails."""
         try:
             return self._on_c(plan)
@@ -132,7 +132,7 @@ class RunEngine:
 
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 
-    def _on_floats(self, plan: MarchPlan, hasty: bool = False) -> Marched:
+    def _on_floats(self, plan: MarchPlan, hasty: bool = False) -> MarchResult:
         """Run on floats; raise `TimeoutError` if `hasty` and C would be faster."""
         self.last_runtime = "floats"
         functions = self.compiled.program.bind_floats(*self.values)
@@ -153,9 +153,9 @@ class RunEngine:
 
         return march(plan, functions).run(look)
 
-    def _on_c(self, plan: MarchPlan) -> Marched:
+    def _on_c(self, plan: MarchPlan) -> MarchResult:
         """Run in C and compile if necessary."""
-        from martensite.simulate.marching_native import Marching, Runs
+        from martensite.simulate.marching_native import NativeMarch, Runs
 
         if self.tell is not None and self._readiness(plan) == "new":
             self.tell("compiling", 0.0)
@@ -164,7 +164,7 @@ class RunEngine:
         try:
             marching = idle.pop()
         except IndexError:
-            marching = Marching(runs)
+            marching = NativeMarch(runs)
         else:
             marching.set_runs(runs)
         run = marching.go(self._watch("simulating")).take_run(0, plan.times)
@@ -219,7 +219,7 @@ def require_budget(budget: float | None, begin: float, share: float) -> float:
     return spent
 
 
-def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
+def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[MarchResult, float]:
     """Return the last run to a tolerance and its error bounds as fractions of the ranges of judged outputs."""
     compiled, compared = plan.compiled, choose_samples(len(plan.times), plan.skipped)
     local, accuracy = LOCAL[plan.order] * tolerance, math.inf
@@ -306,7 +306,7 @@ def read_judged(compiled: CompiledMarch, rows: Any) -> Numbers:
     return np.asarray(rows, float).reshape(len(rows), -1).take(compiled.judged, 1)
 
 
-def bound_error(compiled: CompiledMarch, run: Marched) -> float:
+def bound_error(compiled: CompiledMarch, run: MarchResult) -> float:
     """Return the largest gap plus the neglected errors, as a fraction of ranges."""
     gaps = run.largest or [math.inf] * len(run.ranges)
     ranges = [max(span, least) for span, (_, least) in zip(run.ranges, compiled.convergence_scales, strict=True)]

@@ -26,7 +26,7 @@ from martensite.simulate.forks import describe_decision
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.ledger import HeatBalance, WorkBalance, balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
-from martensite.simulate.marching import Marched, MarchPlan, Row
+from martensite.simulate.marching import MarchPlan, MarchResult, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops, tabulate_times
 from martensite.simulate.result import Result
 from martensite.simulate.start_report import describe_start
@@ -103,10 +103,10 @@ def simulate(
     engine = RunEngine(compiled, list_values(system), runtime, tell, budget)
     relay = Relay(engine, start, place_stops(restart_at, times))
 
-    def march(relay: Relay, plan: MarchPlan) -> tuple[Marched, float | None]:
+    def march(relay: Relay, plan: MarchPlan) -> tuple[MarchResult, float | None]:
         return march_to(relay, plan, tolerance) if step is None else (relay(plan), None)
 
-    def march_again(plan: MarchPlan) -> tuple[Marched, float | None]:
+    def march_again(plan: MarchPlan) -> tuple[MarchResult, float | None]:
         return march(Relay(engine, start, [stop for stop in relay.stops if stop < plan.times[-1]]), plan)
 
     plan, run, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
@@ -139,7 +139,7 @@ def _in_discrete_time(
     grid = whole.cut(start.time, whole.times[-1])
     begin = time.process_time()
 
-    def march(plan: MarchPlan) -> Marched:
+    def march(plan: MarchPlan) -> MarchResult:
         require_budget(budget, begin, plan.times[0] / grid.times[-1])
         leg = whole.cut(plan.times[0], plan.times[-1])
         run = _march_grid(system, compiled, leg, runtime, plan.start).require()
@@ -173,9 +173,9 @@ def _in_discrete_time(
 
 def _march_grid(
     system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str, start: Row = ()
-) -> Marched:
+) -> MarchResult:
     """Run on given steps; repeat a failed run on floats, which report time and place."""
-    run: Marched | None = None
+    run: MarchResult | None = None
     limits = envelope_of(system)
     if runtime == "c":
         from martensite.simulate.native import march_c
@@ -226,7 +226,7 @@ class _RunContext(NamedTuple):
     accuracy: float | None = None
 
 
-def _build_result(system: AbstractSystem, plan: MarchPlan, run: Marched, context: _RunContext) -> Result:
+def _build_result(system: AbstractSystem, plan: MarchPlan, run: MarchResult, context: _RunContext) -> Result:
     names, book = name_outputs(system), plan.compiled.book
     columns = np.array(np.asarray(run.require().rows, float).T, order="C")
     notes, heat, work, unknown = list[str](), None, None, list[str]()

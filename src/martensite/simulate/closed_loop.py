@@ -31,7 +31,7 @@ from martensite.simulate.compiled import bind_system
 from martensite.simulate.envelope import Envelope, describe_exit, rows_inside
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.march import FloatWalk
-from martensite.simulate.marching import Marched, Row
+from martensite.simulate.marching import MarchResult, Row
 from martensite.simulate.restarts import HOME
 from martensite.simulate.result import Result
 from martensite.simulate.start_report import describe_start
@@ -183,7 +183,7 @@ class _Walk:
         self.switched: Row = self.observe(*self.walk.state, plan.probe)
         """Outputs when the source was last on."""
 
-    def run(self) -> Marched:
+    def run(self) -> MarchResult:
         """Run all periods; failures set the status. Of a period that leaves the envelope only the start is kept."""
         memory: Any = self.plan.drive.init()
         try:
@@ -242,7 +242,7 @@ class _Walk:
                 break
         return before
 
-    def loop(self, run: Marched) -> LoopResult:
+    def loop(self, run: MarchResult) -> LoopResult:
         """Return the result, with its alarms."""
         plan, count = self.plan, len(self.times)
         times = np.array([plan.start(k) for k in range(len(run.rows))], float)

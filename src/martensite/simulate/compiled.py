@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.actuators.elements.base import MaterialPoint
-from martensite.base.parameters import Keyed, values_at
+from martensite.base.parameters import StructureKey, values_at
 from martensite.base.remember_results import remember
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import Expr
@@ -35,7 +35,7 @@ Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Compiled:
+class CompiledSystem:
     """Traced system with the functions `init`, `step` and `observe` over flat states."""
 
     program: Program
@@ -60,9 +60,9 @@ def name_outputs(system: AbstractSystem) -> tuple[str, ...]:
     return tuple(system.outputs())
 
 
-def compile_system(system: AbstractSystem) -> Compiled:
+def compile_system(system: AbstractSystem) -> CompiledSystem:
     """Return the traced program of a system, cached by structure."""
-    return _compile_keyed(Keyed(system))
+    return _compile_keyed(StructureKey(system))
 
 
 class LawPoint(NamedTuple):
@@ -89,7 +89,7 @@ class LawFork(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class CompiledMarch(Compiled):
+class CompiledMarch(CompiledSystem):
     """System traced for time integration; `step` takes drive inputs.
 
     The functions return:
@@ -174,7 +174,7 @@ class CompiledMarch(Compiled):
 @remember
 def compile_march(system: AbstractSystem) -> CompiledMarch:
     """Trace a system with drives that are integrated over every step."""
-    return _compile_march(Keyed(system))
+    return _compile_march(StructureKey(system))
 
 
 @remember
@@ -201,14 +201,14 @@ def feed_step(moments: Moments, owed: float = 0.0) -> tuple[float, ...]:
 
 
 @cache_answers(64)
-def _compile_keyed(keyed: Keyed[AbstractSystem]) -> Compiled:
+def _compile_keyed(keyed: StructureKey[AbstractSystem]) -> CompiledSystem:
     trace = _Trace(keyed)
     trace.add_step([None] * trace.drives, len(REPORT))
-    return Compiled(trace.program, trace.paths, trace.size, trace.drives, trace.outputs)
+    return CompiledSystem(trace.program, trace.paths, trace.size, trace.drives, trace.outputs)
 
 
 @cache_answers(64)
-def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
+def _compile_march(keyed: StructureKey[AbstractSystem]) -> CompiledMarch:
     trace, system = _Trace(keyed), keyed.part
     feeds = [not (one.at_end or system.sample_time()) for one in system.drives()]
     trace.add_step(feeds, len(StepReport._fields))
@@ -237,7 +237,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
 class _Trace:
     """Kernels of a system, traced over flat states."""
 
-    def __init__(self, keyed: Keyed[AbstractSystem]) -> None:
+    def __init__(self, keyed: StructureKey[AbstractSystem]) -> None:
         self.program = Program()
         self.paths = tuple(leaf.path for leaf in keyed.part.leaves())
         numbers = {path: self.program.parameter(path) for path in self.paths}

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from martensite.base.parameters import Keyed, values_at
+from martensite.base.parameters import StructureKey, values_at
 from martensite.kernels import floats
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.namespace import Namespace, Scalar
@@ -56,11 +56,11 @@ def compile_law(law: AbstractLaw, *, tension_only: bool = True) -> CompiledLaw:
 
     With `tension_only` a strain-driven point goes slack instead of being compressed.
     """
-    return _compile_keyed(Keyed(law), tension_only)
+    return _compile_keyed(StructureKey(law), tension_only)
 
 
 @cache_answers(64)
-def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw:
+def _compile_keyed(keyed: StructureKey[AbstractLaw], tension_only: bool) -> CompiledLaw:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     law = keyed.part.rebuilt({path: program.parameter(path) for path in paths})

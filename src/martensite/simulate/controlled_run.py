@@ -29,7 +29,7 @@ from martensite.simulate.drive_waveforms import arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.march import Border, FloatWalk
-from martensite.simulate.marching import Marched, Row
+from martensite.simulate.marching import MarchResult, Row
 from martensite.simulate.restarts import HOME
 from martensite.simulate.result import Result
 from martensite.simulate.start_report import describe_start
@@ -116,7 +116,7 @@ class _ControlledWalk:
         self.passed: list[tuple[float, Row]] = []
         """Time [s] and outputs at the ends of steps, on both sides of a change of signals."""
 
-    def run(self, tell: Callable[[float], None] | None) -> Marched:
+    def run(self, tell: Callable[[float], None] | None) -> MarchResult:
         """Return all periods; failures set the status."""
         plan, walk = self.plan, self.walk
         try:
@@ -181,7 +181,7 @@ class _ControlledWalk:
                 inputs += feed_step(Moments.constant(signal)) if heats else (signal,)
         return tuple(inputs)
 
-    def result(self, run: Marched) -> Result:
+    def result(self, run: MarchResult) -> Result:
         """Return the result, with its alarms."""
         plan = self.plan
         times = np.array([k * plan.every * plan.period for k in range(len(run.rows))], float)

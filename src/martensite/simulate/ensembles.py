@@ -123,7 +123,7 @@ class Ensemble:
 
 
 @dataclass(frozen=True, eq=False)
-class Measuring:
+class EnsembleMeasures:
     """Measures of runs, with the indices of their outputs."""
 
     measures: Sequence[AbstractMeasure] = ()
@@ -187,7 +187,7 @@ class Measuring:
         return self.measure_track(track, runs.size)
 
 
-NO_MEASURES = Measuring()
+NO_MEASURES = EnsembleMeasures()
 
 
 def march_in_lanes(
@@ -195,7 +195,7 @@ def march_in_lanes(
     names: Sequence[str],
     tolerance: float,
     march: Callable[[Runs], MarchRows] = march_runs,
-    measuring: Measuring = NO_MEASURES,
+    measuring: EnsembleMeasures = NO_MEASURES,
 ) -> Ensemble:
     """Simulate runs in C to a relative tolerance, which replaces the tolerance of their plan."""
     plan, compiled = runs.plan, runs.plan.compiled
@@ -283,7 +283,7 @@ def march_one_by_one(
     count: int,
     names: Sequence[str],
     tolerance: float,
-    measuring: Measuring,
+    measuring: EnsembleMeasures,
 ) -> Ensemble:
     """Simulate runs on plain floats to a relative tolerance."""
     ensemble = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE, len(measuring.measures))

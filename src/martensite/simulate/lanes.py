@@ -23,7 +23,7 @@ from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.kernels.compiled_program import CompiledProgram, get_address
 from martensite.kernels.compiler import find_compiler, read_source
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import CompiledSystem, compile_system
 from martensite.simulate.march import classify_step
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -160,7 +160,7 @@ class NativeLanes:
     signals and dt; `y` holds the results of a step.
     """
 
-    def __init__(self, compiled: Compiled, table: Numbers) -> None:
+    def __init__(self, compiled: CompiledSystem, table: Numbers) -> None:
         self.compiled = compiled
         size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
         self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
@@ -240,7 +240,7 @@ class NativeLanes:
 class PlainLanes:
     """Batch on floats, one element after another."""
 
-    def __init__(self, compiled: Compiled, table: Numbers) -> None:
+    def __init__(self, compiled: CompiledSystem, table: Numbers) -> None:
         self.compiled, self.table = compiled, np.array(table)
         self.functions = [compiled.program.bind_floats(*column) for column in table.T.tolist()]
         self.worst = np.zeros((2, table.shape[1]))

@@ -12,7 +12,7 @@ from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import CompiledMarch, Functions, feed_step
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.marching import STEP_TOLERANCE, WHOLE, AbstractMarch, Exit, Marched, Row, RunLimits
+from martensite.simulate.marching import STEP_TOLERANCE, WHOLE, AbstractMarch, Exit, MarchResult, Row, RunLimits
 
 SOLVED = 1e-8
 COARSE = 0.2
@@ -20,7 +20,7 @@ COARSE = 0.2
 
 def march_floats(
     functions: Functions, size: int, grid: TimeGrid, border: Border | None = None, start: Row = ()
-) -> Marched:
+) -> MarchResult:
     """Advance through the grid with float functions, from a start or equilibrium.
 
     Failures set the status. The run stops at the border of the envelope, if given.
@@ -93,16 +93,16 @@ class FloatWalk:
         self.gone = crossing
         return crossing is not None
 
-    def finish(self, rows: Sequence[Row], time_of: Callable[[int], float]) -> Marched:
+    def finish(self, rows: Sequence[Row], time_of: Callable[[int], float]) -> MarchResult:
         """Return the result from the rows and the start of a step [s].
 
         An earlier failure has priority over leaving the envelope.
         """
         if self.gone is not None and not self.worst.failed:
-            return Marched(list(rows), (), Status.OUT_OF_ENVELOPE, time_of(self.steps), *self.gone, self.steps)
+            return MarchResult(list(rows), (), Status.OUT_OF_ENVELOPE, time_of(self.steps), *self.gone, self.steps)
         finite = all(math.isfinite(value) for row in rows for value in row)
         status = self.worst if finite else Status.NOT_FINITE
-        return Marched(list(rows), (), status, time_of(self.worst_step), steps=self.steps, state=self.state)
+        return MarchResult(list(rows), (), status, time_of(self.worst_step), steps=self.steps, state=self.state)
 
 
 class FixedMarch(AbstractMarch):
@@ -164,7 +164,7 @@ def classify_step(residual: float, crossing: float) -> Status:
 
 def judge_table(
     table: Any, residual: float, crossing: float, left: float = math.inf, state: Sequence[float] = ()
-) -> Marched:
+) -> MarchResult:
     """Return the result of a run with rows as an array (samples, outputs), from its worst reports.
 
     A run that `left` the envelope at a time [s] has that status, unless it failed before.
@@ -172,7 +172,7 @@ def judge_table(
     import numpy as np
 
     if left < math.inf and not classify_step(residual, crossing).failed:
-        return Marched([], (), Status.OUT_OF_ENVELOPE, left)
+        return MarchResult([], (), Status.OUT_OF_ENVELOPE, left)
     finite = bool(np.isfinite(table).all())
     status = classify_step(residual, crossing) if finite else Status.NOT_FINITE
-    return Marched(table, (), status, math.nan, state=tuple(state))
+    return MarchResult(table, (), status, math.nan, state=tuple(state))

@@ -100,7 +100,7 @@ class MarchPlan(NamedTuple):
 
 
 @dataclass
-class Marched:
+class MarchResult:
     """Result of a run."""
 
     rows: Any
@@ -169,7 +169,7 @@ class Marched:
         """Return the time of the status [s]; None if the status is ok or the time unknown."""
         return None if self.status is Status.OK or math.isnan(self.time) else self.time
 
-    def require(self) -> Marched:
+    def require(self) -> MarchResult:
         """Return the result, or raise `SolveError` after a failure."""
         if self.status.failed and self.status is not Status.OUT_OF_ENVELOPE:
             when = "during the run" if self.status_time is None else f"at t = {self.status_time:.6g} s"
@@ -193,7 +193,7 @@ class AbstractMarch:
         self.low: list[float] = list(map(min, judged, low or judged))
         self.high: list[float] = list(map(max, judged, high or judged))
         self.sample: int = 1
-        self.result = Marched([functions["observe"](*self.state, *signals)])
+        self.result = MarchResult([functions["observe"](*self.state, *signals)])
         self.record_piece(START, self.time, self.time, (), self.state)
         self.check_envelope()
 
@@ -201,7 +201,7 @@ class AbstractMarch:
     def advance(self) -> None:
         """Take one or several steps."""
 
-    def run(self, watch: Callable[[float], None] | None = None) -> Marched:
+    def run(self, watch: Callable[[float], None] | None = None) -> MarchResult:
         """Run to the end or a failure; call `watch` with the completed fraction."""
         run = self.result
         try:

@@ -22,7 +22,7 @@ from martensite.base.status import Status
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.forks import Decision, read_decision
 from martensite.simulate.march_kernel import kernel_of, load_kernel
-from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.marching import MarchPlan, MarchResult
 from martensite.simulate.native import fill_column, spread_column, spread_limits
 from martensite.simulate.native_drives import DriveWindow, get_address, make_table, open_drive
 from martensite.simulate.recorded_track import Observe, record_width
@@ -104,7 +104,7 @@ class MarchRows(NamedTuple):
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
     """(runs, RANGES + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in and lost, accounts, closest decision, and the ranges of what is judged; see `Marched`.
+    residual, heat put in and lost, accounts, closest decision, and the ranges of what is judged; see `MarchResult`.
     """
     record: Numbers
     """Pieces of accepted steps, in the layout of `martensite.simulate.track`; none if they were not recorded."""
@@ -127,7 +127,7 @@ class MarchRows(NamedTuple):
         others = (getattr(self, name)[places] for name in ("states", "extremes"))
         return MarchRows(self.outputs[places], self.numbers[places], record, totals, *others)
 
-    def take_run(self, run: int, times: Sequence[float]) -> Marched:
+    def take_run(self, run: int, times: Sequence[float]) -> MarchResult:
         """Return one run."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, *more = numbers[:11]
@@ -138,7 +138,7 @@ class MarchRows(NamedTuple):
         elif not np.logical_and.reduce(np.isfinite(rows), axis=None):
             verdict = Status.NOT_FINITE
         ranges = tuple(numbers[RANGES:])
-        march = Marched(rows, ranges, verdict, end, int(place), value, int(steps), int(rejected), *more)
+        march = MarchResult(rows, ranges, verdict, end, int(place), value, int(steps), int(rejected), *more)
         march.accounts, march.record = tuple(numbers[11:DECIDED]), self.record
         march.decision = read_decision(numbers[DECIDED:RANGES])
         march.state, march.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
@@ -147,13 +147,13 @@ class MarchRows(NamedTuple):
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
     """Simulate runs to their ends; call `watch` with the completed fraction at intervals."""
-    marching = Marching(runs)
+    marching = NativeMarch(runs)
     if runs.lanes == 1 or marching.knows_all():
         return marching.go(watch)
     places = np.arange(runs.size)
     alone = runs._replace(lanes=1)
     ranges = marching.ranges
-    rows = [Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
+    rows = [NativeMarch(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
     for k, row in enumerate(rows):
         row.record[:, 0] = k
     return MarchRows(*map(np.concatenate, zip(*rows, strict=True)))
@@ -249,7 +249,7 @@ def _open_windows(runs: Runs) -> list[list[DriveWindow]]:
     return windows
 
 
-class Marching(MarchArrays):
+class NativeMarch(MarchArrays):
     """Run in progress, in C."""
 
     def __init__(self, runs: Runs) -> None:

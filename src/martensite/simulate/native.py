@@ -16,7 +16,7 @@ from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import LaneGrid, TimeGrid
 from martensite.simulate.march import judge_table
-from martensite.simulate.marching import Marched, RunLimits
+from martensite.simulate.marching import MarchResult, RunLimits
 
 
 def march_source(
@@ -133,7 +133,7 @@ def march_c(
     grid: TimeGrid,
     limits: RunLimits | None = None,
     start: Sequence[float] = (),
-) -> Marched:
+) -> MarchResult:
     """Simulate one run in C, from a start or from equilibrium."""
     places = range(len(compiled.outputs))
     states = np.array(start or [np.nan] * max(compiled.size, 1), float).reshape(-1, 1)

@@ -56,7 +56,7 @@ class PathSection(NamedTuple):
         return self.begin + share * (end - self.begin), self.first + share * (self.last - self.first)
 
 
-class Ridden(NamedTuple):
+class PathSectionResult(NamedTuple):
     """Result of one section."""
 
     memory: Row
@@ -161,7 +161,7 @@ class FloatRider:
         last = self._carefully(first[: self._size], middle, end, 0.5 * dt, splits - 1)
         return (*last[:-1], max(first[-1], last[-1]))
 
-    def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
+    def ride(self, memory: Row, section: PathSection, finer: int) -> PathSectionResult:
         """Run a section with the given number of steps between samples."""
         step, size, count = self._functions[f"{section.control}_step"], self._size, section.samples * finer
         dt = section.duration / count
@@ -178,7 +178,7 @@ class FloatRider:
             state = after[:size]
             if k % finer == 0:
                 rows.append(after[size:])
-        return Ridden((*state, *rows[-1]), rows, worst, where)
+        return PathSectionResult((*state, *rows[-1]), rows, worst, where)
 
 
 class NativeRider:
@@ -212,7 +212,7 @@ class NativeRider:
         self._load("stress_step").bind("init", given, memory_row)()
         return tuple(memory_row.tolist())
 
-    def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
+    def ride(self, memory: Row, section: PathSection, finer: int) -> PathSectionResult:
         """Run a section with the given number of steps between samples."""
         import numpy as np
 
@@ -224,4 +224,4 @@ class NativeRider:
         arrays = (program.constants, line, state, rows, worst, where)
         call_compiled(program.library.ride, section.samples, finer, *arrays)
         samples = [tuple(row) for row in rows.tolist()]
-        return Ridden((*state.tolist(), *samples[-1]), samples, float(worst[0]), int(where[0]))
+        return PathSectionResult((*state.tolist(), *samples[-1]), samples, float(worst[0]), int(where[0]))

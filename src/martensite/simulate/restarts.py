@@ -24,7 +24,7 @@ from martensite.base.errors import InputError
 from martensite.kernels import floats
 from martensite.kernels.nested import name_numbers
 from martensite.simulate.forks import Decision
-from martensite.simulate.marching import Marched, MarchPlan, Row
+from martensite.simulate.marching import MarchPlan, MarchResult, Row
 
 RANGES = {
     **dict.fromkeys(("fraction", "martensite", "plus", "minus"), (0.0, 1.0)),
@@ -200,14 +200,16 @@ def _describe_damage(restart: Restart, reason: str) -> InputError:
 class Relay:
     """Runner of passes leg by leg, with the states at every restart."""
 
-    march: Callable[[MarchPlan], Marched]
+    march: Callable[[MarchPlan], MarchResult]
     begin: Restart
     stops: Sequence[float]
     """Restart times [s], ascending."""
-    passes: list[tuple[Marched, list[Marched]]] = field(default_factory=list[tuple[Marched, list[Marched]]])
+    passes: list[tuple[MarchResult, list[MarchResult]]] = field(
+        default_factory=list[tuple[MarchResult, list[MarchResult]]]
+    )
     """All passes with their legs."""
 
-    def __call__(self, plan: MarchPlan) -> Marched:
+    def __call__(self, plan: MarchPlan) -> MarchResult:
         """Run one more pass on a single runtime, since row types differ between runtimes."""
         if self.stops or self.begin.passes:
             legs, rows = self._make_legs(plan)
@@ -222,11 +224,11 @@ class Relay:
         self.passes.append((whole, legs))
         return whole
 
-    def _make_legs(self, plan: MarchPlan) -> tuple[list[Marched], Any]:
+    def _make_legs(self, plan: MarchPlan) -> tuple[list[MarchResult], Any]:
         """Return the legs of a pass and their rows."""
         before = self._begin(len(self.passes))
         at = before or REST
-        legs, parts = list[Marched](), list[Any]()
+        legs, parts = list[MarchResult](), list[Any]()
         for times, sampled in cut_times(plan.times, self.stops):
             begins = len(times) == len(plan.times) and at == REST
             placed = plan if begins else plan._replace(times=times, start=at.state, extremes=(at.low, at.high))
@@ -286,12 +288,12 @@ def join_rows(parts: Sequence[Any]) -> Any:
     return list(chain.from_iterable(parts))
 
 
-def _find_closest(legs: Sequence[Marched]) -> Decision:
+def _find_closest(legs: Sequence[MarchResult]) -> Decision:
     """Return the closest decision of several legs."""
     return min((leg.decision for leg in legs), key=lambda one: abs(one.margin))
 
 
-def join_legs(legs: Sequence[Marched], rows: Any, before: PassState | None) -> Marched:
+def join_legs(legs: Sequence[MarchResult], rows: Any, before: PassState | None) -> MarchResult:
     """Return a pass from its legs and the previous result; energies cover its legs only."""
     last = legs[-1]
     if len(legs) == 1 and before is None:

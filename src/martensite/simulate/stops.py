@@ -13,9 +13,9 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import BudgetError, SolveError
 from martensite.base.status import Status
 from martensite.simulate.envelope import Envelope, rows_inside
-from martensite.simulate.marching import Marched, MarchPlan, Row, RunLimits
+from martensite.simulate.marching import MarchPlan, MarchResult, Row, RunLimits
 
-Remarch = Callable[[MarchPlan], tuple[Marched, float | None]]
+Remarch = Callable[[MarchPlan], tuple[MarchResult, float | None]]
 """Function that repeats a run from its start, with its accuracy."""
 PARTS = 64
 """Parts of a sample interval in the search for the crossing."""
@@ -24,8 +24,8 @@ SHARES = (0.999, 0.99, 0.9)
 
 
 def end_at_envelope(
-    system: AbstractSystem, plan: MarchPlan, run: Marched, accuracy: float | None, remarch: Remarch
-) -> tuple[MarchPlan, Marched, float | None]:
+    system: AbstractSystem, plan: MarchPlan, run: MarchResult, accuracy: float | None, remarch: Remarch
+) -> tuple[MarchPlan, MarchResult, float | None]:
     """Return the plan, run and accuracy up to the exit from the envelope.
 
     Args:
@@ -53,7 +53,7 @@ def end_at_envelope(
     return plan._replace(times=samples), replace(run, rows=inside, time=samples[-1]), accuracy
 
 
-def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Marched, float | None] | None:
+def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[MarchResult, float | None] | None:
     """Return a run without envelope to the last given time [s]; None if it fails or no time is given."""
     free = RunLimits(*((end * float("inf"),) * len(plan.limits.low) for end in (-1.0, 1.0)))
     if len(times) < 2:
@@ -89,7 +89,7 @@ def _share_inside(envelope: Envelope, before: Row, after: Row, place: int) -> fl
     return min(max((bound - first) / (last - first), 0.0), 1.0) if last != first else 0.0
 
 
-def _bound(plan: MarchPlan, run: Marched) -> float:
+def _bound(plan: MarchPlan, run: MarchResult) -> float:
     """Return the exceeded bound of a run."""
     high = run.value > plan.limits.low[run.place]
     return (plan.limits.high if high else plan.limits.low)[run.place]

@@ -24,7 +24,7 @@ from martensite.base.status import Status
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.accuracy import ERROR_SAFETY, FINER, FLOOR, LOCAL, RunEngine, bound_error
 from martensite.simulate.envelope import cut_outside
-from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.marching import MarchPlan, MarchResult
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.run_table import Numbers, RunTable, tabulate_track
 from martensite.simulate.recorded_track import Observe, build_long_track, build_track, tabulate_tones
@@ -97,7 +97,7 @@ class RunTrace(AbstractTrace):
     system: AbstractSystem
     engine: RunEngine
     plan: MarchPlan
-    last_pass: Marched
+    last_pass: MarchResult
     relay: Relay
     """Relay of the passes of the run."""
 
@@ -105,7 +105,7 @@ class RunTrace(AbstractTrace):
         """Return the outputs of the last pass."""
         return self._observe(self.last_pass)
 
-    def _observe(self, run: Marched) -> Track:
+    def _observe(self, run: MarchResult) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
         observe = self.engine.observe(plan, outputs, run.runtime)
         track = assemble_track(plan, run.record, outputs, observe, [plan.waveforms])

@@ -58,7 +58,7 @@ class PlanePoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Passed:
+class Fulfilment:
     """First fulfilment of a test, as a fraction of a sweep, and the row there."""
 
     share: float
@@ -84,9 +84,9 @@ class Explorer:
 
     def sweep(
         self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, tests: Sequence[Test]
-    ) -> tuple[list[Passed | None], State]:
+    ) -> tuple[list[Fulfilment | None], State]:
         """Return the first fulfilments of the tests on a sweep, and the memory at its end."""
-        fulfilments: list[Passed | None] = [None] * len(tests)
+        fulfilments: list[Fulfilment | None] = [None] * len(tests)
         for k in range(PIECES):
             shares = k / PIECES, (k + 1) / PIECES
             after, row = self._step(state, begin, end, duration, shares)
@@ -113,7 +113,7 @@ class Explorer:
         shares: tuple[float, float],
         test: Test,
         depth: int,
-    ) -> Passed:
+    ) -> Fulfilment:
         """Return the refined fulfilment within a part of a sweep, by smaller steps."""
         low, high = shares
         pieces = [(low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER) for k in range(SMALLER)]
@@ -123,9 +123,9 @@ class Explorer:
             if test(row) or piece is pieces[-1]:
                 if depth > 1:
                     return self._closer(state, begin, end, duration, piece, test, depth - 1)
-                return Passed(0.5 * (piece[0] + piece[1]), row)
+                return Fulfilment(0.5 * (piece[0] + piece[1]), row)
             state = after
-        return Passed(high, row)
+        return Fulfilment(high, row)
 
 
 @lru_cache(maxsize=256)

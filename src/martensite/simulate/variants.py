@@ -28,7 +28,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step, inertial_step
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
-from martensite.simulate.ensembles import Ensemble, Flags, Measuring, Numbers, march_in_lanes, march_one_by_one
+from martensite.simulate.ensembles import Ensemble, EnsembleMeasures, Flags, Numbers, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import LaneGrid, Steps, TimeGrid, cut_steps, lane_grid
 from martensite.simulate.march import SOLVED, Border, march_floats
@@ -172,10 +172,10 @@ class VariantSetup:
         return march_one_by_one(self.plan, systems, len(rows), self.outputs, self.tolerance, self.measuring)
 
     @cached_property
-    def measuring(self) -> Measuring:
+    def measuring(self) -> EnsembleMeasures:
         """Return the measures with the indices of their outputs."""
         columns = [[self.outputs.index(name) for name in one.columns(self.system)] for one in self.measures]
-        return Measuring(self.measures, columns)
+        return EnsembleMeasures(self.measures, columns)
 
     @cached_property
     def plan(self) -> MarchPlan:

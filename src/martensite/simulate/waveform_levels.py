@@ -24,7 +24,7 @@ from martensite.actuators.assembly import AbstractSystem, Feed
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 from martensite.signals.base import DRIVE, AbstractWaveform
@@ -56,9 +56,9 @@ class Levels(Parametrised):
         self.__dict__.update(levels)
 
     @property
-    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+    def declarations(self) -> dict[str, FieldDeclaration]:  # type: ignore[override]
         """Return one parameter per level."""
-        return {name: Declared("parameter", "level of a waveform", REQUIRED, DRIVE) for name in self.__dict__}
+        return {name: FieldDeclaration("parameter", "level of a waveform", REQUIRED, DRIVE) for name in self.__dict__}
 
 
 class Combined(AbstractWaveform):

@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 from martensite.actuators.assembly import AbstractSystem, Members, System
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError
-from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Parametrised
 from martensite.base.part_kinds import find_annotated
 from martensite.base.registry import Registry
 from martensite.physics.electrical.sources import VoltageSource
@@ -54,7 +54,7 @@ def label_part(part: Parametrised) -> str:
     return "-".join([type(part).registered_name or type(part).__name__, *words])
 
 
-def _find_value(cls: type[Parametrised], name: str, declared: Declared, values: Mapping[str, Any]) -> Any:
+def _find_value(cls: type[Parametrised], name: str, declared: FieldDeclaration, values: Mapping[str, Any]) -> Any:
     unit = LEVEL.get(declared.unit, declared.unit)
     if unit in units.OF_READINGS:  # a controller follows a position, the others look at kelvin
         place = "m" if "position" in (values.get(n) for n in cls.names_reading) else "K"
@@ -93,7 +93,7 @@ def _to_number(typical: Any, unit: str) -> float:
     return units.parse_quantity(typical, unit)
 
 
-def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: Any) -> Any:
+def _find_part(cls: type[Parametrised], name: str, declared: FieldDeclaration, typical: Any) -> Any:
     """Return a component: typical, default, or an example of its class."""
     inner = component_class(cls, name)
     if declared.typical is None and declared.default is not REQUIRED:

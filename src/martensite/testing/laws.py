@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.parameters import Keyed
+from martensite.base.parameters import StructureKey
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.compute_once import cache_answers
@@ -32,13 +32,13 @@ def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any
 
 def _bind_law(law: AbstractLaw) -> tuple[Callable[..., Sequence[float]], Callable[..., Sequence[float]], NestedShape]:
     """Return traced kinetics and strain on flat memories, and the shape of a memory."""
-    bind, shape = _trace_law(Keyed(law))
+    bind, shape = _trace_law(StructureKey(law))
     functions = bind(*(leaf.value for leaf in law.leaves()))
     return functions["kinetics"], functions["strain"], shape
 
 
 @cache_answers(64)
-def _trace_law(keyed: Keyed[Any]) -> Any:
+def _trace_law(keyed: StructureKey[Any]) -> Any:
     program = Program()
     law = keyed.part.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()})
     shape = NestedShape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))

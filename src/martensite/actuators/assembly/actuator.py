@@ -8,7 +8,7 @@ from martensite.actuators.elements.base import ELEMENTS, AbstractElement, CellPr
 from martensite.actuators.mechanisms.base import Load, Output
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import override
-from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Parametrised, part
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import SOURCES, AbstractSource
@@ -37,9 +37,9 @@ class Members(Parametrised, Generic[Kind]):
 
     @property
     @override
-    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+    def declarations(self) -> dict[str, FieldDeclaration]:  # type: ignore[override]
         article = "an" if self.noun[0] in "aeiou" else "a"
-        return {name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
+        return {name: FieldDeclaration("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
 
     def members(self) -> dict[str, Kind]:
         """Return the components by name."""

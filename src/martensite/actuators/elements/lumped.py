@@ -48,7 +48,7 @@ Loaded = Callable[[Namespace, Fractions, Scalar], Scalar]
 """Force [N] on the load line, at phase fractions and a temperature [K]."""
 
 
-class Lumped(NamedTuple):
+class LumpedState(NamedTuple):
     """State of a lumped element."""
 
     memory: Any
@@ -103,10 +103,10 @@ class AbstractLumped(AbstractElement):
         """Return the resistance [ohm] at a martensite and an R-phase fraction."""
 
     @override
-    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> LumpedState:
         stress = self.stress(xp, force)
         memory, worn = self.warm_up(xp, stress, temperature)
-        return Lumped(memory, force, 0.0, worn)
+        return LumpedState(memory, force, 0.0, worn)
 
     def warm_up(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Any, Any]:
         """Return the initial memories of law and wear, under a stress [Pa] and at a temperature [K]."""
@@ -116,36 +116,36 @@ class AbstractLumped(AbstractElement):
         memory = law.warm_up(xp, fractions, stress, temperature)
         return memory, worn if self.wear is None else self.wear.begin(xp, law.fractions(memory), stress)
 
-    def init_in(self, fractions: Fractions, force: float, temperature: float) -> Lumped:
+    def init_in(self, fractions: Fractions, force: float, temperature: float) -> LumpedState:
         """Return the state in given phases under `force` [N] and at `temperature` [K], on floats."""
         stress = self.stress(floats, force)
         worn = () if self.wear is None else self.wear.begin(floats, fractions, stress)
         memory = self.apply_wear(floats, worn).law.init(floats, fractions, stress, temperature)
-        return Lumped(memory, force, 0.0, worn)
+        return LumpedState(memory, force, 0.0, worn)
 
     @override
-    def force(self, state: Lumped) -> Scalar:
+    def force(self, state: LumpedState) -> Scalar:
         return state.force
 
     @override
     def in_state(
-        self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Lumped:
+        self, xp: Namespace, state: LumpedState, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> LumpedState:
         stress = self.stress(xp, force)
         law = self.apply_wear(xp, state.worn).law
         worn = state.worn if self.wear is None else state.worn._replace(martensite=fractions.martensite, stress=stress)
         moved = law.relocate(xp, state.memory, fractions, stress, temperature)
-        return Lumped(moved, force, state.rate, worn)
+        return LumpedState(moved, force, state.rate, worn)
 
     @override
-    def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
+    def tangent(self, xp: Namespace, state: LumpedState, force: Scalar) -> Spring:
         fractions = self.law.fractions(state.memory)
         return self.apply_wear(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
 
     @override
     def advance(
-        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Lumped, StepReport]:
+        self, xp: Namespace, state: LumpedState, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[LumpedState, StepReport]:
         if self.wear is not None:
             after, report = self.apply_wear(xp, state.worn).advance(xp, state, heating, pull, dt)
             end, memory = self.law.fractions(after.memory), after.memory
@@ -171,7 +171,7 @@ class AbstractLumped(AbstractElement):
         moves = dt > 0.0
         change = end.martensite - line.fractions.martensite
         rate = xp.detach(xp.where(moves, change / xp.where(moves, dt, 1.0), state.rate))
-        return Lumped(memory, force, rate), report._replace(ripple=line.ripple)
+        return LumpedState(memory, force, rate), report._replace(ripple=line.ripple)
 
     @property
     def exchanges(self) -> bool:
@@ -179,8 +179,8 @@ class AbstractLumped(AbstractElement):
         return isinstance(self.law, AbstractExchange) and self.wear is None
 
     def advance_rosenbrock(
-        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Lumped, Lumped, Lumped]:
+        self, xp: Namespace, state: LumpedState, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[LumpedState, LumpedState, LumpedState]:
         """Return states after a step of dt [s], in its middle, and after it to a lower order.
 
         The law must be an exchange of layers; `owed` of the heating is ignored.
@@ -191,8 +191,8 @@ class AbstractLumped(AbstractElement):
         return lumped(after), lumped(middle), lumped(coarse)
 
     def _couple(
-        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Coupling, Callable[[Any], Lumped]]:
+        self, xp: Namespace, state: LumpedState, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Coupling, Callable[[Any], LumpedState]]:
         """Return the coupling of a rate-dependent law in a step of dt [s], and a constructor of states."""
         law = cast(AbstractExchange, self.law)
         start, imposed = state.memory.temperature, heating.temperature
@@ -218,21 +218,21 @@ class AbstractLumped(AbstractElement):
             free = imposed is None
             return self.latent_heat_total(xp, stress, temperature) if free else 0.0
 
-        def lumped(memory: Any) -> Lumped:
+        def lumped(memory: Any) -> LumpedState:
             force = loaded(xp, [*law.fractions(memory), memory.temperature])
-            return Lumped(memory, force, state.rate)
+            return LumpedState(memory, force, state.rate)
 
         return Coupling(stress, power, latent, self.heat_capacity_total()), lumped
 
     @override
-    def rates(self, state: Lumped) -> list[Scalar]:
+    def rates(self, state: LumpedState) -> list[Scalar]:
         return [state.rate]
 
     @override
-    def warm_start(self, state: Lumped, solved: Lumped) -> Lumped:
+    def warm_start(self, state: LumpedState, solved: LumpedState) -> LumpedState:
         return state._replace(rate=solved.rate)
 
-    def _heat_line(self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar) -> HeatLine:
+    def _heat_line(self, xp: Namespace, state: LumpedState, heating: Heating, loaded: Loaded, dt: Scalar) -> HeatLine:
         """Return T at the end of the step as a function of the fractions there."""
         law, memory = self.law, state.memory
         start, stress = memory.temperature, memory.stress
@@ -289,10 +289,10 @@ class AbstractLumped(AbstractElement):
         return self.strain(xp, spring.free + spring.compliance * force)
 
     @override
-    def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
+    def points(self, xp: Namespace, state: LumpedState) -> list[MaterialPoint]:
         return points_of(xp, self.apply_wear(xp, state.worn).law, [state.memory])
 
-    def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
+    def heat_content(self, xp: Namespace, state: LumpedState) -> Scalar | None:
         """Return C T - λ ξ [J] for a constant latent heat λ."""
         if not self.law.constant_heat:
             return None
@@ -302,7 +302,7 @@ class AbstractLumped(AbstractElement):
         return self.heat_capacity_total() * memory.temperature - latent * released
 
     @override
-    def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
+    def stored_heat(self, xp: Namespace, state: LumpedState) -> StoredHeat:
         memory = state.memory
         latent = self.apply_wear(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
         released = self.law.released_fraction(self.law.fractions(memory))
@@ -310,7 +310,7 @@ class AbstractLumped(AbstractElement):
         return StoredHeat(sensible, (Effort(-latent, released),))
 
     @override
-    def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
+    def elastic_energy(self, xp: Namespace, state: LumpedState) -> Scalar | None:
         fractions, temperature = self.law.fractions(state.memory), state.memory.temperature
         return self.elastic_energy_at(xp, fractions, temperature, state.force)
 
@@ -324,7 +324,7 @@ class AbstractLumped(AbstractElement):
         return 0.5 * spring.compliance * force * force
 
     @override
-    def condition(self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment) -> Condition:
+    def condition(self, xp: Namespace, state: LumpedState, force: Scalar, environment: Environment) -> Condition:
         memory = state.memory
         fractions, temperature = self.law.fractions(memory), memory.temperature
         strain = self.strain(xp, self.elongation(xp, state, force))

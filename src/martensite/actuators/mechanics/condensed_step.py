@@ -43,7 +43,7 @@ from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 
 if TYPE_CHECKING:
-    from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
+    from martensite.actuators.mechanisms.multibody import AbstractMultibody, MultibodyMemory
 
 PASSES = 24
 """Largest number of passes of a step."""
@@ -102,7 +102,7 @@ class CondensedStep:
     """One step; call `solve_position`."""
 
     mechanism: AbstractMultibody
-    memory: Assembled
+    memory: MultibodyMemory
     loads: Sequence[Load]
     signals: Column
     dt: Scalar

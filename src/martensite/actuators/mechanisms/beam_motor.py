@@ -35,7 +35,7 @@ from martensite.actuators.mechanics.beam_modes import BeamModes
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
-from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate, MultibodyMemory
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
@@ -267,7 +267,7 @@ class BeamMotor(AbstractMultibody):
         return 2.0 * math.pi / math.sqrt(max(squares)) / 40.0
 
     @override
-    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+    def observe(self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column) -> Readout:
         n, (position, velocity, *_) = self.count, memory.course
         bends = [sum_column(position[:n]), sum_column(velocity[:n])]
         turns = [position[n], velocity[n], velocity[n + 1]]

@@ -27,7 +27,7 @@ from typing import Self
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
-from martensite.actuators.mechanisms.multibody import Assembled, Coordinate
+from martensite.actuators.mechanisms.multibody import Coordinate, MultibodyMemory
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
@@ -132,7 +132,7 @@ class BeamMotors(BeamMotor):
         return super().convergence_scales() | {"rotor_speed_2": 0.1}
 
     @override
-    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+    def observe(self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column) -> Readout:
         forces, own = super().observe(xp, memory, loads, signals)
         n, (position, velocity, *_) = self.count, memory.course
         return forces, [*own, position[n + 2], velocity[n + 2], velocity[n + 3]]
@@ -196,7 +196,7 @@ class BeamHarvester(BeamMotor):
         return super().convergence_scales() | {"piezo_voltage": 0.01}
 
     @override
-    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+    def observe(self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column) -> Readout:
         forces, own = super().observe(xp, memory, loads, signals)
         voltage = memory.course.velocity[-1]
         return forces, [*own, voltage, voltage * voltage * (1.0 / self.load_resistance)]

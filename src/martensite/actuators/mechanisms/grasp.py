@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.actuators.mechanisms.base import Column, Load, Output, Readout
-from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, MultibodyMemory
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
@@ -113,7 +113,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         return outputs
 
     @override
-    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+    def observe(self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column) -> Readout:
         forces, outputs = super().observe(xp, memory, loads, signals)
         if self.contact == "springs":
             return forces, outputs

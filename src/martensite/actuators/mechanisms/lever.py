@@ -30,7 +30,7 @@ from martensite.actuators.mechanisms.drawing import (
     lead_wire,
 )
 from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
-from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate, MultibodyMemory
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -97,7 +97,7 @@ class Lever(AbstractMultibody):
         return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
 
     @override
-    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+    def observe(self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column) -> Readout:
         forces, own = super().observe(xp, memory, loads, signals)
         rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)
         return forces, [*own, self.weight_arm * rise]

@@ -58,7 +58,7 @@ class Coordinate(NamedTuple):
     """Significant change in `unit`, the scale of convergence."""
 
 
-class Assembled(NamedTuple):
+class MultibodyMemory(NamedTuple):
     """Memory of a multibody mechanism."""
 
     home: tuple[Scalar, ...]
@@ -171,13 +171,13 @@ class AbstractMultibody(AbstractMechanism):
     @override
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
-    ) -> Assembled:
+    ) -> MultibodyMemory:
         rest = (0.0,) * len(self.coordinates())
         place = tuple(self.home(xp))
         course = self._begin(xp, Motion(place, rest, rest), self.start_forces(xp), signals)
         unknown = (0.0,) * len(elements)
         untouched = (0.0,) * len(self.gaps(xp, place))
-        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
+        return MultibodyMemory(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
 
     @override
     def initial_numbers(self) -> dict[str, str]:
@@ -189,8 +189,8 @@ class AbstractMultibody(AbstractMechanism):
         return tuple(f"{c.name}_rate" for c in self.coordinates()) if self.moves else ()
 
     def set_initial(
-        self, memory: Assembled, given: Mapping[str, float], loads: Sequence[Load], signals: Column
-    ) -> tuple[Assembled, list[float]]:
+        self, memory: MultibodyMemory, given: Mapping[str, float], loads: Sequence[Load], signals: Column
+    ) -> tuple[MultibodyMemory, list[float]]:
         """Return the memory at given coordinates and rates, and the tensions there; too long elements are slack.
 
         A coordinate without inertia and damping follows from the balance of forces.
@@ -275,20 +275,22 @@ class AbstractMultibody(AbstractMechanism):
 
     @override
     def advance(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Assembled, list[Any], StepReport]:
+        self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[MultibodyMemory, list[Any], StepReport]:
         step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
         course, stiffness, reactions, states, report = step.solve_position(xp)
-        return Assembled(memory.home, course, tuple(stiffness), reactions), states, report
+        return MultibodyMemory(memory.home, course, tuple(stiffness), reactions), states, report
 
     @override
-    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+    def observe(self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column) -> Readout:
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course
         return forces, [*now.position, *(now.velocity if self.moves else ())]
 
     @override
-    def mechanics(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Mechanics | None:
+    def mechanics(
+        self, xp: Namespace, memory: MultibodyMemory, loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
         motion = memory.course.motion()
         energy = self.energy(xp, motion)
         if energy is None:

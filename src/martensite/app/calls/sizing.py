@@ -11,7 +11,7 @@ from martensite.app.messages import BadMessageError, JsonTable, Request, require
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, suggest_name
-from martensite.base.parameters import REQUIRED, Declared
+from martensite.base.parameters import REQUIRED, FieldDeclaration
 from martensite.design.sizing.candidates import Candidate, list_sizes, size_wire
 from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
 from martensite.design.sizing.remarks import Margin, find_tightest, list_margins
@@ -42,7 +42,7 @@ def list_fields() -> list[JsonTable]:
     return entries
 
 
-def _write_default(declared: Declared) -> str:
+def _write_default(declared: FieldDeclaration) -> str:
     if declared.default is REQUIRED:
         return ""
     if declared.kind != "parameter":

@@ -15,7 +15,7 @@ from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import MartensiteError
 from martensite.base.files import replace_file
-from martensite.base.parameters import Declared
+from martensite.base.parameters import FieldDeclaration
 from martensite.base.status import Status
 from martensite.design.sweep.backends.processes import count_cores
 from martensite.design.sweep.job import MEASURES as USUAL
@@ -60,14 +60,16 @@ def _sort_grid_first(names: list[str]) -> list[str]:
 
 
 def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
-    leaves: dict[str | None, dict[str, Declared]] = {None: {one.path: one.declared for one in scenario.whole.leaves()}}
+    leaves: dict[str | None, dict[str, FieldDeclaration]] = {
+        None: {one.path: one.declared for one in scenario.whole.leaves()}
+    }
     for name, wave in list_waveforms(scenario).items():
         leaves[name] = {one.path: one.declared for one in wave.leaves()}
     for target in list_targets(scenario).values():
         yield _describe_target(target, leaves[target.drive][target.path])
 
 
-def _describe_target(one: Target, declared: Declared) -> JsonTable:
+def _describe_target(one: Target, declared: FieldDeclaration) -> JsonTable:
     display_unit = units.choose_familiar_unit(one.value, one.unit)
     same = declared.unit == one.unit
     low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)

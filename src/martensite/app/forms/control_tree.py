@@ -15,7 +15,7 @@ from martensite.app.forms.controls import EntrySpot
 from martensite.app.forms.form_types import FormNode, GroupNode, KindChoice, SingleNode
 from martensite.app.messages import JsonTable
 from martensite.base.formats import spell_title
-from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.control.controllers.state_feedback import NumberedGains
 from martensite.physics.materials.base import NAMES, Material
@@ -94,7 +94,9 @@ class ControlWalk:
                 later += self._parts(part, below, name, declared, owner)
         yield from later
 
-    def _parts(self, part: Parametrised, path: str, name: str, declared: Declared, owner: GroupNode) -> list[FormNode]:
+    def _parts(
+        self, part: Parametrised, path: str, name: str, declared: FieldDeclaration, owner: GroupNode
+    ) -> list[FormNode]:
         value = part.__dict__[name]
         if not isinstance(value, Parametrised) or self.is_skipped(path):
             return []
@@ -111,7 +113,7 @@ class ControlWalk:
         below = [self.group(one, f"{path}.{name}", name, "", value.registry) for name, one in value.members().items()]
         return build_group(self.document_path(path), spell_title(title), below, meaning=meaning)
 
-    def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> EntrySpot | None:
+    def _spot(self, part: Parametrised, path: str, name: str, declared: FieldDeclaration) -> EntrySpot | None:
         """Return the spot of an entry; None if it already has a control."""
         place, origin_path = self.document_path(path), self.origin_path(path)
         if place in self.paths_with_control:
@@ -125,7 +127,7 @@ class ControlWalk:
                 origin = "start"
         return EntrySpot(place, name, declared, origin, self.material)
 
-    def _single(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
+    def _single(self, part: Parametrised, path: str, name: str, declared: FieldDeclaration) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is None:
@@ -137,7 +139,7 @@ class ControlWalk:
         else:
             yield controls.describe_text(spot, value)
 
-    def _row(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
+    def _row(self, part: Parametrised, path: str, name: str, declared: FieldDeclaration) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is not None:
@@ -145,17 +147,17 @@ class ControlWalk:
             value = list(value.numbers) if isinstance(value, NumberedGains) else value
             yield controls.describe_row(spot, value if raw is None else raw)
 
-    def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
+    def _list_texts(self, path: str, name: str, declared: FieldDeclaration) -> Iterator[SingleNode]:
         """Yield the samples listed in the document; samples of a file are not shown."""
         raw = documents.find_entry(self.document, self.document_path(path))
         if raw is not None:
             row = controls.describe_row(EntrySpot(self.document_path(path), name, declared, "scenario"), raw)
             if name == "values":
-                row["unit"] = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
+                row["unit"] = self.unit(Leaf(path, FieldDeclaration("parameter", "", None, DRIVE), None))
             yield row
 
 
-def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
+def _rank_entry(part: Parametrised) -> Callable[[tuple[str, FieldDeclaration]], tuple[bool, bool]]:
     """Return a sort key: other required parameters before those of a material."""
     mixed = any(name in NAMES for name in part.declarations)
     return lambda item: (mixed and item[0] in NAMES, mixed and item[1].default is not REQUIRED)

@@ -25,7 +25,7 @@ from martensite.app.forms.form_types import (
 )
 from martensite.base import units
 from martensite.base.errors import UnitError
-from martensite.base.parameters import REQUIRED, Declared
+from martensite.base.parameters import REQUIRED, FieldDeclaration
 from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 from martensite.scenario.catalogue import describe_entry
 
@@ -80,7 +80,7 @@ class EntrySpot:
     path: str
     """Path in the document."""
     name: str
-    declared: Declared
+    declared: FieldDeclaration
     origin: str
     """Origin of the value, as in `Scenario.origins`."""
     material: Material | None = None
@@ -120,7 +120,7 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
     }
 
 
-def word_range(declared: Declared) -> str:
+def word_range(declared: FieldDeclaration) -> str:
     """Return the allowed range in words."""
     low, high = (word_quantity(bound, declared.unit) for bound in declared.bounds)
     least, most = f"{'above' if declared.open_low else 'at least'} {low}", f"at most {high}"
@@ -240,18 +240,18 @@ def find_material_number(material: Material | None, name: str) -> MaterialValue 
     return {**describe_source(material, number), "text": number.text, "value": number.value}
 
 
-def is_whole(value: float, declared: Declared) -> bool:
+def is_whole(value: float, declared: FieldDeclaration) -> bool:
     """Return whether a parameter is a count, by its description."""
     return declared.unit == "1" and value == int(value) and bool(_COUNTS.search(declared.doc))
 
 
-def is_unlimited(value: float, declared: Declared) -> bool:
+def is_unlimited(value: float, declared: FieldDeclaration) -> bool:
     """Return whether a value means "without limit": infinite, or the largest by default."""
     largest = value == declared.high == declared.default and value >= LARGEST
     return not math.isfinite(value) or largest
 
 
-def build_slider(value: float, declared: Declared) -> SliderRange | None:
+def build_slider(value: float, declared: FieldDeclaration) -> SliderRange | None:
     """Return the ends of a slider in SI; None without a slider, as for a value without limit."""
     if is_unlimited(value, declared):
         return None
@@ -267,7 +267,7 @@ def build_slider(value: float, declared: Declared) -> SliderRange | None:
     return {"low": min(low, value), "high": max(high, value), "log": log, "whole": whole}
 
 
-def _choose_ends(value: float, declared: Declared) -> tuple[float, float, bool]:
+def _choose_ends(value: float, declared: FieldDeclaration) -> tuple[float, float, bool]:
     (low, high), unit = declared.bounds, declared.unit
     if unit == "K":
         return value - KELVINS, value + KELVINS, False

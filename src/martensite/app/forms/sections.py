@@ -14,7 +14,7 @@ from martensite.app.forms.control_tree import ControlWalk, Paths, build_group, f
 from martensite.app.forms.controls import EntrySpot
 from martensite.app.forms.form_types import FormNode, GroupNode, MaterialNode, ScenarioForm, SingleNode
 from martensite.base.files import toml_document
-from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Parametrised
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
@@ -40,7 +40,7 @@ ELEMENT, ENVIRONMENT, MECHANISM, SUPPLY, DRIVE, ACTUATORS = (
     "Actuators",
 )
 CONTROL = "Control and sensing"
-TITLE_ENTRY = Declared("text", "what the scenario is called", REQUIRED)
+TITLE_ENTRY = FieldDeclaration("text", "what the scenario is called", REQUIRED)
 
 
 def describe_scenario(scenario: Scenario) -> ScenarioForm:
@@ -149,7 +149,7 @@ class FormSections:
         given = documents.find_entry(self.document, MATERIAL)
         materials = _list_materials()
         own = {} if given is None or given in materials else {given: "a file of your own"}
-        declared = Declared("option", "where numbers come from that the scenario leaves out", "")
+        declared = FieldDeclaration("option", "where numbers come from that the scenario leaves out", "")
         spot = EntrySpot(MATERIAL, "material", declared, "default" if given is None else "scenario")
         names = {NO_MATERIAL: "none: every number is given here", **materials, **own}
         material = self.scenario.material

@@ -13,7 +13,7 @@ from typing import Any, cast
 from martensite.actuators.elements.from_material import ASSUMED_KINDS
 from martensite.app.messages import JsonTable
 from martensite.base.errors import InputError
-from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import NAMES, Material
 from martensite.scenario.build import LAW
@@ -23,7 +23,7 @@ from martensite.signals.base import DRIVE
 KIND = "kind"
 PartClass = type[Parametrised]
 Kinds = Registry[Any] | None
-Entries = dict[str, tuple[Any, Declared]]
+Entries = dict[str, tuple[Any, FieldDeclaration]]
 """Values by name, with their declarations."""
 
 
@@ -33,7 +33,7 @@ class MissingNumber:
 
     path: str
     name: str
-    declared: Declared
+    declared: FieldDeclaration
     unit: str
     owner: str
     """Kind that needs it."""
@@ -101,7 +101,7 @@ class TableFiller:
         return entries
 
     def _fill_single(
-        self, cls: PartClass, registry: Kinds, name: str, declared: Declared, old: Entries, path: str
+        self, cls: PartClass, registry: Kinds, name: str, declared: FieldDeclaration, old: Entries, path: str
     ) -> Any:
         """Return the value of a number, option or text; None if it can be omitted."""
         if name in old and self._can_keep(declared, *old[name], path):
@@ -121,7 +121,7 @@ class TableFiller:
                 value = old[value[1:]][0] if value[1:] in old else None
         return value
 
-    def _can_keep(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
+    def _can_keep(self, declared: FieldDeclaration, value: Any, was: FieldDeclaration, path: str) -> bool:
         if (declared.kind, declared.unit) != (was.kind, was.unit):
             return False
         if declared is was:
@@ -154,8 +154,8 @@ class TableFiller:
             return None
         return self.table(inner, None, cast("JsonTable", given or {}), path) or None
 
-    def _begin_row(self, declared: Declared, path: str) -> Any:
-        unit = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
+    def _begin_row(self, declared: FieldDeclaration, path: str) -> Any:
+        unit = self.unit(Leaf(path, FieldDeclaration("parameter", "", None, DRIVE), None))
         typical = declared.typical_in(unit)
         if typical is None:
             return None
@@ -177,7 +177,7 @@ class TableFiller:
             return {**rest, KIND: was.registered_name}
         return self.table(registry[read_kind(start)[KIND]], registry, old, path, was)
 
-    def _fill_chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
+    def _fill_chosen(self, name: str, declared: FieldDeclaration, given: Any, path: str) -> Any:
         """Return a completed component of a registry; None if the default suffices."""
         registry = cast("Registry[Any]", declared.registry)
         full = read_kind(given) if given is not None else {}
@@ -195,7 +195,7 @@ class TableFiller:
         implied = set(table) - set(full) == {KIND} and KIND not in full
         return given if implied and given is not None else table
 
-    def _find_meant(self, name: str, declared: Declared, full: JsonTable) -> JsonTable | None:
+    def _find_meant(self, name: str, declared: FieldDeclaration, full: JsonTable) -> JsonTable | None:
         if KIND in full:
             return full
         if name == LAW and self.material is not None and self.material.law:
@@ -212,7 +212,7 @@ def read_kind(value: Any) -> JsonTable:
     return {KIND: value} if isinstance(value, str) else dict(cast("JsonTable", value or {}))
 
 
-def _is_alike(one: Declared, other: Declared) -> bool:
+def _is_alike(one: FieldDeclaration, other: FieldDeclaration) -> bool:
     return one.kind == other.kind and one.registry is other.registry
 
 

@@ -18,7 +18,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from martensite.app.identify.preparation import Prepared, prepare_record
+from martensite.app.identify.preparation import PreparedRecord, prepare_record
 from martensite.app.messages import JsonTable, Request, list_tables, read_optional, require_entry, require_table
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
@@ -49,7 +49,7 @@ def read_file(request: Request, desk: Desk) -> LabFile:
     )
 
 
-def prepare_log(request: Request, desk: Desk) -> Prepared:
+def prepare_log(request: Request, desk: Desk) -> PreparedRecord:
     """Return the prepared first log, with merged logs, and descriptions of its preparation."""
     file = read_file(request, desk)
     own = prepare_record(file.record, list_steps(request))
@@ -62,7 +62,7 @@ def prepare_log(request: Request, desk: Desk) -> Prepared:
     for (other, sentences), shift in zip(others, shifts, strict=True):
         whole = merge_by_clock([replace(whole, notes=()), other], None if shift is None else [shift])
         words += [*(f"`{other.path.name}`: {one}" for one in sentences), f"Merged. {' '.join(whole.notes)}"]
-    return Prepared(replace(whole.record, name=own.record.name), tuple(words))
+    return PreparedRecord(replace(whole.record, name=own.record.name), tuple(words))
 
 
 def _prepare_file(request: Request, desk: Desk) -> tuple[LabFile, tuple[str, ...]]:

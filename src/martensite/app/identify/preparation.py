@@ -39,21 +39,21 @@ MOST_ROWS = 200_000
 
 
 @dataclass(frozen=True)
-class Prepared:
+class PreparedRecord:
     """A record after some steps, and their descriptions."""
 
     record: Record
     words: tuple[str, ...] = ()
 
 
-def prepare_record(record: Record, steps: Sequence[Request]) -> Prepared:
+def prepare_record(record: Record, steps: Sequence[Request]) -> PreparedRecord:
     """Apply steps in order."""
     words: list[str] = []
     for step in steps:
         kind = require_choice(step, "kind", "step", STEPS)
         record, sentence = STEPS[kind](record, step)
         words.append(sentence)
-    return Prepared(record, tuple(words))
+    return PreparedRecord(record, tuple(words))
 
 
 def _read_column(record: Record, step: Request) -> tuple[str, Any]:

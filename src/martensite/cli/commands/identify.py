@@ -29,7 +29,7 @@ from martensite.cli.progress import show_share, show_spinner
 
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Options
-    from martensite.identify.chains.stages import Identified, ModelStage
+    from martensite.identify.chains.stages import IdentifiedStages, ModelStage
     from martensite.identify.ladder.ladder_result import LadderTrial
     from martensite.signals.sampling.sampled import Sampled
 
@@ -311,7 +311,7 @@ def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
     return f"{sentence}, saved in `{path}`."
 
 
-def _write_stages_report(identification: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:
+def _write_stages_report(identification: IdentifiedStages, records: Sequence[Sampled], report: Path) -> list[Path]:
     from martensite.identify.chains.validation import validate_chain
     from martensite.show.pages import write_model_report
     from martensite.signals.sampling.resampling import select_signals
@@ -324,7 +324,7 @@ def _write_stages_report(identification: Identified, records: Sequence[Sampled],
     )
 
 
-def _write_files(identification: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
+def _write_files(identification: IdentifiedStages, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
     written = outputs.paths()
     with replace_together():
         if outputs.data is not None:
@@ -344,7 +344,7 @@ def _write_files(identification: Identified, outputs: Outputs, records: Sequence
     return written
 
 
-def _save_model(identification: Identified, path: Path) -> None:
+def _save_model(identification: IdentifiedStages, path: Path) -> None:
     from dataclasses import asdict
 
     from martensite.scenario.model_files import model_provenance, write_model

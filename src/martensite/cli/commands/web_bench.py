@@ -19,7 +19,7 @@ from martensite.cli.options import Json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from martensite.app.server import Served
+    from martensite.app.server import ServerAddress
 
 
 @app.command("app", rich_help_panel="Take along")
@@ -53,8 +53,8 @@ def _read_text(scenario: Path) -> str:
     return load(scenario).text
 
 
-def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
-    def ready(at: Served) -> None:
+def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[ServerAddress], None]:
+    def ready(at: ServerAddress) -> None:
         address = at.address if text is None else build_address(at.address, text)
         if json:
             from martensite.show.terminal import print_json

@@ -49,7 +49,7 @@ PLANNED = "planned"
 """Name of the reading with the signal that another controller has planned."""
 
 
-class Called(NamedTuple):
+class DriveMemory(NamedTuple):
     """Memory of a controller that runs as a drive."""
 
     time: float
@@ -181,7 +181,7 @@ class AbstractController(AbstractDrive):
         """Return whether the controller has a filter, shaped reference, manual mode or slew limit."""
         return any(self.__dict__[name] is not None for name in AROUND)
 
-    def init(self) -> Called | None:
+    def init(self) -> DriveMemory | None:
         return None
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
@@ -197,7 +197,7 @@ class AbstractController(AbstractDrive):
             signal, after = self.begin(floats, wanted, measurement, hand)
         else:
             signal, after = self.proceed(floats, memory.memory, wanted, measurement, time - memory.time, hand)
-        return signal, Called(time, after)
+        return signal, DriveMemory(time, after)
 
 
 class SignalLimits(Parametrised):

@@ -112,7 +112,7 @@ class ManualMode(Parametrised):
         return self.signal, Step(low=0.0, high=1.0, at=self.automatic_from, until=self.automatic_until)
 
 
-class Conditioned(NamedTuple):
+class ControllerMemory(NamedTuple):
     """Memory of a controller and of its optional parts."""
 
     filters: tuple[Column, ...]
@@ -127,7 +127,7 @@ class Conditioned(NamedTuple):
         return (*(number for row in self.filters for number in row), *(self.shaped or ()), *last, *self.inner)
 
 
-def split_memory(one: AbstractController, memory: Column) -> Conditioned:
+def split_memory(one: AbstractController, memory: Column) -> ControllerMemory:
     """Return the named memory of a controller from a flat column."""
     rest, shaped = iter(memory), one.shaping is not None
     filters = (
@@ -136,7 +136,7 @@ def split_memory(one: AbstractController, memory: Column) -> Conditioned:
         else ()
     )
     reference = ShapedReference(*islice(rest, len(ShapedReference._fields))) if shaped else None
-    return Conditioned(filters, reference, 0.0 if one.slew is None else next(rest), tuple(rest))
+    return ControllerMemory(filters, reference, 0.0 if one.slew is None else next(rest), tuple(rest))
 
 
 def begin_control(
@@ -149,7 +149,7 @@ def begin_control(
     )
     shaped = None if one.shaping is None else one.shaping.begin(start)
     inner = tuple(one.rest(xp, reference if shaped is None else start, readings))
-    memory = Conditioned(filters, shaped, 0.0, inner).flatten(one)
+    memory = ControllerMemory(filters, shaped, 0.0, inner).flatten(one)
     return continue_control(one, xp, memory, reference, readings, 0.0, hand)
 
 
@@ -184,7 +184,7 @@ def continue_control(
         if shaped is not None and one.follows_reading:
             resting = one.shaping.begin(readings[one.measured]) if one.shaping else shaped
             shaped = choose_tuple(xp, taken, resting, shaped)
-    return signal, Conditioned(filters, shaped, signal, tuple(after)).flatten(one)
+    return signal, ControllerMemory(filters, shaped, signal, tuple(after)).flatten(one)
 
 
 def _override_signal(

@@ -40,7 +40,7 @@ INSIDE = 0.05, 0.95
 """First guesses as fractions of the range of the signal, away from the ends, where slopes may vanish."""
 
 
-class Following(NamedTuple):
+class FeedforwardMemory(NamedTuple):
     """Memory of a feed-forward, in addition to the state of its model."""
 
     feed: Scalar
@@ -104,7 +104,7 @@ class Feedforward(AbstractController):
         idle = self.feedback.limit_signal(xp, 0.0)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         state = self.model.init(xp, idle)
-        return flatten_numbers((state, Following(idle, reference, 0.0, correction)))
+        return flatten_numbers((state, FeedforwardMemory(idle, reference, 0.0, correction)))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         state, before = self._nest_memory.rebuild(memory)
@@ -118,7 +118,7 @@ class Feedforward(AbstractController):
         feed = self._solve_signal(xp, state, target, before.feed)
         value = readings[self.measured]
         signal, correction = self.feedback.answer(xp, before.correction, feed, reference, value, dt)
-        return signal, flatten_numbers((state, Following(feed, reference, rate, correction)))
+        return signal, flatten_numbers((state, FeedforwardMemory(feed, reference, rate, correction)))
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
         before, value = self._nest_memory.rebuild(memory)[1], readings[self.measured]
@@ -126,9 +126,9 @@ class Feedforward(AbstractController):
 
     @property
     def _nest_memory(self) -> NestedShape:
-        return NestedShape((self.__dict__["_rest"], Following(0.0, 0.0, 0.0, NO_MEMORY)))
+        return NestedShape((self.__dict__["_rest"], FeedforwardMemory(0.0, 0.0, 0.0, NO_MEMORY)))
 
-    def _rate(self, before: Following, reference: Scalar, length: Scalar) -> Scalar:
+    def _rate(self, before: FeedforwardMemory, reference: Scalar, length: Scalar) -> Scalar:
         change = reference - before.before - before.rate * length
         return before.rate + change / (self.filter + length)
 

@@ -40,7 +40,7 @@ from martensite.control.controllers.base import (
     SignalLimits,
 )
 from martensite.control.controllers.pid import KEPT, Correction, PidMemory
-from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
+from martensite.control.controllers.planning import Planner, PlanStart, Price, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.observers.base import ESTIMATED, list_several
 from martensite.control.observers.hidden_states import list_names, observe_model, place_hidden
@@ -58,7 +58,7 @@ class PlanMemory(NamedTuple):
     state: Any
     signals: tuple[Scalar, ...]
     """Signals of the drives in the next period."""
-    planned: Planned
+    planned: PlanStart
     offsets: tuple[Scalar, ...]
     """Offsets d of the readings from the model."""
     past: tuple[tuple[Scalar, ...], ...]
@@ -234,7 +234,7 @@ class Mpc(AbstractController, SignalLimits):
         offsets = tuple(readings[name] - y for name, y in zip(self._readings, outputs, strict=True))
         past = tuple((y,) * self.kept for y in outputs)
         added = () if self.tracking is None else (0.0, *self.tracking.rest(xp, readings[self.measured], outputs[0]))
-        return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, zeros), offsets, past, added))
+        return flatten_numbers(PlanMemory(state, idle, PlanStart(plan, plan, zeros), offsets, past, added))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         before = self.unflatten(memory)
@@ -313,7 +313,7 @@ class Mpc(AbstractController, SignalLimits):
             rows.append([r - offset for r in (now, *ahead)])
         return [r for column in zip(*rows, strict=True) for r in column]
 
-    def _plan(self, xp: Namespace, memory: PlanMemory, wanted: list[Scalar]) -> Planned:
+    def _plan(self, xp: Namespace, memory: PlanMemory, wanted: list[Scalar]) -> PlanStart:
         blocks, rounds, _, _, turns = self.layout()
         length = self.horizon / blocks
         limits, count = (self.low, self.high), len(memory.signals)
@@ -321,7 +321,7 @@ class Mpc(AbstractController, SignalLimits):
         shifts = self._add_opposed((0.0,) * count, memory.added[1]) if memory.added else ()
         planner = Planner(self.model, self.followed_outputs, self.price, limits, blocks, turns, length, *start, shifts)
         moved = (tuple(shift_plan(one, count, self.period / length)) for one in memory.planned)
-        return planner.search(xp, rounds, Planned(*moved))
+        return planner.search(xp, rounds, PlanStart(*moved))
 
     def unflatten(self, memory: Column) -> PlanMemory:
         """Return the named memory from a flat column."""
@@ -330,7 +330,7 @@ class Mpc(AbstractController, SignalLimits):
         past = ((0.0,) * self.kept,) * readings
         example = self.__dict__["_example"]
         added = () if self.tracking is None else (0.0,) * (1 + KEPT)
-        shape = PlanMemory(example, (0.0,) * drives, Planned(plan, plan, plan), (0.0,) * readings, past, added)
+        shape = PlanMemory(example, (0.0,) * drives, PlanStart(plan, plan, plan), (0.0,) * readings, past, added)
         return NestedShape(shape).rebuild(memory)
 
 

@@ -85,7 +85,7 @@ class PlanCost(NamedTuple):
     """Means of errors and excesses of every block; the sum of their squares approximates the rest without changes."""
 
 
-class Planned(NamedTuple):
+class PlanStart(NamedTuple):
     """Start of the next search, for all drives in every block."""
 
     plan: tuple[Scalar, ...]
@@ -120,7 +120,7 @@ class Planner(NamedTuple):
         """Return the number of drives."""
         return len(self.signals)
 
-    def search(self, xp: Namespace, rounds: int, begin: Planned) -> Planned:
+    def search(self, xp: Namespace, rounds: int, begin: PlanStart) -> PlanStart:
         """Return the best plan after several rounds."""
         shape = NestedShape(begin)
 
@@ -130,7 +130,7 @@ class Planner(NamedTuple):
         flat = flatten_numbers(begin)
         return shape.rebuild(turn(*flat) if rounds == 1 else xp.repeat(rounds, turn, *flat))
 
-    def improve(self, xp: Namespace, best_so_far: Planned) -> Planned:
+    def improve(self, xp: Namespace, best_so_far: PlanStart) -> PlanStart:
         """Return the result of one round."""
         count = len(best_so_far.plan)
         middle = 0.5 * (self.limits[0] + self.limits[1])
@@ -152,7 +152,7 @@ class Planner(NamedTuple):
         best = _choose_plan(xp, plans, costs[0])
         slopes = [[(column[1 + i] - column[0]) / steps[i] for column in costs[1:]] for i in range(count)]
         direction = self._find_direction(xp, best_so_far.plan, slopes, [column[0] for column in costs[2:]])
-        return Planned(tuple(best), best_so_far.plan, tuple(direction))
+        return PlanStart(tuple(best), best_so_far.plan, tuple(direction))
 
     def _reach_far(self, xp: Namespace, plan: Sequence[Scalar]) -> list[Numbers]:
         plans: list[Numbers] = [[self.limits[0]] * len(plan)]
@@ -170,7 +170,7 @@ class Planner(NamedTuple):
         ends = [(round(a * self.blocks), round(b * self.blocks)) for a, b in windows]
         return list(dict.fromkeys((a, max(b, a + 1)) for a, b in ends))
 
-    def _follow_line(self, xp: Namespace, best_so_far: Planned) -> list[Numbers]:
+    def _follow_line(self, xp: Namespace, best_so_far: PlanStart) -> list[Numbers]:
         rows = list(zip(best_so_far.origin, best_so_far.direction, strict=True))
         return [[xp.clip(u + fraction * d, *self.limits) for u, d in rows] for fraction in ALONG]
 

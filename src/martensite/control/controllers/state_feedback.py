@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Any, Self
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import REQUIRED, Declared, Number, Parametrised, param, part, text
+from martensite.base.parameters import REQUIRED, FieldDeclaration, Number, Parametrised, param, part, text
 from martensite.base.units import LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels.namespace import Namespace, Scalar
@@ -84,7 +84,7 @@ class NumberedGains(Parametrised):
         return cls(**{f"n{place}": number for place, number in enumerate(numbers, 1)})
 
     @property
-    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+    def declarations(self) -> dict[str, FieldDeclaration]:  # type: ignore[override]
         return {name: _convert_number(place) for place, name in enumerate(self.__dict__, 1)}
 
     def layout(self) -> tuple[int, ...]:
@@ -96,8 +96,8 @@ class NumberedGains(Parametrised):
         return tuple(self.__dict__.values())
 
 
-def _convert_number(place: int) -> Declared:
-    return Declared("parameter", f"number {place} of a row", REQUIRED)
+def _convert_number(place: int) -> FieldDeclaration:
+    return FieldDeclaration("parameter", f"number {place} of a row", REQUIRED)
 
 
 def as_row(owner: str, name: str, given: Any) -> NumberedGains:

@@ -63,7 +63,7 @@ class AmbientStep(AbstractPlantFault):
         return {"environment.temperature": one.environment.temperature + xp.where(active, self.by, 0.0)}
 
 
-class Multiplied(AbstractCooling):
+class ScaledCooling(AbstractCooling):
     """A heat-loss model with a multiplied film coefficient."""
 
     cooling: AbstractCooling = part("the heat-loss model")
@@ -86,7 +86,7 @@ class Draught(AbstractPlantFault):
     factor: Number = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        times = Multiplied(cooling=one.environment.cooling, factor=1.0)
+        times = ScaledCooling(cooling=one.environment.cooling, factor=1.0)
         return {"environment.cooling": times.rebuilt({"factor": xp.where(active, self.factor, 1.0)})}
 
 
@@ -104,7 +104,7 @@ class AbstractContact(AbstractSource):
         return tuple(f"source.{name}" for name in self.source.supplied_by)
 
 
-class Interrupted(AbstractContact):
+class SwitchingContact(AbstractContact):
     """A source behind a contact that is closed (1) or open (0)."""
 
     contact: Number = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
@@ -124,11 +124,11 @@ class OpenCircuit(AbstractPlantFault):
     """
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        behind = Interrupted(source=one.source, contact=1.0)
+        behind = SwitchingContact(source=one.source, contact=1.0)
         return {"source": behind.rebuilt({"contact": xp.where(active, 0.0, 1.0)})}
 
 
-class Resisted(AbstractContact):
+class ResistiveContact(AbstractContact):
     """A source behind a contact with a resistance."""
 
     contact: Number = param("ohm", "resistance of the contact", low=0.0)
@@ -151,7 +151,7 @@ class ContactResistance(AbstractPlantFault):
     resistance: Number = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        behind = Resisted(source=one.source, contact=0.0)
+        behind = ResistiveContact(source=one.source, contact=0.0)
         return {"source": behind.rebuilt({"contact": xp.where(active, self.resistance, 0.0)})}
 
 

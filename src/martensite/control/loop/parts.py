@@ -26,7 +26,7 @@ NEVER = 1e9
 """Age before the first reading [s]."""
 
 
-class Sensed(NamedTuple):
+class SensorState(NamedTuple):
     """Memory of a sensor on a bench."""
 
     inner: tuple[Scalar, ...]
@@ -80,24 +80,24 @@ class MountedSensor(Parametrised):
         """Return the number of readings to store for the delay, and for a fault that adds `later` [s]."""
         return 1 + math.ceil((self.delay + WORST * self.jitter + later) / period - PERIOD_TOLERANCE)
 
-    def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, count: int) -> Sensed:
+    def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, count: int) -> SensorState:
         """Return the memory in the steady state, with a first reading."""
         signals = [truth[name] for name in self.sees()]
         inner = self.sensor.rest(xp, signals)
         value, inner = self.sensor.reading(xp, inner, signals, noise, 0.0)
         age = xp.where(self.sensor.valid(xp, signals), 0.0, NEVER)
         past, ages, travels = ((one,) * count for one in (value, age, self.delay))
-        return Sensed(tuple(inner), value, age, past, ages, travels, value, age)
+        return SensorState(tuple(inner), value, age, past, ages, travels, value, age)
 
     def step(
         self,
         xp: Namespace,
-        before: Sensed,
+        before: SensorState,
         truth: Mapping[str, Scalar],
         numbers: tuple[Scalar, Scalar],
         period: Scalar,
-        disturbed: Disturbed,
-    ) -> Sensed:
+        disturbed: SensorFaults,
+    ) -> SensorState:
         """Return the memory after a period [s], with normal numbers for noise and jitter."""
         noise, late = numbers
         signals = [truth[name] for name in self.sees()]
@@ -112,7 +112,7 @@ class MountedSensor(Parametrised):
         past, ages = (sample, *before.past[:-1]), (elapsed, *before.ages[:-1])
         travels = (travel, *before.travels[:-1])
         reading, age = _find_arrived(xp, past, ages, travels, period)
-        return Sensed(tuple(inner), sample, elapsed, past, ages, travels, reading, age)
+        return SensorState(tuple(inner), sample, elapsed, past, ages, travels, reading, age)
 
 
 def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar) -> tuple[Scalar, Scalar]:
@@ -126,7 +126,7 @@ def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, pe
     return reading, age
 
 
-class Disturbed:
+class SensorFaults:
     """Effect of all faults on one sensor."""
 
     def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
@@ -232,7 +232,7 @@ class ObserverState(NamedTuple):
     memory: tuple[Scalar, ...]
 
 
-class Controlling(NamedTuple):
+class ControllerState(NamedTuple):
     """State of a controller."""
 
     wanted: Scalar
@@ -244,9 +244,9 @@ class BenchState(NamedTuple):
 
     time: Scalar
     plant: Any
-    sensors: tuple[Sensed, ...]
+    sensors: tuple[SensorState, ...]
     observers: tuple[ObserverState, ...]
-    controllers: tuple[Controlling, ...]
+    controllers: tuple[ControllerState, ...]
     supervisor: tuple[Scalar, ...]
 
 

@@ -12,12 +12,12 @@ from martensite.control.controllers.conditioning import ManualInput, split_memor
 from martensite.control.loop.names import AGE, AMBIENT, list_controller_outputs, list_previews
 from martensite.control.loop.parts import (
     BenchState,
-    Controlling,
-    Disturbed,
+    ControllerState,
     Inputs,
     Numbers,
     ObserverState,
-    Sensed,
+    SensorFaults,
+    SensorState,
     SupervisorVerdict,
 )
 from martensite.control.observers.base import ESTIMATED
@@ -59,7 +59,7 @@ def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, inputs: Inp
     return judge_signals(bench, xp, state.supervisor, ordered, readings)
 
 
-def collect_wanted(bench: Bench, controllers: Sequence[Controlling], inputs: Inputs) -> Numbers:
+def collect_wanted(bench: Bench, controllers: Sequence[ControllerState], inputs: Inputs) -> Numbers:
     """Return the signals of controllers and the free signals, in the order of the drives."""
     rows = zip(bench.controllers.members(), controllers, strict=True)
     signals = inputs.free | {name: state.wanted for name, state in rows}
@@ -82,7 +82,7 @@ def judge_signals(
 
 def begin_loop(
     bench: Bench, xp: Namespace, readings: Numbers, inputs: Inputs
-) -> tuple[tuple[ObserverState, ...], tuple[Controlling, ...], tuple[Scalar, ...], Numbers]:
+) -> tuple[tuple[ObserverState, ...], tuple[ControllerState, ...], tuple[Scalar, ...], Numbers]:
     """Return observers, controllers and supervisor in the first sample, and all readings."""
     first = [one.rest(xp, readings, collect_idle(bench, inputs)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(estimates), tuple(memory)) for estimates, memory in first)
@@ -92,7 +92,7 @@ def begin_loop(
     return observers, controllers, memory, readings
 
 
-def collect_shaped(bench: Bench, controllers: Sequence[Controlling]) -> list[Scalar]:
+def collect_shaped(bench: Bench, controllers: Sequence[ControllerState]) -> list[Scalar]:
     """Return the shaped references that controllers follow."""
     rows = zip(bench.controllers.members().values(), controllers, strict=True)
     references = [split_memory(one, state.memory).shaped for one, state in rows]
@@ -152,14 +152,14 @@ def collect_truth(bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any
 
 
 def update_sensors(
-    bench: Bench, xp: Namespace, before: Sequence[Sensed], truth: Numbers, inputs: Inputs, time: Scalar
-) -> tuple[Sensed, ...]:
+    bench: Bench, xp: Namespace, before: Sequence[SensorState], truth: Numbers, inputs: Inputs, time: Scalar
+) -> tuple[SensorState, ...]:
     """Return all sensors after a period."""
     rows = zip(bench.sensors.members().items(), before, inputs.numbers, strict=True)
     every = bench.faults.members().values()
     faults = [(one.fault_at(xp, time), one.active(xp, time)) for one in every]
     return tuple(
-        mounted.step(xp, state, truth, numbers, bench.period, Disturbed(name, faults))
+        mounted.step(xp, state, truth, numbers, bench.period, SensorFaults(name, faults))
         for (name, mounted), state, numbers in rows
     )
 
@@ -174,8 +174,8 @@ def update_observers(
 
 
 def update_controllers(
-    bench: Bench, xp: Namespace, before: Sequence[Controlling], readings: Numbers, inputs: Inputs
-) -> tuple[Controlling, ...]:
+    bench: Bench, xp: Namespace, before: Sequence[ControllerState], readings: Numbers, inputs: Inputs
+) -> tuple[ControllerState, ...]:
     """Return all controllers after a period."""
     memories = [state.memory for state in before]
     return answer_all(bench, xp, memories, readings | look_ahead(bench, inputs), inputs)
@@ -193,18 +193,18 @@ def look_ahead(bench: Bench, inputs: Inputs) -> Numbers:
 
 def answer_all(
     bench: Bench, xp: Namespace, memories: Sequence[Sequence[Scalar]] | None, readings: Numbers, inputs: Inputs
-) -> tuple[Controlling, ...]:
+) -> tuple[ControllerState, ...]:
     """Return all controllers after a sample, leaders first; the first sample has no memories."""
     members, planned = bench.controllers.members(), Numbers()
     befores = [None] * len(members) if memories is None else memories
     rows = zip(members.items(), befores, inputs.references, inputs.hands, strict=True)
-    states: dict[str, Controlling] = {}
+    states: dict[str, ControllerState] = {}
     for (drive, one), before, reference, hand in sorted(rows, key=lambda row: not row[0][1].led_drives()):
         own = readings | ({PLANNED: planned[drive]} if drive in planned else {})
         commanded = find_commands(bench, drive)
         rest = one.begin(xp, reference, own, hand) if before is None or commanded else (0.0, ())
         signal, after = rest if before is None else one.proceed(xp, before, reference, own, bench.period, hand)
-        answer = Controlling(signal, tuple(after))
+        answer = ControllerState(signal, tuple(after))
         if commanded:
             answer = obey_commands(bench, xp, drive, answer, tuple(rest[1]), readings)
         planned |= one.share_signals(split_memory(one, answer.memory).inner)
@@ -219,17 +219,17 @@ def find_commands(bench: Bench, drive: str) -> list[tuple[str, str]]:
 
 
 def obey_commands(
-    bench: Bench, xp: Namespace, drive: str, answer: Controlling, rest: tuple[Scalar, ...], readings: Numbers
-) -> Controlling:
+    bench: Bench, xp: Namespace, drive: str, answer: ControllerState, rest: tuple[Scalar, ...], readings: Numbers
+) -> ControllerState:
     """Return the answer of a controller, or the command of an observer with the initial memory of the controller."""
     for names in find_commands(bench, drive):
         lasts, signal = (readings[ESTIMATED + name] for name in names)
         memory = tuple(xp.where(lasts > 0.5, x, y) for x, y in zip(rest, answer.memory, strict=True))
-        answer = Controlling(xp.where(lasts > 0.5, signal, answer.wanted), memory)
+        answer = ControllerState(xp.where(lasts > 0.5, signal, answer.wanted), memory)
     return answer
 
 
-def collect_readings(bench: Bench, sensors: Sequence[Sensed], truth: Signals) -> Numbers:
+def collect_readings(bench: Bench, sensors: Sequence[SensorState], truth: Signals) -> Numbers:
     """Return the readings and their ages, or without sensors the true outputs."""
     readings: Numbers = {}
     for name, state in zip(bench.sensors.members(), sensors, strict=True):
@@ -247,7 +247,7 @@ def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbe
     }
 
 
-def collect_controller_outputs(bench: Bench, xp: Namespace, controllers: Sequence[Controlling]) -> Numbers:
+def collect_controller_outputs(bench: Bench, xp: Namespace, controllers: Sequence[ControllerState]) -> Numbers:
     """Return the outputs of controllers by name."""
     rows = zip(bench.controllers.members().values(), controllers, strict=True)
     values = [value for one, state in rows for value in one.observe(xp, split_memory(one, state.memory).inner)]

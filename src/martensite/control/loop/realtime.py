@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Keyed, values_at
+from martensite.base.parameters import StructureKey, values_at
 from martensite.control.controllers.base import PLANNED, AbstractController
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, hand_drives, list_hands, list_previews, list_references
-from martensite.control.loop.parts import Controlling, Inputs, Numbers, ObserverState
+from martensite.control.loop.parts import ControllerState, Inputs, Numbers, ObserverState
 from martensite.control.loop.run import reference_waveforms
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels import floats
@@ -196,7 +196,7 @@ class LoopState(NamedTuple):
     """State of a loop without its plant."""
 
     observers: tuple[ObserverState, ...]
-    controllers: tuple[Controlling, ...]
+    controllers: tuple[ControllerState, ...]
     supervisor: tuple[Scalar, ...]
     alarm: Scalar
     signals: tuple[Scalar, ...]
@@ -260,11 +260,11 @@ class TracedLoop:
 
 def trace_loop(bench: Bench) -> TracedLoop:
     """Return the traced loop of a bench, cached by its structure."""
-    return _trace_keyed(Keyed(bench))
+    return _trace_keyed(StructureKey(bench))
 
 
 @cache_answers(32)
-def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
+def _trace_keyed(keyed: StructureKey[Bench]) -> TracedLoop:
     """Return the first and later samples of a loop as a program over flat states."""
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())

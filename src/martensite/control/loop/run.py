@@ -92,7 +92,7 @@ def simulate_bench(
             raise InputError("A run whose controllers run outside has no budget.")
         if start is not HOME or restart_at:
             raise InputError("A run whose controllers run outside keeps no states: there is nothing to go on from.")
-        seeing = {name: Seeing(drive=drive) for name, drive in outside.items()}
+        seeing = {name: ReadingsOnlyDrive(drive=drive) for name, drive in outside.items()}
         periods = round(duration / bench.period)
         length = periods * bench.period
         result = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
@@ -216,7 +216,7 @@ def open_loop(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
     return bench.with_parts(controllers=Controllers(**members)), controller
 
 
-class Seeing(AbstractDrive):
+class ReadingsOnlyDrive(AbstractDrive):
     """A drive that gets the readings of a bench, not the true outputs."""
 
     drive: AbstractDrive = part("what answers")

@@ -27,8 +27,8 @@ from martensite.kernels.brent import find_root
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
-from martensite.simulate.steady.continuation import Linearised
-from martensite.simulate.steady.cycles import PeriodicOrbit, Shooting
+from martensite.simulate.steady.continuation import LinearisedEquations
+from martensite.simulate.steady.cycles import PeriodicOrbit, ShootingMethod
 from martensite.simulate.steady.equilibria import rest_signals
 from martensite.simulate.steady.periodic_motion import find_inert, judge_stability
 from martensite.simulate.steady.stretch import Stretch
@@ -89,7 +89,7 @@ def find_switched_cycle(
             raise InputError("A plant alone is not switched; give a `switch`.")
         switch = read_switch(subject)
     motion = SwitchedMotion(system, switch, step or longest_step(system))
-    shooting = Shooting(motion, motion.heat_up(), CYCLES)
+    shooting = ShootingMethod(motion, motion.heat_up(), CYCLES)
     shooting.run()
     times, outputs = motion.observe(shooting.state)
     _, slopes = motion.march(shooting.state)
@@ -295,14 +295,14 @@ class SwitchedMotion:
         output = self.stretch.observe_slopes(self.switch.output, leg.states[-1], signals, slopes)
         return slopes[:, :n] - np.outer(slopes[:, n], output[:n] / output[n])
 
-    def linearise(self, point: Numbers) -> Linearised:
+    def linearise(self, point: Numbers) -> LinearisedEquations:
         """Return the relative change of the states over a cycle, and its derivatives."""
         states, slopes = self.march(point)
         sizes = np.maximum(np.abs(states).max(axis=0), 1e-12)
         residual, jacobian = states[-1] - states[0], slopes - np.eye(self.size)
         inert = find_inert(slopes)
         residual[inert], jacobian[inert] = 0.0, np.eye(self.size)[inert]
-        return Linearised(residual / sizes, jacobian / sizes[:, None], sizes)
+        return LinearisedEquations(residual / sizes, jacobian / sizes[:, None], sizes)
 
     def observe(self, state: Numbers) -> tuple[Numbers, dict[str, Numbers]]:
         """Return the times [s] and outputs of a cycle."""

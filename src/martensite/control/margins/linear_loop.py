@@ -25,7 +25,7 @@ from martensite.base.errors import InputError
 from martensite.control.loop import period as of_period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import NOISE, REFERENCE, list_drives, list_readings
-from martensite.control.loop.parts import BenchState, Controllers, Controlling, FaultTable, Sensors
+from martensite.control.loop.parts import BenchState, Controllers, ControllerState, FaultTable, Sensors
 from martensite.control.margins.linear_controller import LEAST_SIGNAL, find_reached, free_limits, settle_controller
 from martensite.control.margins.margins import INSIDE
 from martensite.control.synthesis.linear import PUSH, compute_slopes
@@ -165,7 +165,7 @@ def _linearise_at(bench: Bench, drive: str, state: BenchState, point: SteadyPoin
     signals = dict(zip((one.name for one in bench.plant.drives()), point.signals, strict=True))
     readings = collect_known(bench, floats, state, signals)
     memory, reference = settle_controller(controller, readings, point.signal, branch == "heating", bench.period)
-    whole = state._replace(controllers=(Controlling(point.signal, tuple(memory.tolist())),))
+    whole = state._replace(controllers=(ControllerState(point.signal, tuple(memory.tolist())),))
     flat, shape = flatten_numbers(whole), NestedShape(whole)
     place = name_numbers(whole).index("controllers.0.wanted")
     size, drives = len(flat), list_drives(bench)

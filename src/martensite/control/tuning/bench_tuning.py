@@ -21,7 +21,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.tuning.gain_search import GainCosts, TuningSearch, build_free_gains, search_gains
 from martensite.control.tuning.goals import Cost, Course, Numbers, TuningGoal
 from martensite.control.tuning.judgement import MEASURES, JudgedLoop, TuningJudgement, judge_loops
-from martensite.control.tuning.loop_runs import LoopRuns, Seen
+from martensite.control.tuning.loop_runs import LoopOutputs, LoopRuns
 from martensite.control.tuning.measures import Measures, measure_loop
 from martensite.control.tuning.plant_spread import Plants
 from martensite.search.box_search import Tell
@@ -44,8 +44,8 @@ class TunedBench:
     measures_before: Measures
     """Measures on the nominal plant."""
     measures: Measures
-    outputs_before: Seen
-    outputs: Seen
+    outputs_before: LoopOutputs
+    outputs: LoopOutputs
     times: Numbers
     evaluations: int
     gradients: int
@@ -180,7 +180,7 @@ def compare_gains(
     )
 
 
-def _is_finite(outputs: Seen) -> bool:
+def _is_finite(outputs: LoopOutputs) -> bool:
     return bool(np.isfinite(outputs.output[0]).all())
 
 

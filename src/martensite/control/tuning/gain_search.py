@@ -25,7 +25,7 @@ from martensite.base import units
 from martensite.base.errors import ParameterError, SolveError
 from martensite.control.loop.bench import Bench
 from martensite.control.tuning.goals import Cost, Numbers
-from martensite.control.tuning.loop_runs import LoopRuns, Seen
+from martensite.control.tuning.loop_runs import LoopOutputs, LoopRuns
 from martensite.control.tuning.plant_spread import Plants
 from martensite.search.box_search import BoxSearch, JudgedPoints, PointSlopes, Tell
 from martensite.search.free_numbers import FreeNumber, SearchRange, Target, build_free, choose_bounds
@@ -149,7 +149,7 @@ class GainCosts:
                 costs[k] = FAILED_COST
                 continue
             outputs, changes = run
-            costs[k] = min(float(self.cost(Seen(*(c[None, :] for c in outputs)))[0]), FAILED_COST)
+            costs[k] = min(float(self.cost(LoopOutputs(*(c[None, :] for c in outputs)))[0]), FAILED_COST)
             slopes[k] = self.cost.slope(outputs, changes) * inner
             size = float(np.linalg.norm(slopes[k]))
             slopes[k] *= min(1.0, STEEPEST_SLOPE * costs[k] / size) if size > 0.0 else 1.0

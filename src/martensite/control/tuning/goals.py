@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.control.tuning.loop_runs import Seen
+from martensite.control.tuning.loop_runs import LoopOutputs
 from martensite.signals.sampling.sampled import Numbers
 
 ERRORS = ("itae", "iae", "ise")
@@ -67,7 +67,7 @@ class TuningGoal:
 class Course:
     """A reference with the scales of the cost from a first run."""
 
-    def __init__(self, outputs: Seen, period: float) -> None:
+    def __init__(self, outputs: LoopOutputs, period: float) -> None:
         """Take the scales from a run, arrays of shape (samples,).
 
         Raises:
@@ -107,18 +107,18 @@ class Cost:
     def __init__(self, goal: TuningGoal, course: Course) -> None:
         self.goal, self.course = goal, course
 
-    def __call__(self, outputs: Seen) -> Numbers:
+    def __call__(self, outputs: LoopOutputs) -> Numbers:
         """Return the costs of runs, shape (runs, samples) -> (runs,); infinite for a failed run."""
         with np.errstate(invalid="ignore"):
             costs = np.asarray(self.parts(outputs)[0])
         return np.where(np.isfinite(costs), costs, np.inf)
 
-    def slope(self, outputs: Seen, slopes: Seen) -> Numbers:
+    def slope(self, outputs: LoopOutputs, slopes: LoopOutputs) -> Numbers:
         """Return the derivatives of the cost of a run, from slopes of its outputs of shape (samples, parameters)."""
         _, output, signal, power = self.parts(outputs)
         return output @ slopes.output + signal @ slopes.signal + power @ slopes.power
 
-    def parts(self, outputs: Seen) -> tuple[Any, Numbers, Numbers, Numbers]:
+    def parts(self, outputs: LoopOutputs) -> tuple[Any, Numbers, Numbers, Numbers]:
         """Return the costs, and their derivatives by output, signal and power at every sample."""
         goal, course = self.goal, self.course
         error, by_output = self._error(outputs.output - outputs.reference)

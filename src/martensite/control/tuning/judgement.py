@@ -17,7 +17,7 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.base.formats import choose_difference_unit, typeset_unit
 from martensite.control.tuning.goals import Course, Numbers
-from martensite.control.tuning.loop_runs import LoopRuns, Seen
+from martensite.control.tuning.loop_runs import LoopOutputs, LoopRuns
 from martensite.control.tuning.measures import UNITS, compute_itae
 from martensite.control.tuning.plant_spread import Plants
 
@@ -127,12 +127,12 @@ def judge_loops(
     return TuningJudgement(measure, unit, errors[0], errors[1], plants is not None)
 
 
-def _run_plants(one: JudgedLoop, plants: Plants | None) -> Seen:
+def _run_plants(one: JudgedLoop, plants: Plants | None) -> LoopOutputs:
     plant_values = {} if plants is None else plants.values
     return one.runs.run(one.runs.table({**plant_values, **one.values}, 1 if plants is None else plants.count))
 
 
-def _measure_errors(outputs: Seen, course: Course | None, measure: str, period: float) -> Numbers:
+def _measure_errors(outputs: LoopOutputs, course: Course | None, measure: str, period: float) -> Numbers:
     off = np.abs(outputs.reference - outputs.output)
     if course is None:
         return np.full(len(off), np.inf)

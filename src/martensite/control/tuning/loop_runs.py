@@ -26,7 +26,7 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.drive_waveforms import grid_of
 
 
-class Seen(NamedTuple):
+class LoopOutputs(NamedTuple):
     """Outputs of runs for the goal, shape (samples,) or (runs, samples)."""
 
     output: Numbers
@@ -39,9 +39,9 @@ class Seen(NamedTuple):
     hottest: Numbers
     """Highest temperature of any element [K]."""
 
-    def one(self, k: int) -> Seen:
+    def one(self, k: int) -> LoopOutputs:
         """Return the outputs of run k."""
-        return Seen(*(column[k] for column in self))
+        return LoopOutputs(*(column[k] for column in self))
 
 
 class LoopRuns(BatchRunner):
@@ -81,11 +81,11 @@ class LoopRuns(BatchRunner):
         self._names = list(dict.fromkeys(name for group in self._groups for name in group))
         super().__init__(bench, grid, self._names, native=native)
 
-    def run(self, table: Numbers) -> Seen:
+    def run(self, table: Numbers) -> LoopOutputs:
         """Run a table of parameters, shape (runs, parameters); NaN for a failed run."""
         return self._sort_columns(self.run_many(table))
 
-    def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
+    def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[LoopOutputs, LoopOutputs] | None:
         """Return a run and its derivatives, shape (samples, parameters); None if it fails."""
         seeds = np.zeros((len(values), len(moving)))
         for k, path in enumerate(moving):
@@ -93,7 +93,7 @@ class LoopRuns(BatchRunner):
         run = self.run_slopes(values, seeds)
         return run and (self._sort_columns(run[0]), self._sort_columns(run[1], axis=1))
 
-    def _name_columns(self) -> Seen:
+    def _name_columns(self) -> LoopOutputs:
         plant = self.bench.plant
         reference, wanted, _ = name_loop_columns(self.bench, self.drive)
         ports = list(plant.actuators())
@@ -104,15 +104,15 @@ class LoopRuns(BatchRunner):
             tuple(plant.label(port, "power") for port in ports),
             tuple(plant.label(port, "hottest") for port in ports),
         ]
-        return Seen(*names)
+        return LoopOutputs(*names)
 
-    def _sort_columns(self, rows: Numbers, axis: int = -1) -> Seen:
+    def _sort_columns(self, rows: Numbers, axis: int = -1) -> LoopOutputs:
         """Return the outputs, with the sum of the powers and the maximum of the temperatures."""
         where: Any = self._groups
         groups = [rows.take([self._names.index(n) for n in group], axis) for group in where]
         first: list[Any] = [one.take(0, axis) for one in groups[:3]]
         hottest = groups[4].max(axis) if groups[4].size else np.zeros_like(first[0])
-        return Seen(first[0], first[1], first[2], groups[3].sum(axis), hottest)
+        return LoopOutputs(first[0], first[1], first[2], groups[3].sum(axis), hottest)
 
 
 def find_loop(bench: Bench, drive: str | None) -> str:

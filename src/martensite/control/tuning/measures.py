@@ -26,7 +26,7 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.control.tuning.goals import Course, Numbers
-from martensite.control.tuning.loop_runs import Seen
+from martensite.control.tuning.loop_runs import LoopOutputs
 
 RISE, BAND, LAST = 0.90, 0.05, 0.1
 
@@ -124,7 +124,7 @@ UNITS = {
 """Unit of every measure; {} is the unit of the controlled output."""
 
 
-def measure_loop(outputs: Seen, course: Course) -> Measures:
+def measure_loop(outputs: LoopOutputs, course: Course) -> Measures:
     """Return the measures of one run, arrays of shape (samples,)."""
     e = outputs.reference - outputs.output
     period, after = course.period, np.abs(e[1:])
@@ -141,7 +141,7 @@ def measure_loop(outputs: Seen, course: Course) -> Measures:
     )
 
 
-def compute_itae(outputs: Seen, course: Course) -> Any:
+def compute_itae(outputs: LoopOutputs, course: Course) -> Any:
     """Return ∫ t |e| dt of runs, shape (..., samples) -> (...,); NaN for a failed run."""
     itae = np.abs(outputs.reference - outputs.output) @ course.clock * course.period
     return float(itae) if np.ndim(itae) == 0 else itae

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from martensite.actuators.assembly import System
-from martensite.control.faults.plant import Multiplied
+from martensite.control.faults.plant import ScaledCooling
 from martensite.design.sizing import remarks
 from martensite.design.sizing.cycle import (
     FIRST_FACTOR,
@@ -266,7 +266,7 @@ def _list_frailties(
     strand = static.strand
     trials = {f"on a day {WARMER:g} K warmer": replace(strand, ambient=request.ambient + WARMER)}
     if isinstance(strand, CoilStrand):
-        shaded = replace(strand, cooling=Multiplied(cooling=strand.cooling, factor=SHADED))
+        shaded = replace(strand, cooling=ScaledCooling(cooling=strand.cooling, factor=SHADED))
         trials["if its turns warm one another, so that half of the heat is lost,"] = shaded
     for when, other in trials.items():
         system = other.system(replace(static, strand=other).mechanism(request.stroke, static.count))

@@ -36,7 +36,7 @@ HALVINGS = 60
 
 
 @dataclass(frozen=True)
-class Drawn:
+class StretchedCoil:
     """Coil that is held at a length, in SI."""
 
     length: float
@@ -144,11 +144,11 @@ class CoilInHand(WireInHand):
             )
 
 
-def draw_out(coil: CoilStrand, length: float) -> Drawn:
+def draw_out(coil: CoilStrand, length: float) -> StretchedCoil:
     """Return the state of a coil that is drawn to a length [m] and heated there."""
     elongation, low, high = length - coil.solid, 0.0, STRONGEST * coil.bearing
     for _ in range(HALVINGS):
         force = 0.5 * (low + high)
         low, high = (low, force) if coil.elongation(0.0, force) > elongation else (force, high)
     strain = coil.element.strain(floats, elongation)
-    return Drawn(length, strain, math.sqrt(3.0) * strain, high, high / coil.bearing)
+    return StretchedCoil(length, strain, math.sqrt(3.0) * strain, high, high / coil.bearing)

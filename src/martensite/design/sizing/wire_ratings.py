@@ -22,7 +22,7 @@ from typing import Any
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.errors import ParameterError
-from martensite.design.sizing.coil_in_hand import CoilInHand, Drawn, draw_out
+from martensite.design.sizing.coil_in_hand import CoilInHand, StretchedCoil, draw_out
 from martensite.design.sizing.cycle import RETURNED, PulseCycle, find_current, find_reach_time, simulate_cooling
 from martensite.design.sizing.statics import USABLE, CoilStrand, Strand, list_alloy_numbers
 from martensite.design.sizing.wire_in_hand import WireInHand
@@ -69,7 +69,7 @@ class WireRatings:
     strain_limit: float
     returns: bool
     """True if the ambient is below M_f under the cold load."""
-    drawn_coil: Drawn | None = None
+    drawn_coil: StretchedCoil | None = None
     """Coil at its drawn length."""
     contradiction: str = ""
     """Contradiction between the measured resistance and the maker's table, or ''."""
@@ -253,7 +253,7 @@ def _round_up(value: float) -> float:
     return math.ceil(value / unit * (1.0 - 1e-12)) * unit
 
 
-def _find_held(strand: Strand, state: Drawn | None, cold: float) -> float:
+def _find_held(strand: Strand, state: StretchedCoil | None, cold: float) -> float:
     """Return the difference between the length under load and the drawn length of a coil [m]."""
     if state is None or not isinstance(strand, CoilStrand):
         return 0.0

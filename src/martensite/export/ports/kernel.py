@@ -18,7 +18,7 @@ from functools import cached_property
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.parameters import Keyed, values_at
+from martensite.base.parameters import StructureKey, values_at
 from martensite.export.c_core import CCore, core_of, describe_drives, list_outputs
 from martensite.export.c_tried import PARTS
 from martensite.export.ports.element import ElementPort
@@ -124,7 +124,7 @@ def compile_port(system: ElementPort | MaterialPort) -> PortKernel:
     compiled = compile_system(system)
     values = values_at(system, compiled.paths)
     inputs = tuple(drive.name for drive in system.drives())
-    program = _add_response(Keyed(system), answers)
+    program = _add_response(StructureKey(system), answers)
     return PortKernel(system, program, values, compiled.size, inputs, compiled.outputs, answers, PROBES * material)
 
 
@@ -144,7 +144,7 @@ def extend_program(system: AbstractSystem) -> tuple[Program, Any, NestedShape, l
 
 
 @cache_answers(32)
-def _add_response(keyed: Keyed[AbstractSystem], answers: tuple[str, ...]) -> Program:
+def _add_response(keyed: StructureKey[AbstractSystem], answers: tuple[str, ...]) -> Program:
     compiled, count = compile_system(keyed.part), len(keyed.part.drives())
     program, system, shape, names = extend_program(keyed.part)
     size = compiled.size

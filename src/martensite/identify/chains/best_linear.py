@@ -23,9 +23,9 @@ from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.decimation import thin_records
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.impulse_response import (
-    Matched,
+    MatchedPoles,
     Pair,
-    Realised,
+    Realisation,
     find_entering,
     impulse_response,
     match_poles,
@@ -254,7 +254,7 @@ def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt:
     return np.concatenate([matched.numbers, _find_mixing(block, model, z, matched, dt * factor)])
 
 
-def _find_mixing(block: AbstractBlock, model: Realised, z: Numbers, matched: Matched, dt: float) -> Numbers:
+def _find_mixing(block: AbstractBlock, model: Realisation, z: Numbers, matched: MatchedPoles, dt: float) -> Numbers:
     numbers = list(map(float, matched.numbers))
     n, m = len(numbers), block.inputs
 
@@ -267,7 +267,7 @@ def _find_mixing(block: AbstractBlock, model: Realised, z: Numbers, matched: Mat
     a = np.column_stack([after(unit, zero) for unit in np.eye(n)])
     fed = np.column_stack([after(zero, unit) for unit in np.eye(n)])
     summed = model.b @ (1.0 / np.arange(1, m + 1))
-    joined = Realised(model.a, np.column_stack([model.b, summed]), model.c)
+    joined = Realisation(model.a, np.column_stack([model.b, summed]), model.c)
     cascade_poles = sections.find_poles(n, matched.numbers, dt)
-    b = find_entering(joined, z[matched.places], Realised(a, fed[:, :1], model.c), cascade_poles)
+    b = find_entering(joined, z[matched.places], Realisation(a, fed[:, :1], model.c), cascade_poles)
     return np.linalg.solve(fed, b)[:, :-1].ravel()

@@ -37,7 +37,7 @@ LEVEL = 0.99
 
 
 @dataclass(frozen=True)
-class Crossed:
+class CrossCorrelation:
     """Correlation of the residuals of one output with one signal."""
 
     output: str
@@ -111,7 +111,7 @@ def correlate_residuals(
     name: str = "u",
     lags: Sequence[int] | None = None,
     level: float = LEVEL,
-) -> Crossed | None:
+) -> CrossCorrelation | None:
     """Correlate the residuals of one output with a signal; None if either is constant.
 
     Args:
@@ -144,7 +144,7 @@ def correlate_residuals(
         raise DataError(f"A lag of {max(map(abs, chosen))} is beyond {len(e)} samples.")
     variance = max(1.0 + 2.0 * float(rho_e[1:] @ rho_w[1:]), 0.0) / count
     values = [float(_sum_shifted(e, w, lag)) / size for lag in chosen]
-    return Crossed(
+    return CrossCorrelation(
         output, name, tuple(chosen), tuple(values), math.sqrt(max(variance, 1.0 / count**2)), interval, level
     )
 

@@ -47,7 +47,7 @@ from martensite.identify.chains.searches import (
 )
 from martensite.identify.chains.starts import begin_from_chain, list_informed_starts
 from martensite.identify.chains.uncertainty import ChainUncertainty, estimate_chain_uncertainty
-from martensite.search.levenberg_marquardt import Found, minimise_cost
+from martensite.search.levenberg_marquardt import CostMinimum, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 INTERRUPTED = "interrupted"
@@ -71,7 +71,7 @@ class ChainEstimate:
     chain: Chain
     records: tuple[Sampled, ...]
     aims: tuple[RecordResidual, ...]
-    solution: Found
+    solution: CostMinimum
     """End of the last search, at the full sample rate."""
     fits: tuple[float, ...]
     """Fit [%] at the ends of all refined searches, best first; for long records on decimated records."""
@@ -149,7 +149,7 @@ def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
             )
 
 
-def refine_chain(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
+def refine_chain(chain: Chain, records: Sequence[Sampled], options: Options) -> CostMinimum:
     """Return the nearest minimum from the numbers of a chain, at the full sample rate."""
     squares = Goal.begin(options, records).squares(chain, records)
     return minimise_cost(squares, squares.extend_parameters(chain.theta), options.iterations)

@@ -20,7 +20,7 @@ from martensite.base.errors import DataError, InputError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
-from martensite.search.levenberg_marquardt import Found, minimise_cost
+from martensite.search.levenberg_marquardt import CostMinimum, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 AUTO = "auto"
@@ -224,8 +224,8 @@ def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
 
 
 def whiten_chain(
-    chain: Chain, minimum: Found, wanted: Sequence[RecordResidual], options: Options
-) -> tuple[Found, tuple[RecordResidual, ...]]:
+    chain: Chain, minimum: CostMinimum, wanted: Sequence[RecordResidual], options: Options
+) -> tuple[CostMinimum, tuple[RecordResidual, ...]]:
     """Return the minimum of the prediction error, with noise model and chain in turns."""
     aims = tuple(wanted)
     prior = find_expected(chain, options)

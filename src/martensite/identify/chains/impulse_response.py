@@ -123,7 +123,7 @@ SMALLEST = 1e-4
 """Least modulus of a pole."""
 
 
-class Realised(NamedTuple):
+class Realisation(NamedTuple):
     """A, B, C of g_k = C A^k B."""
 
     a: Numbers
@@ -131,7 +131,7 @@ class Realised(NamedTuple):
     c: Numbers
 
 
-def realise_responses(g: Numbers, order: int) -> Realised:
+def realise_responses(g: Numbers, order: int) -> Realisation:
     """Return the state space of an order from responses of shape (lags, outputs, inputs)."""
     length, outputs, inputs = g.shape
     half = max(length // 2, 1)
@@ -141,10 +141,10 @@ def realise_responses(g: Numbers, order: int) -> Realised:
     root = np.sqrt(sizes[:order])
     observed, reached = left[:, :order] * root, root[:, None] * right[:order]
     a = np.linalg.lstsq(observed[:-outputs], observed[outputs:], rcond=None)[0]
-    return Realised(a, reached[:, :inputs], observed[:outputs])
+    return Realisation(a, reached[:, :inputs], observed[:outputs])
 
 
-class Matched(NamedTuple):
+class MatchedPoles(NamedTuple):
     """Poles as free numbers of a cascade."""
 
     numbers: Numbers
@@ -152,7 +152,7 @@ class Matched(NamedTuple):
     """Index of the given pole for each of `sections.poles`."""
 
 
-def match_poles(z: Numbers, dt: float) -> Matched:
+def match_poles(z: Numbers, dt: float) -> MatchedPoles:
     """Return the free numbers of the sections for poles z, moved to the nearest possible ones.
 
     Poles outside the unit circle are mirrored. Two poles on the negative real axis become a pair on it, a single one a
@@ -164,7 +164,7 @@ def match_poles(z: Numbers, dt: float) -> Matched:
     inside = np.clip(np.where(size > 1.0, 1.0 / size, size), SMALLEST, RADIUS)
     s = (np.log(inside) + 1j * np.angle(z)) / dt
     first, pairs = _pair_poles(s, z, dt)
-    return Matched(
+    return MatchedPoles(
         np.array([*(-np.log(-s[i].real) for i in first), *(n for p in pairs for n in _describe_pair(s, p))]),
         np.array([*first, *(i for pair in pairs for i in pair)], dtype=int),
     )
@@ -195,7 +195,7 @@ def _describe_pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
     return float(np.log(omega)), float(np.log(-0.5 * (a + b).real / omega))
 
 
-def find_entering(realised: Realised, z: Numbers, cascade: Realised, cascade_poles: Numbers) -> Numbers:
+def find_entering(realised: Realisation, z: Numbers, cascade: Realisation, cascade_poles: Numbers) -> Numbers:
     """Return B of a realisation with poles z in the state of a cascade with poles `own`, in the same order.
 
     The modes of both are scaled so that the sum of the inputs, the last input of the realisation, excites them equally.
@@ -207,7 +207,7 @@ def find_entering(realised: Realised, z: Numbers, cascade: Realised, cascade_pol
     return np.real(modes @ (wanted / whole * excited[:, :-1]))
 
 
-def _find_modes(system: Realised, z: Numbers) -> tuple[Numbers, Numbers]:
+def _find_modes(system: Realisation, z: Numbers) -> tuple[Numbers, Numbers]:
     values, modes = np.linalg.eig(system.a)
     left, order = list(range(len(values))), list[int]()
     for one in z:

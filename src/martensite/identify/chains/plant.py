@@ -18,7 +18,7 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
 from martensite.base import units
 from martensite.base.errors import InputError, UnitError
-from martensite.base.parameters import REQUIRED, Declared
+from martensite.base.parameters import REQUIRED, FieldDeclaration
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.kernels.namespace import Namespace, Scalar
@@ -83,10 +83,10 @@ class ModelMechanism(AbstractMechanism):
             self.__dict__[name] = value
 
     @property
-    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+    def declarations(self) -> dict[str, FieldDeclaration]:  # type: ignore[override]
         chain: Chain = self.__dict__["chain"]
-        numbers = {name: Declared("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
-        return {"structure": Declared("option", "blocks and signals", REQUIRED), **numbers}
+        numbers = {name: FieldDeclaration("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
+        return {"structure": FieldDeclaration("option", "blocks and signals", REQUIRED), **numbers}
 
     def arguments(self) -> dict[str, Any]:
         return {"chain": self.model}

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.engine import ChainEngine, ChainStart
-from martensite.search.levenberg_marquardt import Found, Normal, minimise_cost
+from martensite.search.levenberg_marquardt import CostMinimum, Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
@@ -215,7 +215,7 @@ class ResidualSquares:
             yield Part(chunk.rows, residuals, slopes)
 
 
-def settle_states(squares: ResidualSquares, theta: Numbers, steps: int) -> Found:
+def settle_states(squares: ResidualSquares, theta: Numbers, steps: int) -> CostMinimum:
     """Return the best initial states for fixed θ of the chain."""
     theta = squares.extend_parameters(theta)
     return minimise_cost(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)

@@ -16,7 +16,7 @@ from martensite.identify.chains.goals import AUTO, Goal, build_aims
 from martensite.identify.chains.record_starts import find_start
 from martensite.identify.chains.residuals import HaltedSearchError, ResidualSquares, settle_states
 from martensite.identify.chains.scores import fit_percent
-from martensite.search.levenberg_marquardt import Found, Numbers, minimise_cost
+from martensite.search.levenberg_marquardt import CostMinimum, Numbers, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 DOUBT = 0.9
@@ -28,7 +28,7 @@ class SearchEnd(NamedTuple):
 
     cost: float
     """Sum of squares per known output, each over its scale."""
-    solution: Found
+    solution: CostMinimum
     chain: Chain
 
 
@@ -104,10 +104,10 @@ def _refine_one(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchE
     chain = replace(chain, interval=records[0].interval)
     squares = goal.squares(chain, records)
     start = squares.extend_parameters(chain.theta)
-    best: list[Found] = []
+    best: list[CostMinimum] = []
 
     def watch(count: int, value: float, theta: Numbers) -> None:
-        best[:] = [Found(theta, value, count, False)]
+        best[:] = [CostMinimum(theta, value, count, False)]
 
     try:
         end = minimise_cost(squares, start, goal.options.iterations, watch=watch)
@@ -131,7 +131,7 @@ def stop_at(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchEnd:
                 rest = chain.engine.rest(chain.theta, record.inputs[0]).state
                 theta[place : place + squares.states] = begin.state - rest
             place += squares.states
-    return SearchEnd(np.nan, Found(theta, np.nan, 0, False), chain)
+    return SearchEnd(np.nan, CostMinimum(theta, np.nan, 0, False), chain)
 
 
 def compute_cost(chain: Chain, records: Sequence[Sampled], goal: Goal) -> float:

@@ -50,7 +50,7 @@ class ModelStage:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class IdentifiedStages:
     """Estimated stages, their series, and scores in free run."""
 
     stages: tuple[ModelStage, ...]
@@ -73,7 +73,7 @@ def identify_stages(
     other: Sampled | Sequence[Sampled] = (),
     options: Options | None = None,
     watch: Callable[[str, float], None] | None = None,
-) -> Identified:
+) -> IdentifiedStages:
     """Estimate models from records, stage by stage, and their series.
 
     Args:
@@ -110,7 +110,7 @@ def identify_stages(
     model = _join_series(estimates, ends[0])
     if len(planned) > 1:
         scores += _score_stage(model, ends, options, SERIES)
-    return Identified(tuple(planned), tuple(estimates), model, tuple(scores), options)
+    return IdentifiedStages(tuple(planned), tuple(estimates), model, tuple(scores), options)
 
 
 def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:

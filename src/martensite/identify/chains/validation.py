@@ -15,7 +15,7 @@ import numpy as np
 from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
+from martensite.identify.chains.correlations import LEVEL, CrossCorrelation, correlate_residuals
 from martensite.identify.chains.goals import AUTO
 from martensite.identify.chains.record_parts import (
     REVERSAL,
@@ -53,7 +53,7 @@ class Validation:
     scores: tuple[Score, ...]
     stretches: tuple[ErrorStretch, ...]
     whiteness: tuple[Whiteness, ...]
-    correlations: tuple[Crossed, ...]
+    correlations: tuple[CrossCorrelation, ...]
     begins: str
     state: Numbers | None = None
     """State at the first sample; None for a steady start."""
@@ -253,7 +253,7 @@ def _test_whiteness(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
             yield assess_whiteness(piece, f"{record.name}, {output}")
 
 
-def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iterable[Crossed]:
+def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iterable[CrossCorrelation]:
     for k, output in enumerate(record.output_names):
         for i, input_name in enumerate(record.input_names):
             u = record.inputs[:, i]

@@ -41,7 +41,7 @@ PROBE = 2_000
 """Samples of noise by which a filter is converted to a block."""
 
 
-class Shared(NamedTuple):
+class PoleZeroPartition(NamedTuple):
     """A partition of poles and zeros: filters of both blocks, and its error."""
 
     filters: tuple[tuple[Numbers, Numbers], tuple[Numbers, Numbers]]
@@ -66,7 +66,7 @@ def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> 
         return []
     short = record.rows(0, SCORED)
     both = Orders(first.nb + last.nb - 1, first.nf + last.nf, first.nk + last.nk)
-    shared: list[Shared] = []
+    shared: list[PoleZeroPartition] = []
     for z_poles, z_zeros in _linear_models(both, record):
         shared += shared_out(z_poles, z_zeros, first, last, short)
     shared.sort(key=lambda one: one.error)
@@ -95,7 +95,9 @@ def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers
     return models
 
 
-def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled) -> list[Shared]:
+def shared_out(
+    z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled
+) -> list[PoleZeroPartition]:
     """Return all partitions of poles and zeros, best first."""
     ways = [
         (p, z)
@@ -124,7 +126,7 @@ def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numb
     return choices
 
 
-def _score_sharing(p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers) -> Shared:
+def _score_sharing(p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers) -> PoleZeroPartition:
     """Return filters of unit static gain (or unit size), and the best polynomial between them."""
     filters = tuple(_build_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
     x = _filter_signal(filters[0], u)
@@ -134,10 +136,10 @@ def _score_sharing(p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Nu
     columns = np.column_stack(basis)[finite]
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(columns)):
-            return Shared((filters[0], filters[1]), np.zeros(DEGREE + 1), np.inf)
+            return PoleZeroPartition((filters[0], filters[1]), np.zeros(DEGREE + 1), np.inf)
     weights = np.linalg.lstsq(columns, y[finite], rcond=None)[0]
     error = float(np.mean((y[finite] - columns @ weights) ** 2))
-    return Shared((filters[0], filters[1]), weights / size ** np.arange(DEGREE + 1), error)
+    return PoleZeroPartition((filters[0], filters[1]), weights / size ** np.arange(DEGREE + 1), error)
 
 
 def _build_filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
@@ -155,7 +157,7 @@ def _filter_signal(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
     return gain * x[0] + np.asarray(lfilter(b, a, x - x[0]))
 
 
-def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
+def _place_poles(chain: Chain, way: PoleZeroPartition, static: AbstractBlock, record: Sampled) -> Chain:
     """Return the chain with the numbers of a partition, and a static block between."""
     from scipy.signal import lfilter
 
@@ -183,7 +185,7 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
     )
 
 
-def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
+def _with_polynomial(chain: Chain, way: PoleZeroPartition, record: Sampled) -> tuple[float, Chain]:
     """Return cost and chain of a partition, refined with a polynomial between the blocks."""
     placed = _place_poles(chain, way, Polynomial(degree=DEGREE), record)
     squares = ResidualSquares(placed.engine, [RecordResidual(record)])

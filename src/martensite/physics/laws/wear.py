@@ -31,7 +31,7 @@ LEAST_LEFT = 0.05
 """Least remaining share of a transformation strain."""
 
 
-class Worn(NamedTuple):
+class WearState(NamedTuple):
     """Wear of an element: cycles, residual strain [-]; fraction and stress [Pa] at that time."""
 
     cycles: Scalar
@@ -92,20 +92,20 @@ class Wear(Parametrised):
                 f"a cycle, more than a tenth of the transformation strain {strain:.3g}; give more `settling_cycles`."
             )
 
-    def begin(self, xp: Namespace, fractions: Fractions, stress: Scalar) -> Worn:
+    def begin(self, xp: Namespace, fractions: Fractions, stress: Scalar) -> WearState:
         """Return the wear of the cycles before the start, at the initial stress [Pa]."""
-        new = Worn(0.0, 0.0, fractions.martensite, stress)
-        return Worn(self.cycles, self._grow(xp, new, self.cycles), *new[2:])
+        new = WearState(0.0, 0.0, fractions.martensite, stress)
+        return WearState(self.cycles, self._grow(xp, new, self.cycles), *new[2:])
 
     def advance(
-        self, xp: Namespace, worn: Worn, fractions: Fractions, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Worn:
+        self, xp: Namespace, worn: WearState, fractions: Fractions, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> WearState:
         """Return the wear after a step of dt [s] that ends at stress [Pa] and temperature [K]."""
         hot = xp.maximum(temperature - self.overheat_temperature, 0.0) * dt
         more = self._turn(xp, worn, fractions) + self.overheat_rate * hot
-        return Worn(worn.cycles + more, self._grow(xp, worn, more), fractions.martensite, stress)
+        return WearState(worn.cycles + more, self._grow(xp, worn, more), fractions.martensite, stress)
 
-    def apply(self, xp: Namespace, law: AbstractLaw, worn: Worn) -> AbstractLaw:
+    def apply(self, xp: Namespace, law: AbstractLaw, worn: WearState) -> AbstractLaw:
         """Return the worn law."""
         done, decades = self._settle(xp, worn.cycles), self._decades(xp, worn.cycles)
         shift = done * self.temperature_shift + decades * self.temperature_shift_per_decade
@@ -134,10 +134,10 @@ class Wear(Parametrised):
         """Return the decades of cycles, counted from the settling cycles."""
         return xp.log(1.0 + cycles / self.settling_cycles) * (1.0 / LN_10)
 
-    def _turn(self, xp: Namespace, worn: Worn, fractions: Fractions) -> Scalar:
+    def _turn(self, xp: Namespace, worn: WearState, fractions: Fractions) -> Scalar:
         return 0.5 * xp.abs(fractions.martensite - worn.martensite)
 
-    def _grow(self, xp: Namespace, worn: Worn, more: Scalar) -> Scalar:
+    def _grow(self, xp: Namespace, worn: WearState, more: Scalar) -> Scalar:
         """Return the residual strain `more` cycles later."""
         load = xp.maximum(worn.stress, 0.0) / self.reference_stress
         decade, slope = self._decades(xp, worn.cycles), self.residual_strain_per_decade * load

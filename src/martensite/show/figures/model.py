@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.formats import typeset_unit
-from martensite.identify.chains.correlations import LEVELS, Crossed
+from martensite.identify.chains.correlations import LEVELS, CrossCorrelation
 from martensite.identify.chains.record_parts import find_rising
 from martensite.identify.chains.validation import Validation
 from martensite.search.whiteness import Whiteness
@@ -43,7 +43,7 @@ from martensite.show.figures.style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.identify.chains.stages import Identified
+    from martensite.identify.chains.stages import IdentifiedStages
     from martensite.identify.chains.uncertainty import OutputBand
     from martensite.signals.sampling.sampled import Sampled
 
@@ -197,7 +197,7 @@ def _draw_memory(axes: Any, output: str, test: Whiteness) -> None:
     write_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
 
 
-def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
+def _draw_cross_correlation(axes: Any, one: CrossCorrelation) -> None:
     lags = np.array(one.lags) * one.interval
     for level, shade in zip(reversed(LEVELS), reversed(SHADES), strict=True):
         band = one.band(level)
@@ -236,7 +236,7 @@ def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
     return np.unique(places)
 
 
-def plot_identified(identification: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
+def plot_identified(identification: IdentifiedStages, records: Sequence[Sampled], title: str = "") -> Figure:
     """Draw the last output of a model, or of its stages in series, with the measurement."""
     first_records = list(records)[:MOST_PANELS]
     with use_style():
@@ -250,7 +250,7 @@ def plot_identified(identification: Identified, records: Sequence[Sampled], titl
         return figure
 
 
-def _draw_free_run(panel: Any, identification: Identified, record: Sampled) -> None:
+def _draw_free_run(panel: Any, identification: IdentifiedStages, record: Sampled) -> None:
     from martensite.identify.chains.goals import AUTO
     from martensite.identify.chains.scores import fit_percent, free_run
     from martensite.signals.sampling.resampling import select_signals

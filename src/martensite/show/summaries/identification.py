@@ -19,7 +19,7 @@ from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static
 if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
     from martensite.identify.chains.estimate import ChainEstimate
-    from martensite.identify.chains.stages import Identified
+    from martensite.identify.chains.stages import IdentifiedStages
     from martensite.signals.sampling.sampled import Sampled
 
 ENOUGH = 3
@@ -30,14 +30,14 @@ SCORES = ("model", "used for", "record", "output", "fit [%]", "RMS error", "larg
 RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "bias")
 
 
-def summarise_identified(identification: Identified, records: Sequence[Sampled]) -> Summary:
+def summarise_identified(identification: IdentifiedStages, records: Sequence[Sampled]) -> Summary:
     """Return the summary of models in stages."""
     blocks = [block for k in range(len(identification.stages)) for block in _describe_stage(identification, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(identification, records)]
     return Summary("", [*blocks, *_describe_scores(identification), *warned], _collect_numbers(identification, records))
 
 
-def _describe_stage(identification: Identified, k: int) -> Iterator[Block]:
+def _describe_stage(identification: IdentifiedStages, k: int) -> Iterator[Block]:
     stage, one = identification.stages[k], identification.estimates[k]
     chain = one.chain
     head = f"Stage {k + 1}" if len(identification.stages) > 1 else "Model"
@@ -75,7 +75,7 @@ def _format_error(error: float) -> str:
     return f"{error:.2g}" if math.isfinite(error) else "undetermined"
 
 
-def _describe_scores(identification: Identified) -> Iterator[Block]:
+def _describe_scores(identification: IdentifiedStages) -> Iterator[Block]:
     yield Heading("Scores of free runs (no feedback of measured outputs)")
     rows = [
         (
@@ -92,7 +92,7 @@ def _describe_scores(identification: Identified) -> Iterator[Block]:
     yield from map(Sentence, _describe_starts(identification))
 
 
-def _describe_starts(identification: Identified) -> Iterator[str]:
+def _describe_starts(identification: IdentifiedStages) -> Iterator[str]:
     runs = [s for s in identification.scores if s.model in ("model", "series")]
     for start in dict.fromkeys(s.begins for s in runs):
         names = dict.fromkeys(f"`{s.record}`" for s in runs if s.begins == start)
@@ -103,7 +103,7 @@ def _choose_difference_unit(unit: str) -> str:
     return {"degC": "K", "1": ""}.get(unit, unit)
 
 
-def collect_warnings(identification: Identified, records: Sequence[Sampled]) -> list[str]:
+def collect_warnings(identification: IdentifiedStages, records: Sequence[Sampled]) -> list[str]:
     """Return the warnings for users of a model."""
     entries = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
     for one in identification.estimates:
@@ -123,7 +123,7 @@ def collect_warnings(identification: Identified, records: Sequence[Sampled]) -> 
     return entries
 
 
-def _collect_numbers(identification: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
+def _collect_numbers(identification: IdentifiedStages, records: Sequence[Sampled]) -> dict[str, Any]:
     stages = zip(identification.stages, identification.estimates, strict=True)
     return {
         "model": identification.model.text(),

@@ -40,7 +40,7 @@ SHORTEST = 1e-7
 """Smallest step of the curve."""
 
 
-class Linearised(NamedTuple):
+class LinearisedEquations(NamedTuple):
     """Equations at a point."""
 
     residual: Numbers
@@ -54,7 +54,7 @@ class Linearised(NamedTuple):
 class Equations(Protocol):
     """Equations for continuation; the last unknown is the parameter."""
 
-    def linearise(self, point: Numbers) -> Linearised:
+    def linearise(self, point: Numbers) -> LinearisedEquations:
         """Return the residual and its derivatives at a point."""
         ...
 
@@ -98,7 +98,7 @@ STEADY_STEPS = CurveSteps()
 
 def correct_point(
     equations: Equations, guess: Numbers, normal: Numbers, sizes: Numbers | None = None
-) -> tuple[Numbers, Linearised, int]:
+) -> tuple[Numbers, LinearisedEquations, int]:
     """Return the solution in the plane through a guess with a normal, and the number of Newton steps.
 
     Args:
@@ -129,7 +129,7 @@ def correct_point(
     raise SolveError("Newton's method finds no solution near the guess.")
 
 
-def find_tangent(linear: Linearised, along: Numbers) -> Numbers:
+def find_tangent(linear: LinearisedEquations, along: Numbers) -> Numbers:
     """Return the unit tangent of the curve at a point, in the direction of `along`.
 
     Of all directions with constant residual, the nearest to `along` is used.

@@ -9,7 +9,14 @@ import numpy as np
 
 from martensite.base.errors import ParameterError, SolveError
 from martensite.signals.sampling.sampled import Numbers
-from martensite.simulate.steady.continuation import STEADY_STEPS, Curve, CurvePoint, CurveSteps, Equations, Linearised
+from martensite.simulate.steady.continuation import (
+    STEADY_STEPS,
+    Curve,
+    CurvePoint,
+    CurveSteps,
+    Equations,
+    LinearisedEquations,
+)
 from martensite.simulate.steady.folds import FoldEquations, find_fold
 from martensite.simulate.steady.periodic_motion import PeriodicMotion
 from martensite.simulate.steady.rotations import ResponseCurve, require_same_heat
@@ -60,7 +67,7 @@ class DifferencedEquations:
             return np.maximum(np.abs(point), LEAST_SIZE)
         return np.asarray(given(point) if callable(given) else given, float)
 
-    def linearise(self, point: Numbers) -> Linearised:
+    def linearise(self, point: Numbers) -> LinearisedEquations:
         """Return the residual and its derivatives at a point."""
         sizes = self._choose_sizes(point)
         value = np.atleast_1d(np.asarray(self.residual(point), float))
@@ -70,7 +77,7 @@ class DifferencedEquations:
             step[k] = NUDGE * size
             ahead, behind = (np.atleast_1d(np.asarray(self.residual(point + s * step), float)) for s in (1.0, -1.0))
             columns.append((ahead - behind) / (2.0 * NUDGE * size))
-        return Linearised(value, np.array(columns).T, sizes)
+        return LinearisedEquations(value, np.array(columns).T, sizes)
 
 
 def trace_curve(

@@ -104,14 +104,14 @@ def find_cycle(
     grid = build_period(one.system, one.waveforms, period, step)
     motion = PeriodicMotion(one.system, rest_signals(one.system), [], grid=grid)
     begin = motion.stretch.rest(list(grid.signals[0] * 0.0 + rest_signals(one.system))) if state is None else state
-    way = Shooting(motion, np.array(begin, float))
+    way = ShootingMethod(motion, np.array(begin, float))
     way.run()
     times, outputs = motion.observe(way.state)
     stability = motion.judge(way.state)
     return PeriodicOrbit(one.system, period, times, outputs, way.state, stability, way.period_change, way.count)
 
 
-class Shooting:
+class ShootingMethod:
     """Search for a periodic state by simulated periods and Newton steps.
 
     Newton steps could skip the start of a transformation. They are therefore used only while all fractions are

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.signals.sampling.sampled import Numbers
-from martensite.simulate.steady.continuation import Equations, Linearised, correct_point
+from martensite.simulate.steady.continuation import Equations, LinearisedEquations, correct_point
 
 NUDGE = 1e-4
 """Increment along v for differences of the Jacobian, in sizes."""
@@ -29,7 +29,7 @@ class FoldEquations:
         self.equations = equations
         self._pair: tuple[Numbers, Numbers] | None = None
 
-    def linearise(self, point: Numbers) -> Linearised:
+    def linearise(self, point: Numbers) -> LinearisedEquations:
         """Return F and σ with their derivatives."""
         linear = self.equations.linearise(point)
         matrix = (linear.jacobian * linear.sizes)[:, :-2]
@@ -38,7 +38,7 @@ class FoldEquations:
         ahead, behind = (self.equations.linearise(point + sign * nudge).jacobian for sign in (1.0, -1.0))
         change = left @ (ahead - behind) / (2.0 * NUDGE)
         residual = np.append(linear.residual, left @ matrix @ right)
-        return Linearised(residual, np.vstack([linear.jacobian, change]), linear.sizes)
+        return LinearisedEquations(residual, np.vstack([linear.jacobian, change]), linear.sizes)
 
     def _find_pair(self, matrix: Numbers) -> tuple[Numbers, Numbers]:
         """Return v and w of the singular value nearest to the previous one, or of the smallest."""

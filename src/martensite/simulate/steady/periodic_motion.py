@@ -24,7 +24,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
 from martensite.signals.sampling.sampled import Numbers
-from martensite.simulate.steady.continuation import Linearised
+from martensite.simulate.steady.continuation import LinearisedEquations
 from martensite.simulate.steady.stretch import Stretch
 
 TURN = 2.0 * math.pi
@@ -181,7 +181,7 @@ class PeriodicMotion:
         given = np.append(row, point[self.size] / self.steps)
         return np.tile(given, (self.steps, 1)), np.broadcast_to(change, (self.steps, *change.shape))
 
-    def linearise(self, point: Numbers) -> Linearised:
+    def linearise(self, point: Numbers) -> LinearisedEquations:
         """Return the scaled residual of the period and its derivatives."""
         n = self.size
         states, slopes = self.march(point)
@@ -198,7 +198,7 @@ class PeriodicMotion:
             phase = np.eye(1, len(point), self.rotor)
             residual = np.append(residual, point[self.rotor] - self.angle)
             jacobian = np.vstack([jacobian, phase])
-        return Linearised(residual, jacobian, sizes)
+        return LinearisedEquations(residual, jacobian, sizes)
 
     def _choose_sizes(self, states: Numbers, point: Numbers) -> Numbers:
         """Return the sizes of the states in the period, of the time, and of the parameters."""
