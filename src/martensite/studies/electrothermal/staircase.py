@@ -29,7 +29,7 @@ DEVIATION = "_deviation"
 
 
 @dataclass(frozen=True)
-class Unwrapped:
+class UnwrappedCounter:
     """Values without the jumps of their counter."""
 
     values: list[float]
@@ -53,7 +53,7 @@ class SupplyOffset:
     """Number of plateaus."""
 
 
-def unwrap_counter(values: Sequence[float], drop: float) -> Unwrapped:
+def unwrap_counter(values: Sequence[float], drop: float) -> UnwrappedCounter:
     """Repair a counter that has fallen back by a constant, once or repeatedly.
 
     A fall between half and one and a half times `drop` from one value to the next is a jump; `drop` is added to all
@@ -74,7 +74,7 @@ def unwrap_counter(values: Sequence[float], drop: float) -> Unwrapped:
     for i, value in enumerate(values):
         lost += i in passed
         mended.append(value + lost * drop if lost else value)
-    return Unwrapped(mended, jumps)
+    return UnwrappedCounter(mended, jumps)
 
 
 def reduce_to_plateaus(

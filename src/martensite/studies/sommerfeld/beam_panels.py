@@ -9,7 +9,7 @@ import numpy as np
 from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.studies.figures import label_axes
 from martensite.studies.sommerfeld import averages, beam_numbers, machines, runs
-from martensite.studies.sommerfeld.runs import Settled
+from martensite.studies.sommerfeld.runs import SettledRun
 from martensite.studies.tables import Printed
 
 FORMS = (("printed", "(3.15) as printed", MEASURED[1], "s"), ("lagrange", "derived signs", SIMULATED, "o"))
@@ -18,7 +18,7 @@ FINE = tuple(round(6.0 + 0.1 * k, 10) for k in range(1, 10))
 HERTZ = 1.0 / (2.0 * np.pi)
 
 
-def run_settled(printed: Printed, form: str) -> list[Settled]:
+def run_settled(printed: Printed, form: str) -> list[SettledRun]:
     """Return the runs from rest at all drawn voltages."""
     motor = machines.printed_motor(printed, form)
     return [runs.from_rest(motor, volts) for volts in sorted({*COARSE, *FINE})]

@@ -39,7 +39,7 @@ CAPTURED = 1.5
 
 
 @dataclass(frozen=True)
-class Settled:
+class SettledRun:
     """The end of a run from rest."""
 
     voltage: float
@@ -51,7 +51,7 @@ class Settled:
 
 
 @cache
-def from_rest(motor: BeamMotor, volts: float) -> Settled:
+def from_rest(motor: BeamMotor, volts: float) -> SettledRun:
     """Return the end of a run from rest at a voltage [V], after 25 s."""
     run = simulate(
         Machine(mechanism=motor),
@@ -64,7 +64,7 @@ def from_rest(motor: BeamMotor, volts: float) -> Settled:
     second = round(1.0 / SPARSE)
     speed = float(np.mean(run["rotor_speed"][-second:]))
     size = 0.5 * float(np.ptp(run["displacement"][-2 * second :]))
-    return Settled(volts, speed, size, speed < CAPTURED * natural_frequency(motor))
+    return SettledRun(volts, speed, size, speed < CAPTURED * natural_frequency(motor))
 
 
 @cache

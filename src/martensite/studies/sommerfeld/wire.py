@@ -129,7 +129,7 @@ def slack_for(printed: Printed, name: str, value: float) -> float:
 
 
 @dataclass(frozen=True)
-class Controlled:
+class ControlledRamp:
     """The whole ramp with the wire switched by the controller."""
 
     on: float
@@ -141,13 +141,13 @@ class Controlled:
 
 
 @cache
-def run_controlled(printed: Printed) -> Controlled:
+def run_controlled(printed: Printed) -> ControlledRamp:
     """Return the whole ramp with the best slack."""
     slack, on = best_trial(printed).slack, switched_on(printed)
     off = switching_times(printed, run_ramp(slack, REACH, always_on_current(printed)))[1]
     drive = Step(high=printed.wire_current, at=on, until=off)
     run = run_ramp(slack, printed.last_voltage, drive)
-    return Controlled(on, off, run, split_windows(run, calibrated_motor()))
+    return ControlledRamp(on, off, run, split_windows(run, calibrated_motor()))
 
 
 def agreement_voltage(printed: Printed) -> float:
