@@ -1,8 +1,8 @@
 """Names say what a thing is or does: the rules for names, and the glossary they may draw on.
 
-Source of truth: the rules themselves. A module-level function is a verb with a noun, a public class
-name occurs once, no function or file is called by a bare participle, and the glossary in `docs/conventions.md` is
-short enough to be read. No member of a class is one of the participles that fit everything (`kept`, `found`).
+Source of truth: the rules themselves. A module-level function is a verb with a noun, a public class name occurs once,
+no function, class or file is called by a bare participle, and the glossary in `docs/conventions.md` is short enough to
+be read. No member of a class is one of the participles that fit everything (`kept`, `found`).
 `test_breaches_are_found` shows that each rule can fail.
 """
 
@@ -35,6 +35,11 @@ IN_FILES = {
     *(("ClampReference", "held"), ("ControllerState", "wanted"), ("SensorState", "held")),  # states of saved runs
 }
 """Members whose names are in files of users."""
+CLASSES = {
+    *("combined", "printed"),  # names in saved runs, and in studies of printed numbers
+    *("clamped", "recorded", "given", "parametrised"),  # a clamped end, recorded data, a value given by name
+}
+"""Participles that may name a class, besides the words of the field."""
 
 Names = Iterator[tuple[str, str]]
 
@@ -103,6 +108,11 @@ def test_no_function_is_a_bare_participle() -> None:
 
 def test_no_file_is_a_bare_participle() -> None:
     assert [path for path in read_package() if is_participle(Path(path).stem)] == []
+
+
+def test_no_class_is_a_bare_participle() -> None:
+    words = [(path, "_".join(re.findall("[A-Z][a-z]*", name)).lower()) for path, name in list_classes(read_package())]
+    assert [(path, word) for path, word in words if word not in CLASSES and is_participle(word)] == []
 
 
 def test_no_member_of_a_class_is_a_vague_participle() -> None:
