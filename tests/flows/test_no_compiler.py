@@ -45,3 +45,13 @@ def test_without_any_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> 
     with pytest.raises(CompileError, match="Derivatives need a C compiler"):
         compute_sensitivity(hanging_wire(), Constant(level=1.0), 1.0, ["h"], step=0.1)
     compiler._find_zig.cache_clear()
+
+
+def test_a_compiler_that_is_installed_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(compiler, "_find_zig", lambda: None)
+    assert compiler.find_compiler() is None
+    (tmp_path / "gcc").write_text("#!/bin/sh\n")
+    (tmp_path / "gcc").chmod(0o755)
+    assert compiler.find_compiler() == str(tmp_path / "gcc")

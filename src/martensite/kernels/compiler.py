@@ -49,13 +49,22 @@ def find_compiler() -> str | None:
 
     It is the compiler named by `CC`, `cc` or `gcc`, or otherwise the compiler of the package `ziglang` (extra `cc`).
     """
-    return _find_on_path(os.environ.get("CC", "cc"), os.environ.get("PATH")) or _find_zig()
+    try:
+        return _find_on_path(os.environ.get("CC", "cc"), os.environ.get("PATH"))
+    except LookupError:
+        return _find_zig()
 
 
 @cache
-def _find_on_path(name: str, folders: str | None) -> str | None:
-    """Return the compiler of a name, or gcc, in the folders of the environment variable `PATH`."""
-    return shutil.which(name, path=folders) or shutil.which("gcc", path=folders)
+def _find_on_path(name: str, folders: str | None) -> str:
+    """Return the compiler of a name, or gcc, in the folders of the environment variable `PATH`.
+
+    Raises:
+        LookupError: there is none. Exceptions are not cached: a compiler may be installed while this process runs.
+    """
+    if command := shutil.which(name, path=folders) or shutil.which("gcc", path=folders):
+        return command
+    raise LookupError(name)
 
 
 _ZIG = """#!/bin/sh
