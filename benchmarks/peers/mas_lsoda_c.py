@@ -6,12 +6,11 @@ The equations are those of `mas_ode` with barriers of the form `edge`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 from benchmarks.peers.lsoda_c import bind_solver
-from benchmarks.peers.mas_ode import BOLTZMANN, LOWEST, SCALE, START, output_times
-from benchmarks.problem_b import POWER, Wire, lumped
+from benchmarks.peers.mas_ode import BOLTZMANN, LOWEST, SCALE, integrate_pieces
+from benchmarks.problem_b import Wire, lumped
 
 NUMBERS = ("sigma_L", "dsigma_dT", "T_L", "Delta_sigma", "eps_T", "T_a", "soft_A", "soft_M")
 MORE = ("lam_T", "speed", "load", "K", "loss", "per_heat", "latent", "start", "power", "slope")
@@ -48,22 +47,10 @@ def trajectory(p: Wire, rtol: float) -> Callable[[], Any]:
     """Return a run of x₊, x₋, T on the output grid, (3, outputs); not numbers where the solver gave up."""
     import numpy as np
 
-    grid, solve = output_times(), bind_solver(SOURCE, rtol, rtol * min(SCALE))
-    pieces = [
-        (np.concatenate(([a], grid[(grid > a + 1e-9) & (grid < b - 1e-9)], [b])), (a, P, (Q - P) / (b - a)))
-        for (a, P), (b, Q) in pairwise(zip(*POWER, strict=True))
-    ]
-    numbers = np.array([*list_numbers(p), 0.0, 0.0, 0.0])
+    solve, numbers = bind_solver(SOURCE, rtol, rtol * min(SCALE)), np.array([*list_numbers(p), 0.0, 0.0, 0.0])
 
-    def run() -> Any:
-        y, rows = np.array(START), []
-        for times, kink in pieces:
-            numbers[-3:] = kink
-            states = solve(y, numbers, times)
-            if states is None:
-                return np.full((3, len(grid)), np.nan)
-            y = states[-1].copy()
-            rows.append(states[:-1])
-        return np.concatenate([*rows, y[None]]).T
+    def solve_piece(kink: tuple[float, float, float], y: Any, times: Any) -> Any:
+        numbers[-3:] = kink
+        return solve(y, numbers, times)
 
-    return run
+    return integrate_pieces(solve_piece)

@@ -116,25 +116,38 @@ def by_cvode(f: Rhs, y: Any, times: Any, rtol: float) -> Any:
     return found if len(times) > 2 else found[[0, -1]]  # two times ask CVODE for its own steps
 
 
-def trajectory(solve: Any, p: Wire, form: str, rtol: float) -> Callable[[], Any]:
-    """Run of x₊, x₋, T on the output grid, (3, outputs); not numbers where the solver gave up."""
+def integrate_pieces(solve: Callable[[tuple[float, float, float], Any, Any], Any]) -> Callable[[], Any]:
+    """Return a run of x₊, x₋, T on the output grid, (3, outputs); not numbers where the solver gave up.
+
+    Args:
+        solve: function of (time, power, slope of the power) at a kink, first state and times; it returns the states at
+            the times, or fewer or None where it gives up.
+    """
     import numpy
 
-    grid, behind = output_times(), make_rhs(p, form)
+    grid = output_times()
+    pieces = [
+        (numpy.concatenate(([a], grid[(grid > a + 1e-9) & (grid < b - 1e-9)], [b])), (a, P, (Q - P) / (b - a)))
+        for (a, P), (b, Q) in pairwise(zip(*POWER, strict=True))
+    ]
 
     def run() -> Any:
         y, rows = numpy.array(START), []
-        for (a, P), (b, Q) in pairwise(zip(*POWER, strict=True)):
-            inside = grid[(grid > a + 1e-9) & (grid < b - 1e-9)]
-            times = numpy.concatenate(([a], inside, [b]))
-            states = solve(behind(a, P, (Q - P) / (b - a)), y, times, rtol)
-            if len(states) < len(times):
+        for times, kink in pieces:
+            states = solve(kink, y, times)
+            if states is None or len(states) < len(times):
                 return numpy.full((3, len(grid)), numpy.nan)
             y = states[-1].copy()
             rows.append(states[:-1])
         return numpy.concatenate([*rows, y[None]]).T
 
     return run
+
+
+def trajectory(solve: Any, p: Wire, form: str, rtol: float) -> Callable[[], Any]:
+    """Run of x₊, x₋, T on the output grid with a solver of Python."""
+    behind = make_rhs(p, form)
+    return integrate_pieces(lambda kink, y, times: solve(behind(*kink), y, times, rtol))
 
 
 def outcome(p: Wire, states: Any) -> Any:
