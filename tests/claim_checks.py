@@ -28,7 +28,7 @@ def check_complete(answer: Answer, *, all_computed: bool = True) -> None:
 
 
 def check_shipped(study: AbstractStudy) -> None:
-    """What ships is what is computed now, apart from searches whose end depends on the machine."""
+    """Check shipped numbers against computed ones, except searches whose end depends on the machine."""
     assert isinstance(study, TableStudy)
     assert find_changes(study, wandering=False) == []
 

