@@ -35,8 +35,10 @@ from martensite.physics.electrical.base import AbstractSwitch, Conductor
 from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.physics.kinetics.exchange import AbstractExchange
+from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.thermal.base import Cylinder
 from martensite.signals.moments import Moments
 from martensite.testing.readings import find_range
@@ -86,6 +88,12 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
     others += (*law.kinks(xp, after), law.trained_share(xp, s1))
     others += tuple(x for one in law.forks(xp, after) for x in (*one[:4], xp.minimum(one.bound, 1.0)))
+    if isinstance(law, AbstractStripLaw) and law.one_way:
+        lasts = law.continue_process(xp, start, move)
+        others += (lasts.direction, *law.follow(xp, lasts, s1, t1, dt))
+    elif not isinstance(law, AbstractStripLaw):
+        with pytest.raises(NotImplementedError):
+            law.continue_process(xp, start, move)
     return end, law.fractions(after), spring, others, drive, law.fractions(put)
 
 
@@ -125,12 +133,12 @@ def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any,
     )
 
 
-def with_layers(element: Any) -> Any:
-    """A copy whose law is of layers; its numbers may be traced ones, which are no parameters."""
+def with_law(element: Any, law: type[Any]) -> Any:
+    """A copy with an example of a law; its numbers may be traced ones, which are no parameters."""
     found = copy(element)
     (name,) = {"law", "strand", "link"} & set(element.declarations)
-    law = builders.example(MullerAchenbachSeelecke)
-    object.__setattr__(found, name, law if name == "law" else with_layers(getattr(found, name)))
+    inner = builders.example(law) if name == "law" else with_law(getattr(found, name), law)
+    object.__setattr__(found, name, inner)
     return found
 
 
@@ -163,12 +171,23 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
         if not isinstance(element, AbstractLumped):
             with pytest.raises(NotImplementedError):
                 element.advance_rosenbrock(xp, state, heating, pull, dt)
+            with pytest.raises(NotImplementedError):
+                element.advance_on_surface(xp, state, [heating, heating], pull, dt)
+            with pytest.raises(NotImplementedError):
+                element.find_events(xp, state, temperature, force)
         return after, report.crossing, seen
     put = element.in_state(xp, after, *there)
-    layers = with_layers(element)
+    layers = with_law(element, MullerAchenbachSeelecke)
     state = layers.init(xp, force, temperature)
     ends = layers.advance_rosenbrock(xp, state, heating, pull, dt + 1e-3)
-    return after, report.crossing, seen, put.force, tuple(end.force for end in ends)
+    cosine = with_law(element, LiangRogers)
+    state = cosine.init(xp, force, temperature)
+    drive = Moments(amperes, amperes * amperes, amperes, amperes, 0.0, 0.0, 0.0)
+    halves = [Heating(environment, CurrentSource(), drive)] * 2
+    step = cosine.advance_on_surface(xp, state, halves, pull, 1e-3 * (dt + 1e-3))
+    events = cosine.find_events(xp, step.begin, step.path.end[0], step.path.end[1])
+    ends = *ends, step.end, step.middle, step.coarse
+    return after, report.crossing, seen, put.force, tuple(end.force for end in ends), step.decay, tuple(events[:4])
 
 
 def mechanism_answers(

@@ -21,7 +21,8 @@ def test_every_part_traces_in_a_system(cls):
     assert thing in list(system.tree())
     functions = set(compile_march(system).program.functions)
     usual = ["init", "step", "solve", "ripple", "observe", "judge", "points", "forks", "flows", "entries"]
-    assert functions == {*usual, *(["rosenbrock"] if system.exchanges() else [])}
+    higher = ["rosenbrock"] * system.exchanges() + ["surface", "events"] * system.has_surface()
+    assert functions == {*usual, *higher}
 
 
 @pytest.mark.parametrize("kind", KERNELS)

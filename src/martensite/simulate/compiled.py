@@ -10,9 +10,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
+from martensite.actuators.assembly.base import AbstractAssembly
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.actuators.elements.base import MaterialPoint
 from martensite.base.parameters import StructureKey, values_at
@@ -23,6 +24,7 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.laws.coupling import StepReport
 from martensite.signals.moments import Moments
+from martensite.simulate.forks import LawFork
 from martensite.simulate.ledger import EMPTY, Book
 
 REPORT = StepReport._fields[:2]
@@ -76,18 +78,6 @@ class LawPoint(NamedTuple):
     """Number of values at the point: temperature, stress, two fractions, then kinks of the law."""
 
 
-class LawFork(NamedTuple):
-    """Position of a branch that a law may forget among the outputs."""
-
-    fraction: int
-    """Index of the judged output with its martensite fraction."""
-    temperature: int
-    """Index of the judged output with its temperature."""
-    stress: int
-    weight: float
-    """Weight of the law in these outputs."""
-
-
 @dataclass(frozen=True, eq=False)
 class CompiledMarch(CompiledSystem):
     """System traced for time integration; `step` takes drive inputs.
@@ -123,7 +113,8 @@ class CompiledMarch(CompiledSystem):
     @property
     def order(self) -> int:
         """Return the order of a step with error control: 4 where laws give rates, else 2."""
-        return 4 if "rosenbrock" in self.program.functions else 2
+        functions = self.program.functions
+        return 4 if "rosenbrock" in functions else 5 if "surface" in functions else 2
 
     @property
     def inputs(self) -> int:
@@ -285,7 +276,23 @@ class _Trace:
             state, drives = brought(numbers)
             return flatten_numbers(self.system.step_rosenbrock(xp, state, *drives, dt=dt))
 
+        assembly = cast(AbstractAssembly, self.system)
+
+        def surface(xp: Any, *arguments: Any) -> list[Any]:
+            *numbers, dt = arguments
+            count = self.size + len(inputs)
+            state, first = brought(numbers[:count])
+            _, last = brought([*numbers[: self.size], *numbers[count:]])
+            return flatten_numbers(assembly.step_on_surface(xp, state, first, last, dt))
+
+        def events(xp: Any, *numbers: Any) -> list[Any]:
+            return assembly.find_events(xp, self.shape.rebuild(numbers[: self.size]), *numbers[self.size :])
+
         self.program.add("step", [*self.names, *inputs, "dt"], step)
+        if reports > len(REPORT) and all(feeds) and self.system.has_surface():
+            later = [f"{name}_later" for name in inputs]
+            self.program.add("surface", [*self.names, *inputs, *later, "dt"], surface)
+            self.program.add("events", [*self.names, "temperature", "stress"], events)
         if reports > len(REPORT) and self.system.exchanges():
             self.program.add("rosenbrock", [*self.names, *inputs, "dt"], rosenbrock)
         if reports > len(REPORT):

@@ -27,6 +27,18 @@ ROUNDED = 1e-9
 """Rounding error of a distance before a surface [K]."""
 
 
+class LawFork(NamedTuple):
+    """Position of a branch that a law may forget among the outputs."""
+
+    fraction: int
+    """Index of the judged output with its martensite fraction."""
+    temperature: int
+    """Index of the judged output with its temperature."""
+    stress: int
+    weight: float
+    """Weight of the law in these outputs."""
+
+
 class Decision(NamedTuple):
     """Closest decision of a run about a forgotten branch."""
 

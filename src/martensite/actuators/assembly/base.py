@@ -17,8 +17,9 @@ from martensite.base.errors import ParameterError
 from martensite.base.interfaces import make_missing_error, override
 from martensite.base.parameters import Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import sum_column
+from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 from martensite.physics.laws.coupling import StepReport
+from martensite.physics.laws.surface_steps import SurfaceStep
 
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "stress": 1e6}
 """Outputs of an element with a convergence test -> smallest relevant range."""
@@ -102,6 +103,10 @@ class AbstractSystem(Parametrised, init=False):
     def step_rosenbrock(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, Any, Any]:
         """Return the states after a step of `dt` [s], in its middle, and after it to a lower order."""
         raise make_missing_error(type(self), ["step_rosenbrock"])
+
+    def has_surface(self) -> bool:
+        """Return whether it is an assembly that offers `step_on_surface`."""
+        return False
 
     @abstractmethod
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
@@ -234,6 +239,28 @@ class AbstractAssembly(AbstractSystem):
             State((one,), state.mechanism) for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
         )
         return after, middle, coarse
+
+    def has_surface(self) -> bool:
+        """Return whether it is one heated element with a surface on a load line, without other signals."""
+        if not self.mechanism.static or self.signals():
+            return False
+        one = self._actuators()[0]
+        return one.element.has_surface and not one.source.sets_temperature
+
+    def step_on_surface(
+        self, xp: Namespace, state: State, first: Sequence[Feed], last: Sequence[Feed], dt: Scalar
+    ) -> SurfaceStep:
+        """Return the states of a step of order five of `dt` [s], from the moments of the drives in both halves."""
+        loads = [self._loads(xp, state, drives)[0] for drives in (first, last)]
+        pull = self.mechanism.load_line(state.mechanism)
+        heating = [load.heating for load in loads]
+        step = loads[0].element.advance_on_surface(xp, state.elements[0], heating, pull, dt)
+        rest = NestedShape(state.mechanism).rebuild([0.0] * len(flatten_numbers(state.mechanism)))
+        return step.convert(lambda one: State((one,), state.mechanism), lambda _, slope: State((slope,), rest))
+
+    def find_events(self, xp: Namespace, state: State, temperature: Scalar, stress: Scalar) -> list[Scalar]:
+        """Return numbers that fall through 0 at kinks of the law, at another temperature [K] and stress [Pa]."""
+        return self._actuators()[0].element.find_events(xp, state.elements[0], temperature, stress)
 
     @override
     def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:

@@ -121,6 +121,10 @@ class Machine(AbstractAssembly):
         """Return False with a shared supply."""
         return self.supply is None and super().exchanges()
 
+    def has_surface(self) -> bool:
+        """Return False with a shared supply."""
+        return self.supply is None and super().has_surface()
+
     @override
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         if self.supply is None:

@@ -27,6 +27,7 @@ from martensite.kernels.nested import map_tuples
 from martensite.physics.electrical.base import AbstractSource, Heat
 from martensite.physics.laws.base import AbstractLaw, Fork, Fractions
 from martensite.physics.laws.coupling import StepReport
+from martensite.physics.laws.surface_steps import SurfaceStep
 from martensite.physics.materials.base import Material
 from martensite.physics.thermal.base import Environment
 from martensite.signals.moments import Moments
@@ -82,9 +83,13 @@ class Heating:
         """Return the power [W] in a resistance [ohm]."""
         if isinstance(self.drive, Moments):
             return self.source.heat(xp, self.drive, resistance)
-        current = self.source.current(xp, self.drive, resistance)
-        power = current * current * resistance
+        power = self.power_at(xp, self.drive, resistance)
         return Heat(power, 0.0, power)
+
+    def power_at(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Return the power [W] in a resistance [ohm] under a constant drive signal."""
+        current = self.source.current(xp, drive, resistance)
+        return current * current * resistance
 
     def ripple(self, xp: Namespace, resistance: Scalar, capacity: Scalar, dt: Scalar) -> Scalar:
         """Return the temperature [K] that mean heating over a step of dt [s] neglects."""
@@ -188,6 +193,21 @@ class AbstractElement(Parametrised):
     def exchanges(self) -> bool:
         """Return True if it offers `advance_rosenbrock`, for a rate-dependent law."""
         return False
+
+    @property
+    def has_surface(self) -> bool:
+        """Return True if it offers `advance_on_surface`, for a rate-independent law."""
+        return False
+
+    def advance_on_surface(
+        self, xp: Namespace, state: Any, halves: Sequence[Heating], pull: Pull, dt: Scalar
+    ) -> SurfaceStep:
+        """Return the states of a step of order five of dt [s], from the heating of both halves."""
+        raise make_missing_error(type(self), ["advance_on_surface"])
+
+    def find_events(self, xp: Namespace, state: Any, temperature: Scalar, stress: Scalar) -> list[Scalar]:
+        """Return the numbers of `AbstractLaw.kinks` at another temperature [K] and stress [Pa]."""
+        raise make_missing_error(type(self), ["find_events"])
 
     def advance_rosenbrock(
         self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar

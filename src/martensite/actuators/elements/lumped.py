@@ -40,8 +40,10 @@ from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
 from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.physics.laws.surface_steps import SurfaceCoupling, SurfaceStep, advance_on_surface, fit_drive
 from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
+from martensite.signals.moments import Moments
 
 Column = Sequence[Scalar]
 Loaded = Callable[[Namespace, Fractions, Scalar], Scalar]
@@ -189,6 +191,56 @@ class AbstractLumped(AbstractElement):
         coupling, lumped = self._couple(xp, state, heating, pull, dt)
         after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
         return lumped(after), lumped(middle), lumped(coarse)
+
+    @property
+    @override
+    def has_surface(self) -> bool:
+        law = self.law
+        return self.uniform and law.has_surface and law.constant_heat and self.wear is None and not law.has_rphase
+
+    @override
+    def advance_on_surface(
+        self, xp: Namespace, state: LumpedState, halves: Sequence[Heating], pull: Pull, dt: Scalar
+    ) -> SurfaceStep:
+        first = halves[0]
+        moments, later = (cast(Moments, one.drive) for one in halves)
+        drive = fit_drive(moments, later, dt)
+
+        def force(xp: Namespace, at: Column) -> Scalar:
+            def near(xp: Namespace, force: Scalar) -> Spring:
+                return self.spring(xp, Fractions(at[0], at[0]), at[1], force)
+
+            return equilibrium_force(xp, near, pull, state.force, self.passes)
+
+        def stress(xp: Namespace, at: Column) -> Scalar:
+            return self.stress(xp, force(xp, at))
+
+        def power(xp: Namespace, at: Column, share: float) -> Scalar:
+            fractions = Fractions(at[0], at[0])
+            ohms = self._ohms_of(xp, fractions, self._strain_under(xp, fractions, at[1], force(xp, at)), at[1])
+            given = first.power_at(xp, drive(share), ohms) + first.owed / dt
+            return given - self.heat_loss(xp, at[1], first.environment)
+
+        latent = self.latent_heat_total(xp, state.memory.stress, state.memory.temperature)
+        coupling = SurfaceCoupling(stress, power, latent, self.heat_capacity_total())
+        step = advance_on_surface(xp, self.law, state.memory, coupling, dt)
+
+        def lumped(memory: Any) -> LumpedState:
+            change = step.slopes[1].fraction / dt
+            return LumpedState(memory, force(xp, [memory.fraction, memory.temperature]), change)
+
+        def incline(memory: Any, slope: Any) -> LumpedState:
+            """Return the change of a state over the step at a slope of its memory."""
+            at = [memory.fraction, memory.temperature]
+            _, ((by_fraction, by_temperature),) = compute_jacobian(xp, lambda xp, x: [force(xp, x)], at)
+            pulled = by_fraction * slope.fraction + by_temperature * slope.temperature
+            return LumpedState(slope, pulled, 0.0)
+
+        return step.convert(lumped, incline)
+
+    @override
+    def find_events(self, xp: Namespace, state: LumpedState, temperature: Scalar, stress: Scalar) -> list[Scalar]:
+        return self.law.kinks(xp, state.memory._replace(temperature=temperature, stress=stress))
 
     def _couple(
         self, xp: Namespace, state: LumpedState, heating: Heating, pull: Pull, dt: Scalar

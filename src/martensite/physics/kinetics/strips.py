@@ -26,6 +26,10 @@ from martensite.physics.kinetics.strip_legs import STRAIGHT, Strip, StripCurve
 from martensite.physics.laws.base import Doubt, Fork, Fractions
 
 Point: TypeAlias = tuple[Scalar, Scalar]
+UNLIMITED = 1e30
+"""Remaining fraction that limits no process."""
+RESUMED = 1e-9
+"""Distance [-] of the remaining fraction from its branch below which an interrupted process resumes."""
 LEAST_LEFT = 1e-300
 """Smallest fraction left by a wait of an endless process."""
 
@@ -171,6 +175,23 @@ class AbstractStripLaw(AbstractSidedDiagram):
             xp, BranchedLeft(self.remaining_fraction_of), move, stress, temperature, self.endless
         )
         return Fractions(fraction, fraction)
+
+    @property
+    @override
+    def has_surface(self) -> bool:
+        return self.one_way and not self.endless
+
+    @override
+    def continue_process(
+        self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess
+    ) -> OneFractionProcess:
+        at, rest = (memory.stress, memory.temperature), move.remaining
+        end = self.follow(xp, move._replace(remaining=UNLIMITED), *at, 0.0).martensite
+        left, moves = xp.where(move.direction > 0.0, 1.0 - end, end), xp.abs(move.direction) > 0.0
+        inside = move.distance(*at, xp) <= 1.0 + RESUMED
+        acts = xp.both(xp.both(left <= rest + RESUMED, inside), moves)
+        direction, rest = xp.where(acts, move.direction, 0.0), xp.where(acts, UNLIMITED, memory.fraction)
+        return move._replace(direction=direction, remaining=rest)
 
     @override
     def commit(

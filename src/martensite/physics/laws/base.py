@@ -12,7 +12,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar, NamedTuple, Self
 
-from martensite.base.interfaces import override
+from martensite.base.interfaces import make_missing_error, override
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
@@ -188,6 +188,15 @@ class AbstractLaw(Parametrised):
 
         The oriented fraction must not fall with stress, nor the total rise with temperature.
         """
+
+    @property
+    def has_surface(self) -> bool:
+        """Return True if the law has `continue_process`: one fraction, a smooth function of stress and temperature."""
+        return False
+
+    def continue_process(self, xp: Namespace, memory: Any, move: Any) -> Any:
+        """Return a move that follows its process in both directions if it acts from the start on; else an idle move."""
+        raise make_missing_error(type(self), ["continue_process"])
 
     @abstractmethod
     def commit(
