@@ -130,7 +130,7 @@ def test_threads_change_nothing(c_compiler: str, monkeypatch: pytest.MonkeyPatch
 
 def test_a_hard_run_is_made_again_and_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the first two runs differ too much, a third one follows, for those alone."""
-    monkeypatch.setattr(import_module("martensite.simulate.ensembles"), "LOCAL", {2: 30.0})
+    monkeypatch.setattr(import_module("martensite.simulate.ensembles"), "LOCAL", {5: 30.0})
     batch = simulate_batch(problem_a(), LEVELS, 20.0, {"h0": H0}, tolerance=1e-5, samples=101)
     assert endings(batch).status == [Status.OK] * 3
     assert (endings(batch).accuracy <= 1e-5).all()
@@ -175,7 +175,7 @@ def test_a_stiff_spring_costs_no_million_steps() -> None:
 
 
 def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "LOCAL", {2: 100.0})
+    monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "LOCAL", {5: 100.0})
     monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "MOST_PASSES", 1)
     result = ms.run(problem_a(), LEVELS, 20.0, tolerance=1e-6, samples=101)
     assert any("tolerance of 1.0e-06 was not reached" in text for text in result.warnings)

@@ -72,7 +72,7 @@ def test_temperatures_shift_by_what_is_done() -> None:
 def test_wear_that_is_nothing_changes_no_bit(law: dict[str, str]) -> None:
     wave = ms.Sine(low=0.0, high=0.7, frequency=0.1)
     systems = [build_system(w, heated=True, spring=True, **law) for w in (None, Wear(settling_cycles=10.0))]
-    plain, worn = (simulate(system, wave, 20.0, samples=41, runtime="floats") for system in systems)
+    plain, worn = (simulate(system, wave, 20.0, step=0.1, samples=41, runtime="floats") for system in systems)
     assert all(np.array_equal(plain[name], worn[name]) for name in plain.columns)
     assert not any("wear" in leaf.path for leaf in systems[0].leaves())
 

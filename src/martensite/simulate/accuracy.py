@@ -53,7 +53,7 @@ RARELY = 8
 """Steps on floats between two clock readings."""
 OFTEN = 0.1
 """Time [s] between two calls of the progress callback."""
-LOCAL = {2: 0.24, 4: 0.96}
+LOCAL = {2: 0.24, 4: 0.96, 5: 0.15}
 """Accepted step error of the first run, as a fraction of the tolerance, by order.
 
 A step of order four is estimated with order three.

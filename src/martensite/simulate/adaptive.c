@@ -1,18 +1,20 @@
 /* The march with an error control in every step: martensite/simulate/adaptive.py, over lanes.
 
-   Before this text stand kinks.c and samples.c with what they ask for, the kernels k_solve (or k_rosenbrock if the
-   ORDER of a step is 4, else 2), k_ripple and k_points, and PLACES (the drive of each known heat). SAFETY and other
-   numbers are those of adaptive.py, of the same names. */
+   Before this text stand kinks.c and samples.c with what they ask for, and PLACES (the drive of each known heat). The
+   kernels are k_ripple, k_points, and by the ORDER of a step k_solve (2), k_rosenbrock (4), or k_solve with k_surface
+   and k_events of surface.c (5). SAFETY and other numbers are those of adaptive.py, of the same names. */
 
 #define LEAST_ERROR 1e-9
-#define PART (ORDER == 4 ? 1.0 : 1.0 / 3.0)
-#define POWER (ORDER == 4 ? 0.25 : 1.0 / 3.0) /* of an error, for the length of a step */
+#define IS_SURFACE(i) (ORDER == 5 && b->on_surface[i])
+#define PART(i) (ORDER == 4 || IS_SURFACE(i) ? 1.0 : 1.0 / 3.0)
+#define POWER(i) (ORDER == 4 ? 0.25 : IS_SURFACE(i) ? 0.2 : 1.0 / 3.0) /* of an error, for the length of a step */
 
 static const long places[HEATED + 1] = PLACES;
 
 #if ORDER == 4
 /* one step where laws give rates: its end, its middle, and its end to a lower order */
-static void solve_steps(block *b, const column (*whole)[MOMENTS]) {
+static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]) {
+    (void)m;
     memcpy(b->x0, b->state, sizeof(column) * SIZE);
     feed(whole, 0, b->length, b->x0 + SIZE);
     k_rosenbrock(LANES, *b->c, *b->x0, *b->ends);
@@ -36,7 +38,7 @@ static void check_middles(const march *m, block *b, const column half, const col
 }
 #else
 /* steps in two halves, and the same as wholes */
-static void solve_steps(block *b, const column (*whole)[MOMENTS]) {
+static void solve_halves(block *b, const column (*whole)[MOMENTS]) {
     column half, gap;
     EACH(i) {
         half[i] = 0.5 * b->length[i];
@@ -64,6 +66,46 @@ static void solve_steps(block *b, const column (*whole)[MOMENTS]) {
     k_solve(LANES, *b->c, *b->x0, *b->whole);
 }
 
+#if ORDER == 5
+/* steps of order five where drives are smooth and the heat balance is slower than a step; others in halves */
+static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]) {
+    flags_of_lanes others;
+    const double phase = (1.0 + STEP_TOLERANCE) * find_smooth_phase(m);
+    const double least = LEAST_SMOOTH * m->duration;
+    EACH(i) {
+        const long long slow = b->decay[i] * b->length[i] <= STIFF;
+        b->on_surface[i] = !(b->lapse[i] > 0.0) & slow & (b->length[i] > least);
+    }
+    for (long k = 0; k < DRIVES; k++)
+        EVERY(i) b->on_surface[i] &= drive_of(m, b->now + k, k, i)->fastest * b->length[i] <= phase;
+    EACH(i) others[i] = b->live[i] & !b->on_surface[i];
+    if (any(others)) solve_halves(b, whole);
+    if (!any(b->on_surface)) return;
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(b->one, b->owed, b->length, b->x0 + SIZE);
+    feed(b->two, 0, b->length, b->x0 + SIZE + INPUTS);
+    k_surface(LANES, *b->c, *b->x0, *b->ends);
+    for (long k = 0; k < SIZE; k++) {
+        BLEND(b->full[k], b->on_surface, b->ends[k]);
+        BLEND(b->half[k], b->on_surface, b->ends[SIZE + k]);
+        BLEND(b->whole[k], b->on_surface, b->ends[2 * SIZE + k]);
+    }
+    EACH(i) {
+        const long on = b->on_surface[i] != 0;
+        b->full[SIZE][i] = on ? smaller(b->ends[RESIDUAL][i], SOLVED) : b->full[SIZE][i];
+        b->half[SIZE][i] = on ? 0.0 : b->half[SIZE][i];
+        b->whole[SIZE][i] = on ? 0.0 : b->whole[SIZE][i];
+        b->decay[i] = b->on_surface[i] ? b->ends[DECAY][i] / b->length[i] : b->decay[i];
+    }
+    place_events(b);
+}
+#else
+static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]) {
+    (void)m;
+    solve_halves(b, whole);
+}
+#endif
+
 static void check_middles(const march *m, block *b, const column half, const column middle) {
     (void)m, (void)b, (void)half, (void)middle;
 }
@@ -90,7 +132,7 @@ static void try_steps(const march *m, block *b) {
         middle[i] = b->time[i] + half[i];
         end[i] = b->time[i] + b->length[i];
     }
-    solve_steps(b, whole);
+    solve_steps(m, b, whole);
     find_ripples(b, half);
     k_points(LANES, *b->c, *b->half, *b->points_half);
     k_points(LANES, *b->c, *b->full, *b->points_full);
@@ -112,17 +154,23 @@ static void judge_errors(const march *m, block *b, column ripple, column residua
         const double most = larger(b->ripple_half[0][i], b->ripple_full[0][i]);
         ripple[i] = b->lapse[i] > 0.0 ? most : 0.0;
         b->power[i] = b->lapse[i] > 0.0 ? most / b->lapse[i] : b->power[i];
-        b->error[i] = broken[i] = 0.0;
+        b->error[i] = IS_SURFACE(i) ? b->ends[RESIDUAL][i] / SOLVED : 0.0;
+        broken[i] = 0.0;
     }
     for (long k = 0; k < SEEN; k++)
         EACH(i) broken[i] += 0.0 * b->fine[k][i] + 0.0 * b->coarse[k][i];
     for (long k = 0; k < JUDGED; k++)
         EACH(i) {
-            const double apart = PART * fabs(b->fine[k][i] - b->coarse[k][i]);
+            const double apart = PART(i) * fabs(b->fine[k][i] - b->coarse[k][i]);
             const double wider = larger(b->fine[k][i] - b->low[k][i], b->high[k][i] - b->fine[k][i]);
             const double most = k ? apart : larger(apart, ripple[i]);
             b->error[i] = larger(b->error[i], most / larger(b->scale[k][i], wider) * per);
         }
+    EACH(i) {
+        const double wider = larger(b->fine[0][i] - b->low[0][i], b->high[0][i] - b->fine[0][i]);
+        const double allowed = m->tolerance * larger(b->scale[0][i], wider);
+        b->accurate[i] = JUDGED && ORDER == 5 && fabs(b->fine[0][i] - b->coarse[0][i]) <= allowed;
+    }
     for (long k = 0; k < JUDGED && ORDER == 4; k++)
         EACH(i) {
             const double apart = fabs(b->middle[k][i] - b->doubted[k][i]) / b->scale[k][i] * per;
@@ -150,10 +198,11 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         const double error = last && !good ? 1.0 : b->error[i];
         const double used = smaller(larger(error, LEAST_ERROR), 1e300), length = b->length[i];
         const double cube = length * length * length;
-        rough[i] = used / (ORDER == 4 ? cube * length : cube);
-        const double falls = b->rough[i] > 0.0 && b->rough[i] < rough[i] ? b->rough[i] / rough[i] : 1.0;
-        change[i] = SAFETY * exp(-POWER * log(used));
-        slowing[i] = change[i] * exp(POWER * log(falls));
+        rough[i] = used / (ORDER == 4 ? cube * length : IS_SURFACE(i) ? cube * length * length : cube);
+        const long grew = !IS_SURFACE(i) & (b->rough[i] > 0.0) & (b->rough[i] < rough[i]);
+        const double falls = grew ? b->rough[i] / rough[i] : 1.0;
+        change[i] = SAFETY * exp(-POWER(i) * log(used));
+        slowing[i] = change[i] * exp(POWER(i) * log(falls));
     }
     EVERY(i) if (b->live[i] && b->length[i] <= shortest && b->error[i] == HUGE_VAL)
         b->status[i] = residual[i] > SOLVED ? UNSOLVED : NOT_FINITE;
@@ -165,7 +214,8 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         const double after_kink = b->at_kink[i] ? MOST_CHANGE * length : b->after_kink[i];
         const double bound = !kinked | (after_kink > grown) ? after_kink : grown;
         const double planned = larger(grown, b->planned[i]);
-        const double next = larger(kinked ? smaller(planned, bound) : planned, shortest);
+        const double limited = kinked & !IS_SURFACE(i) ? smaller(planned, bound) : planned;
+        const double next = larger(limited, shortest);
         b->ripple[i] = t ? larger(ripple[i], b->ripple[i]) : b->ripple[i];
         const long long missed = (b->error[i] > 1.0) & (b->error[i] < HUGE_VAL); /* no step is shorter */
         const double left = larger(residual[i], b->residual[i]) + (missed ? m->tolerance * b->error[i] : 0.0);
@@ -187,10 +237,11 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
             b->planned[i] = larger(length, b->planned[i]);
         else
             b->grows[i] = 1.0;
-        if (b->kink[i] < 1.0) {
-            shorter = b->kink[i] * length;
+        const double kink = b->kink[i], least = IS_SURFACE(i) ? LEAST_SHRINK : LEAST_CHANGE;
+        if (kink < 1.0 && !(IS_SURFACE(i) && !b->accurate[i])) {
+            shorter = kink * length;
         } else if (solved) {
-            shorter = length * smaller(larger(change[i], LEAST_CHANGE), SAFETY);
+            shorter = length * smaller(smaller(larger(change[i], least), SAFETY), kink);
             if (b->power[i] * b->lapse[i] > m->tolerance * (JUDGED ? b->scale[0][i] : 1.0))
                 shorter = smaller(shorter, to_edge(m, b, i));
         }
@@ -257,8 +308,9 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
         const long t = taken[i], at = edge[i];
         const double length = b->length[i];
         const double after_edge = b->at_edge[i] && !b->leaps[i] ? MOST_CHANGE * length : b->after_edge[i];
-        b->steps[i] += t ? (ORDER == 4 ? 1.0 : 2.0) : 0.0;
-        b->longest[i] = t ? larger(ORDER == 4 ? length : 0.5 * length, b->longest[i]) : b->longest[i];
+        const long whole = ORDER == 4 || IS_SURFACE(i);
+        b->steps[i] += t ? (whole ? 1.0 : 2.0) : 0.0;
+        b->longest[i] = t ? larger(whole ? length : 0.5 * length, b->longest[i]) : b->longest[i];
         b->after_edge[i] = t ? after_edge : b->after_edge[i];
         b->next[i] = t && at ? smaller(b->next[i], after_edge) : b->next[i];
         b->rough[i] = t && at ? 0.0 : b->rough[i];
@@ -289,10 +341,10 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
         BLEND(b->earlier_points[k], taken, b->points_half[k]);
         BLEND(b->points[k], taken, b->points_full[k]);
     }
-    for (long k = 0; k < HEATED && ORDER == 2; k++) {
+    for (long k = 0; k < HEATED && ORDER != 4; k++) {
         const double *fine = b->fine[JUDGED + ENVELOPE + k], *coarse = b->coarse[JUDGED + ENVELOPE + k];
         EACH(i) {
-            const double owed = PART * (fine[i] - coarse[i]);
+            const double owed = IS_SURFACE(i) ? 0.0 : PART(i) * (fine[i] - coarse[i]);
             b->owed[places[k]][i] = taken[i] ? owed : b->owed[places[k]][i];
         }
     }

@@ -11,6 +11,10 @@ A rate-independent law depends on extremes of temperature and stress, but a step
 through both ends and the middle locates a turn between them, and a relevant turn ends the step. Steps also end at
 the start and finish of a transformation if the difference shows a relevant error.
 
+A single element with a strip law and a smooth drive takes explicit steps of order five instead
+(`martensite.physics.laws.surface_steps`), as if the process at their start lasted. The law judges their ends. Their
+interpolant gives the samples, and the places where a process begins, ends or turns back. Other steps have halves.
+
 Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the state at a
 sample. It is used if its last term is within the tolerance and it does not overshoot. Otherwise the sample waits
 for the next step. If no smooth polynomial fits, a separate step leads from the last point to the sample.
@@ -26,7 +30,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, zip_longest
-from typing import NamedTuple
 
 from martensite.base.status import Status
 from martensite.signals.moments import Moments
@@ -35,6 +38,24 @@ from martensite.simulate.forks import COUNTS, ForkWatch
 from martensite.simulate.ledger import SIMPSON, Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import FIRST, SECOND, SHORTEST, STEP_TOLERANCE, AbstractMarch, MarchPlan, Row
+from martensite.simulate.step_trials import (
+    BESIDE,
+    LEAST_FALL,
+    Node,
+    RootBracket,
+    StepTrial,
+    SurfaceTrial,
+    TakenStep,
+    divided_difference,
+    find_dip,
+    find_extreme,
+    find_fall,
+    find_missed,
+    interpolate_state,
+    interpolate_step,
+    join_halves,
+    stretch_length,
+)
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
@@ -53,18 +74,29 @@ TURN = 0.1
 """Accepted error at a turn, as a fraction of the tolerance."""
 KINK_MARGIN = 0.03
 """Margin around a kink at the ends of a step, as a fraction of the step."""
+STIFF = 2.0
+"""Longest step of order five, as a fraction of the time constant of the heat balance."""
+LEAST_SMOOTH = 1e-8
+"""Shortest step of order five, as a fraction of the run; shorter steps, as over a jump of a fraction, have halves."""
+SMOOTH_PHASE, SMOOTH_TOLERANCE = 1.0, 1e-4
+"""Largest phase [rad] of the fastest tone in a step of order five, at this tolerance or a larger one.
+
+The error of a cubic in place of the drive grows with the sixth power of the phase, and no error estimate sees it.
+"""
+NEAREST = 1e-6
+"""Margin for a kink at the end of a step of order five, as a fraction of the step."""
+ACROSS = 1.01
+"""Length of a step across a kink nearby, as a fraction of its distance."""
+BEYOND = 5.0
+"""Ratio of a step to the longest one of order five from which steps of lower order are tried."""
+LEAST_SHRINK, MOST_GROWTH = 0.1, 6.0
+"""Smallest and largest ratio of consecutive step lengths of order five."""
 SHORT = 0.99
 """Fraction of the distance to an expected kink that a step covers."""
 HIDDEN = 3.0
 """Accepted error at a bend near a step end, as a fraction of the tolerance."""
-EDGE = 0.05
-"""Fraction of a step next to its ends within which halves and whole miss a bend alike."""
-BESIDE = 1e-3
-"""Margin for a turn at the ends of a step, as a fraction of the step."""
 PER_STRESS = 1.0 / 7e6
 """Approximate temperature per stress [K/Pa] with the same effect on a transformation."""
-LEAST_FALL = 1e-9
-"""Distance from a kink that counts as zero."""
 BETWEEN = 1.0
 """Last term of the interpolation as a fraction of the tolerance."""
 TRACED = 0.5
@@ -74,51 +106,6 @@ ROUNDING = 1e-12
 """Relative rounding error."""
 CUBIC = 0.385
 """Largest value of |x (x² - 1)| between -1 and 1."""
-
-
-class Node(NamedTuple):
-    """Point of the time integration."""
-
-    time: float
-    state: Row
-    judged_outputs: Row
-    """Judged outputs."""
-
-
-class StepTrial(NamedTuple):
-    """Step computed as a whole and in halves."""
-
-    length: float
-    """[s]"""
-    halves: Sequence[Row]
-    """Drive inputs of each half."""
-    half: Row
-    """State in the middle."""
-    full: Row
-    """State at the end."""
-    judged_outputs: Row
-    """Judged outputs at the end."""
-    points: tuple[Row, Row]
-    """States of rate-independent laws, in the middle and at the end."""
-    owed: tuple[float, ...]
-    """Heat [J] missing in the halves, by drive."""
-    error: float
-    """Error as a fraction of the tolerance."""
-    ripple: float
-    residual: float
-    lapse: float
-
-
-class TakenStep(NamedTuple):
-    """Accepted step."""
-
-    begin: float
-    """[s]"""
-    state: Row
-    """State at its start."""
-    owed: Sequence[float]
-    """Heat [J] of the previous step that this step corrects, by drive."""
-    trial: StepTrial
 
 
 class AdaptiveMarch(AbstractMarch):
@@ -132,8 +119,12 @@ class AdaptiveMarch(AbstractMarch):
         compiled = plan.compiled
         self.heating = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w > 1]
         self.prescribing = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w == 1]
-        self.exponent = 4.0 if plan.order == 4 else 3.0
-        """Exponent of the error over the length of a step."""
+        share = min(1.0, plan.tolerance / SMOOTH_TOLERANCE)
+        self.smooth_phase = SMOOTH_PHASE * math.exp(math.log(share) * (1.0 / 6.0))
+        self.decay = 0.0
+        """Rate of the heat balance [1/s]."""
+        self.on_surface = False
+        """True if the last step has order five."""
         self.points = functions["points"](*self.state)
         self.earlier_points = self.points
         """Half a step earlier."""
@@ -170,10 +161,11 @@ class AdaptiveMarch(AbstractMarch):
             raise
 
     def _advance(self) -> None:
-        allowed = self._allow_length(min(self.length, self.duration - self.time))
+        allowed = self._allow_length(min(self._limit_length(self.length), self.duration - self.time))
         self.leaps = self.plan.compiled.follows and self._jumps()
         length = LEAP * allowed if self.leaps else self._before_kink(allowed)
-        most, planned = MOST_CHANGE, 0.0 if length == allowed else allowed
+        most = MOST_GROWTH if self.plan.order == 5 else MOST_CHANGE
+        planned = 0.0 if length == allowed else allowed
         while True:
             length, halves = self._resolve_length(length)
             trial = self._try_step(length, halves)
@@ -192,8 +184,16 @@ class AdaptiveMarch(AbstractMarch):
                 planned = max(planned, length)
             else:
                 most = 1.0
-            length = max(kink * length if kink < 1.0 else self._shorten_step(trial), 0.5 * self.shortest)
+            length = max(self._find_next_trial(trial, kink), 0.5 * self.shortest)
         self._accept(trial, most, planned)
+
+    def _limit_length(self, length: float) -> float:
+        """Return a length at which a step has order five, unless a much longer step is possible."""
+        limits = [self.smooth_phase / reader.fastest for reader in self.readers if reader.fastest > 0.0]
+        if self.decay > 0.0:
+            limits.append(STIFF / self.decay)
+        most = min(limits, default=math.inf)
+        return most if self.on_surface and most < length < BEYOND * most else length
 
     def _allow_length(self, length: float) -> float:
         """Return a length that is short enough for signals that prescribe a state."""
@@ -207,13 +207,18 @@ class AdaptiveMarch(AbstractMarch):
 
     def _before_kink(self, length: float) -> float:
         """Return the length to the next expected kink, extrapolated from the last half step."""
-        least, at = max(KINK_MARGIN * length, self.shortest), 0
+        allowed, at = length, 0
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
                 now, fallen = self.points[k], self.earlier_points[k] - self.points[k]
-                if now > LEAST_FALL and fallen > 0.0:
-                    there = SHORT * now / fallen * self.last_half
-                    length = there if least < there < length else length
+                if not (now > LEAST_FALL and fallen > 0.0):
+                    continue
+                there = now / fallen * self.last_half
+                near = there <= KINK_MARGIN * allowed
+                if self.on_surface and near and now > LEAST_FALL:  # across it; later kinks are found in the step
+                    length = min(length, max(ACROSS * there, self.shortest))
+                if not self.on_surface and SHORT * there > max(KINK_MARGIN * allowed, self.shortest):
+                    length = min(length, SHORT * there)
             at += size
         return length
 
@@ -278,31 +283,63 @@ class AdaptiveMarch(AbstractMarch):
 
     def _try_step(self, length: float, halves: Sequence[Row]) -> StepTrial:
         plan = self.plan
-        solve = self._solve_rosenbrock if plan.order == 4 else self._solve_halves
-        one, two, whole, residual = solve(length, halves)
-        doubt = 0.0
+        self.on_surface = plan.order == 5 and self._is_smooth(length, halves)
+        one, two, whole, residual, surface = self._solve_step(length, halves)
+        doubt = plan.tolerance * surface.unsettled / SOLVED if surface else 0.0
         if plan.order == 4 and self.at_edge:
             one, doubt = self._check_middle(length, halves, one)
         signals, judge = self.signals(self.time + length, before=True), self.functions["judge"]
         coarse, fine = judge(*whole, *signals), judge(*two, *signals)
-        part = 1.0 if plan.order == 4 else 1.0 / 3.0
+        part = 1.0 / 3.0 if self._halved else 1.0
         error = doubt
         for k in range(self.convergence_scales):
             error = max(error, part * abs(fine[k] - coarse[k]) / self._scale(k, fine[k]))
+        if surface and self.convergence_scales:
+            reached = abs(fine[0] - coarse[0]) <= plan.tolerance * self._scale(0, fine[0])
+            surface = surface._replace(accurate=reached)
         lapse, ripple = self._measure(length, halves, one)
         error = max(error, ripple / self._scale(0, fine[0]), self._find_bend(length, one, fine)) / plan.tolerance
         if not (residual <= SOLVED and error < math.inf):
             error, residual = math.inf, max(residual, 2.0 * SOLVED)
-        owed = [0.0] * len(self.owed)
-        heats = len(plan.compiled.heated)
-        if plan.order == 2 and heats:
-            rows = zip(plan.compiled.heated, fine[-heats:], coarse[-heats:], strict=True)
+        owed, points = self._find_owed(fine, coarse), self.functions["points"]
+        ends = points(*one), points(*two)
+        return StepTrial(length, halves, one, two, fine, ends, owed, error, ripple, residual, lapse, surface)
+
+    @property
+    def _halved(self) -> bool:
+        """Return whether the last trial was computed in two halves."""
+        return self.plan.order != 4 and not self.on_surface
+
+    def _find_owed(self, fine: Row, coarse: Row) -> tuple[float, ...]:
+        """Return the heat [J] missing in the halves of a step, by drive."""
+        owed, heated = [0.0] * len(self.owed), self.plan.compiled.heated
+        if self._halved and heated:
+            rows = zip(heated, fine[-len(heated) :], coarse[-len(heated) :], strict=True)
             for place, a, b in rows:
-                owed[place] = part * (a - b)
-        points = self.functions["points"]
-        return StepTrial(
-            length, halves, one, two, fine, (points(*one), points(*two)), tuple(owed), error, ripple, residual, lapse
-        )
+                owed[place] = (1.0 / 3.0) * (a - b)
+        return tuple(owed)
+
+    def _is_smooth(self, length: float, halves: Sequence[Row]) -> bool:
+        """Return whether a step can have order five: smooth drives, and a slower heat balance."""
+        at, lapse = 0, 0.0
+        for width in self.plan.compiled.widths:
+            lapse = max(lapse, halves[0][at + 4], halves[1][at + 4])
+            at += width
+        swings = any(reader.fastest * length > (1.0 + STEP_TOLERANCE) * self.smooth_phase for reader in self.readers)
+        long = length > LEAST_SMOOTH * self.duration
+        return long and not lapse > 0.0 and self.decay * length <= STIFF and not swings
+
+    def _solve_step(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float, SurfaceTrial | None]:
+        """Return the middle and end of a step, its end to a lower order, the residual, and details of order five."""
+        if not self.on_surface:
+            solve = self._solve_rosenbrock if self.plan.order == 4 else self._solve_halves
+            return *solve(length, halves), None
+        size = self.size
+        ends = self.functions["surface"](*self.state, *halves[0], *halves[1], length)
+        end, middle, coarse, begin, first, last = (ends[k * size : (k + 1) * size] for k in range(6))
+        self.decay = ends[-1] / length
+        surface = SurfaceTrial(begin, (first, last), ends[6 * size : -2], ends[-2])
+        return middle, end, coarse, min(surface.unsettled, SOLVED), surface
 
     def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
         """Return the middle and end by two halves, the end as a whole, and the largest residual."""
@@ -385,6 +422,8 @@ class AdaptiveMarch(AbstractMarch):
         turn that may reach an unseen kink always counts. A bend counts if the error is not small. It also counts if
         it is near a step end and a derivative changes strongly, since the error estimate misses this case.
         """
+        if trial.surface is not None:
+            return self._find_surface_kink(trial, trial.surface)
         first, at = 1.0, 0
         for fraction, weight, size in self.plan.compiled.points:
             rows = [row[at : at + size] for row in (self.earlier_points, self.points, trial.points[0], trial.points[1])]
@@ -403,6 +442,35 @@ class AdaptiveMarch(AbstractMarch):
             first = min([first, *self._find_bends(trial, rows, HIDDEN / TURN * allowed)])
         return first
 
+    def _find_surface_kink(self, trial: StepTrial, surface: SurfaceTrial) -> float:
+        """Return the place in a step of order five where a process begins, ends or turns back; else 1.
+
+        A place where it begins or ends counts if the error shows it, or if the step returns behind it.
+        """
+        first = self._find_event(trial, surface)
+        for fraction, weight, _ in self.plan.compiled.points if surface.accurate else ():
+            allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
+            first = min(first, surface.find_reversal(allowed))
+        return first
+
+    def _find_event(self, trial: StepTrial, surface: SurfaceTrial) -> float:
+        """Return the place in a step where a process begins or ends, if it counts; else 1."""
+        ask, seen = self.functions["events"], trial.error > 1.0
+        between = surface.find_turn()
+        first, middle, last = (ask(*surface.begin, *surface.follow_path(x)[:2]) for x in (0.0, between, 1.0))
+        brackets = list[tuple[float, int, RootBracket]]()
+        asked = False
+        for k, (a, b, c) in enumerate(zip(first, middle, last, strict=True)):
+            if a > LEAST_FALL and min(b, c) <= 0.0:
+                asked = asked or seen or c > 0.0
+                bracket = RootBracket(between, 1.0, b, c) if b > 0.0 else RootBracket(0.0, between, a, b)
+                brackets.append((bracket.cut_chord(), k, bracket))
+        if not asked:
+            return 1.0
+        share, k, bracket = min(brackets)
+        share = bracket.find_root(lambda x: ask(*surface.begin, *surface.follow_path(x)[:2])[k], share)
+        return share if share < 1.0 - (NEAREST if seen else BESIDE) else 1.0
+
     def _find_bends(self, trial: StepTrial, rows: Sequence[Row], allowed: float) -> Iterator[float]:
         """Yield the fractions of a step at which a law has a relevant bend."""
         ratio = 0.5 * trial.length / self.last_half
@@ -411,22 +479,35 @@ class AdaptiveMarch(AbstractMarch):
             if find_missed(rows, ratio, share) > allowed or (trial.error > 1.0 and BESIDE < share < 1.0 - BESIDE):
                 yield share
 
+    def _find_next_trial(self, trial: StepTrial, kink: float) -> float:
+        """Return the next trial length after a rejected step: up to its kink, or shorter if its error is too large."""
+        if kink < 1.0 and (trial.surface is None or trial.surface.accurate):
+            return kink * trial.length
+        return min(kink * trial.length, self._shorten_step(trial))
+
     def _shorten_step(self, trial: StepTrial) -> float:
         """Return the next trial length after a rejected step."""
         if trial.error == math.inf:
             return 0.25 * trial.length
-        shorter = trial.length * max(LEAST_CHANGE, min(self._change(trial), SAFETY))
+        least = LEAST_SHRINK if self.on_surface else LEAST_CHANGE
+        shorter = trial.length * max(least, min(self._change(trial), SAFETY))
         if trial.ripple > self.plan.tolerance * self._scale(0):
             shorter = min(shorter, self._to_edge(trial.length))
         return shorter
 
     def _change(self, trial: StepTrial) -> float:
         """Return the factor on the step length for the tolerance."""
-        return SAFETY * max(trial.error, 1e-9) ** (-1.0 / self.exponent)
+        return SAFETY * max(trial.error, 1e-9) ** (-1.0 / self._get_exponent())
+
+    def _get_exponent(self) -> float:
+        """Return the exponent of the error over the length of the last step."""
+        return 5.0 if self.on_surface else 4.0 if self.plan.order == 4 else 3.0
 
     def _trend(self, trial: StepTrial) -> float:
         """Return the reduction of the next step for errors that keep growing at the last rate."""
-        power = self.exponent
+        if self.on_surface:
+            return 1.0
+        power = self._get_exponent()
         rough = max(trial.error, 1e-9) / trial.length**power
         last, self.rough = self.rough, 0.0 if self.at_edge or self.at_kink else rough
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
@@ -462,7 +543,7 @@ class AdaptiveMarch(AbstractMarch):
         step = TakenStep(self.time, self.state, self.owed, trial)
         self._keep_samples(end, step, nodes)
         self.last_step = step
-        parts = 1 if self.plan.order == 4 else 2
+        parts = 2 if self._halved else 1
         run.steps += parts
         run.longest = max(run.longest, length / parts)
         run.ripple = max(run.ripple, trial.ripple)
@@ -482,16 +563,19 @@ class AdaptiveMarch(AbstractMarch):
         self.state, self.owed, self.time = trial.full, list(trial.owed), end
         self.earlier_points, self.points = trial.points
         self.last_half = 0.5 * length
-        grown = length * min(max(self._change(trial) * self._trend(trial), LEAST_CHANGE), most)
-        self.length = max(grown, planned)
-        if self.at_edge:
-            self.length, self.split = min(self.length, self.after_edge), False
-        if self.at_kink:
-            self.length = min(self.length, max(self.after_kink, grown))
-        self.length = max(self.length, self.shortest)
+        self._choose_length(length * min(max(self._change(trial) * self._trend(trial), LEAST_CHANGE), most), planned)
         for reader in self.readers:
             reader.forget(step.begin)
         self.see(trial.judged_outputs)
+
+    def _choose_length(self, grown: float, planned: float) -> None:
+        """Choose the length [s] of the next step: what the error allows, or what was planned before a kink."""
+        self.length = max(grown, planned)
+        if self.at_edge:
+            self.length, self.split = min(self.length, self.after_edge), False
+        if self.at_kink and not self.on_surface:
+            self.length = min(self.length, max(self.after_kink, grown))
+        self.length = max(self.length, self.shortest)
 
     def _watch_forks(self, trial: StepTrial, middle: float, end: float) -> None:
         """Look for decisions about forgotten branches at the middle and the end of a step [s]."""
@@ -521,8 +605,11 @@ class AdaptiveMarch(AbstractMarch):
             earlier = bool(time <= self.time)
             state = trial.full if time >= end - hair else None
             if state is None:
-                smooth = smooth or self._find_smooth(trial, nodes)
-                state = self._between(nodes[-5:], time) if smooth[earlier] else None
+                if self.on_surface and not earlier:
+                    state = interpolate_step(step, (time - self.time) / trial.length)
+                else:
+                    smooth = smooth or self._find_smooth(trial, nodes)
+                    state = self._between(nodes[-5:], time) if smooth[earlier] else None
             if state is None:
                 if not (earlier or ends or time - self.time <= hair):
                     return
@@ -605,91 +692,6 @@ class AdaptiveMarch(AbstractMarch):
             low, high = min(low, value), max(high, value)
         earlier_range = self.plan.ranges[k] if self.plan.ranges else 0.0
         return max(high - low, earlier_range, self.plan.compiled.convergence_scales[k][1])
-
-
-def join_halves(first: Moments, last: Moments, length: float) -> Moments:
-    """Return moments of an interval [s] from the moments of its halves, without the lapse."""
-    slopes = (
-        1.5 * (b - a) / length + 0.125 * (c + d)
-        for a, b, c, d in (
-            (first.mean, last.mean, first.slope, last.slope),
-            (first.square, last.square, first.square_slope, last.square_slope),
-        )
-    )
-    mean, square = 0.5 * (first.mean + last.mean), 0.5 * (first.square + last.square)
-    return Moments(mean, square, min(first.low, last.low), max(first.high, last.high), 0.0, *slopes)
-
-
-def stretch_length(length: float, end: float) -> float:
-    """Return a length that reaches an end without a short remainder."""
-    if length >= (1.0 - STEP_TOLERANCE) * end:
-        return end
-    return 0.5 * end if length > 0.6 * end else length
-
-
-def find_extreme(first: float, middle: float, last: float) -> tuple[float, float]:
-    """Return the relative position of a parabola's turn and its height beyond the points; 1 without a turn."""
-    one, two = middle - first, last - middle
-    bend, rise = two - one, one + two
-    if not abs(rise) < 2.0 * abs(bend):
-        return 1.0, 0.0
-    top = middle - rise * rise / (8.0 * bend)
-    apart = min(abs(top - first), abs(top - middle), abs(top - last))
-    return 0.5 - 0.25 * rise / bend, apart
-
-
-def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
-    """Return the fraction of a step at which a value falls to 0; else 1.
-
-    The three values are half steps apart, and `ahead` is the extrapolated fall per half step. A chord replaces an
-    inconsistent extrapolation.
-    """
-    if not (first > LEAST_FALL and min(middle, last) <= 0.0):
-        return 1.0
-    begin, top, bottom = (0.0, first, middle) if middle <= 0.0 else (0.5, middle, last)
-    ahead = ahead if middle <= 0.0 else first - middle
-    return begin + 0.5 * (top / ahead if ahead > top else top / (top - bottom))
-
-
-def find_missed(rows: Sequence[Row], ratio: float, share: float) -> float:
-    """Return the change of derivative at a bend near a step end times its distance from that end; else 0.
-
-    Args:
-        rows: points half a step earlier, at the start, in the middle and at the end.
-        ratio: length of a half over the length of the half before the step.
-        share: place of the bend as a fraction of the step.
-    """
-    p, q, a, z = rows
-    if 0.0 < share < EDGE:
-        return 2.0 * share * max(abs(a[k] - q[k] - ratio * (q[k] - p[k])) for k in (2, 3))
-    late = 1.0 - EDGE < share < 1.0 - BESIDE
-    return max(abs(z[k] - a[k] - (a[k] - q[k])) for k in (2, 3)) if late else 0.0
-
-
-def find_dip(first: float, middle: float, last: float) -> float:
-    """Return the fraction of a step at which a value turns and passes 0 nowhere else; else 1."""
-    share, below = find_extreme(first, middle, last)
-    least = min(first, middle, last)
-    return share if middle - first < 0.5 * (last - first) and LEAST_FALL < least < 2.0 * below else 1.0
-
-
-def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:
-    """Return the divided difference of the highest order."""
-    differences = list(values)
-    for order in range(1, len(times)):
-        spans = [last - first for first, last in zip(times, times[order:], strict=False)]
-        differences = [(b - a) / span for (a, b), span in zip(pairwise(differences), spans, strict=True)]
-    return differences[0]
-
-
-def interpolate_state(nodes: Sequence[Node], time: float) -> Row:
-    """Return the state on the polynomial through the nodes."""
-    weights: list[float] = []
-    for i, node in enumerate(nodes):
-        others = [other.time for j, other in enumerate(nodes) if j != i]
-        weights.append(math.prod((time - t) / (node.time - t) for t in others))
-    columns = zip(*(node.state for node in nodes), strict=True)
-    return tuple(sum(w * x for w, x in zip(weights, column, strict=True)) for column in columns)
 
 
 def _find_lapse(drive_inputs: Sequence[Moments | float]) -> float:

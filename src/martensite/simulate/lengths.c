@@ -76,7 +76,7 @@ static void plan_lengths(const march *m, block *b) {
     for (long k = 0; k < DRIVES; k++) prescribed |= widths[k] == 1;
     EACH(i) {
         const double end = m->duration - b->time[i];
-        allowed[i] = reach_end(smaller(b->next[i], end), end);
+        allowed[i] = reach_end(smaller(limit_length(m, b, i), end), end);
     }
     if (prescribed)
         EVERY(i) if (b->fresh[i]) {
@@ -92,8 +92,14 @@ static void plan_lengths(const march *m, block *b) {
                 const long long ahead = (now > LEAST_FALL) & (fallen > 0.0);
                 const double there = SHORT * now / (ahead ? fallen : 1.0) * b->last_half[i];
                 const long long late = (KINK_MARGIN * allowed[i] < there) & (m->shortest < there);
-                const long long kink = ahead & late & (there < length[i]);
+                const long long kink = ahead & late & (there < length[i]) & !(ORDER == 5 && b->on_surface[i]);
                 length[i] = kink ? there : length[i];
+#if ORDER == 5 /* across a kink that is nearly reached; others are found in the step */
+                const double gap = now / (ahead ? fallen : 1.0) * b->last_half[i];
+                const long long close = ahead & (gap <= KINK_MARGIN * allowed[i]);
+                const long long near = close & (now > LEAST_FALL) & b->on_surface[i];
+                length[i] = near ? smaller(length[i], larger(ACROSS * gap, m->shortest)) : length[i];
+#endif
             }
     if (FOLLOWS)
         EVERY(i) if (b->fresh[i]) {
@@ -104,7 +110,7 @@ static void plan_lengths(const march *m, block *b) {
         const double planned = length[i] < allowed[i] ? allowed[i] : 0.0;
         b->length[i] = b->fresh[i] ? length[i] : b->length[i];
         b->planned[i] = b->fresh[i] ? planned : b->planned[i];
-        b->grows[i] = b->fresh[i] ? MOST_CHANGE : b->grows[i];
+        b->grows[i] = b->fresh[i] ? (ORDER == 5 ? MOST_GROWTH : MOST_CHANGE) : b->grows[i];
     }
 }
 

@@ -17,7 +17,7 @@ from martensite.kernels.c99_lanes import lanes_source
 from martensite.kernels.compiler import is_compiled, load_library, read_source
 from martensite.kernels.compute_once import cache_answers
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate import adaptive
+from martensite.simulate import adaptive, step_trials
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.forks import COUNTS, ROUNDED
 from martensite.simulate.ledger import EMPTY, STORES, TURNED_OVER, Book
@@ -27,6 +27,8 @@ from martensite.simulate.recorded_track import record_width
 SHARED = (
     *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
     *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
+    *("STIFF", "LEAST_SMOOTH", "SMOOTH_PHASE", "SMOOTH_TOLERANCE", "LEAST_SHRINK", "MOST_GROWTH", "BEYOND"),
+    *("NEAREST", "ACROSS", "EVENT_TURNS"),
     *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL", "TRACED"),
 )
 """Constants shared with the implementation on floats, under the same names."""
@@ -71,10 +73,11 @@ class MarchKernel:
     def source(self) -> str:
         """Return the C source."""
         book = EMPTY if self.fixed or self.lanes > 1 else self.compiled.book  # batches report no balance
-        control = ["fixed"] if self.fixed else ["lengths", "kinks", "samples", "forks", "adaptive"]
+        control = ["fixed"] if self.fixed else ["surface", "lengths", "kinks", "samples", "forks", "adaptive"]
         ledger = [] if book is EMPTY else ["ledger"]
         names = ["marching", "drives", "totals", "runs", *ledger, *control, "track"]
-        shared = {name: getattr(adaptive, name) for name in SHARED}
+        known = vars(step_trials) | vars(adaptive)
+        shared = {name: known[name] for name in SHARED}
         constants = self._list_sizes() | self._describe_places() | self._describe_book(book) | shared
         texts = (read_source("simulate", f"{name}.c", {}) for name in names)
         return "\n".join([self._print_kernels(book), read_source("signals", "reader.c", constants), *texts])
@@ -148,8 +151,8 @@ class MarchKernel:
     def _print_kernels(self, book: Book) -> str:
         """Return the C source of the traced functions."""
         compiled, traced = self.compiled, self.compiled.program.functions
-        solve = "rosenbrock" if self.order == 4 else "solve"
-        names = ["step"] if self.fixed else [solve, "ripple", "points"]
+        solve = {4: ["rosenbrock"], 5: ["surface", "events", "solve"]}.get(self.order, ["solve"])
+        names = ["step"] if self.fixed else [*solve, "ripple", "points"]
         names += ["forks"] if compiled.forks and not self.fixed else []
         names += [] if book is EMPTY else ["flows", "entries"]
         functions = [traced[name] for name in ("init", "judge", *names)]

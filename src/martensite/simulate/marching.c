@@ -3,7 +3,8 @@
    What is done, and why, is said in martensite/simulate/adaptive.py and march.py.
 
    A march consists of this text, drives.c, totals.c, runs.c, and then either fixed.c, or ledger.c (if there is a
-   LEDGER), lengths.c, kinks.c, samples.c, forks.c and adaptive.c. Before this text stand martensite/signals/reader.c and the
+   LEDGER), surface.c, lengths.c, kinks.c, samples.c, forks.c and adaptive.c. Before this text stand
+   martensite/signals/reader.c and the
    kernels k_prepare, k_init, k_observe and k_judge over LANES lanes, and: SIMD, which begins loops that compilers
    turn into vectors; SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED, ENVELOPE, HEATED,
    CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each judged output that counts); OWN if
@@ -19,6 +20,7 @@
 #define SAID (11 + ACCOUNTS + DECIDED)
 #define REPORTS 3
 #define ANSWERS (ORDER == 4 ? 3 * SIZE : SIZE + REPORTS)
+#define STATES (ORDER == 5 ? 6 * SIZE + 17 : ORDER == 4 ? 3 * SIZE : 1) /* of one step of higher order */
 #define MOMENTS 7
 #define IDLE 2 /* number of lanes without a run at which runs begin */
 #ifndef INLINE /* vectors.c defines it for a batch */
@@ -73,6 +75,10 @@ typedef struct {
     column steps, rejected, longest, ripple, residual, error, kink;
     column p[PARAMETERS + 1], c[CONSTANTS], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
+    flags_of_lanes on_surface; /* whether the step is one of order five */
+    flags_of_lanes accurate;   /* whether its temperature is, and places of kinks are therefore reliable */
+    column decay;              /* rate of the heat balance [1/s] */
+    column between, event_begin[NUMBERS + 1], event_between[NUMBERS + 1], event_end[NUMBERS + 1]; /* of surface.c */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], range[JUDGED + 1];
     column limits[2 * ENVELOPE + 1];
     column points[NUMBERS + 1], earlier_points[NUMBERS + 1]; /* now, and half a step ago */
@@ -86,9 +92,9 @@ typedef struct {
     column owed_before[DRIVES + 1];            /* in the last step */
     drives_of_lanes now[DRIVES + 1];
     column one[DRIVES + 1][MOMENTS], two[DRIVES + 1][MOMENTS];
-    column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
+    column x0[SIZE + (ORDER == 5 ? 2 : 1) * INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
     column whole[SIZE + REPORTS], half[SIZE + REPORTS], full[SIZE + REPORTS];
-    column ends[ORDER == 4 ? 3 * SIZE : 1], doubted[SEEN + 1], onset[SEEN + 1];
+    column ends[STATES], doubted[SEEN + 1], onset[SEEN + 1];
     column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], row[OUTPUTS + 1];

@@ -134,9 +134,9 @@ static void load_run(const march *m, block *b, long i, long run) {
     b->place[i] = -1;
     b->sample[i] = b->at_edge[i] = 1;
     b->coming[i] = m->times[1];
-    b->at_kink[i] = b->known[i] = b->split[i] = 0;
+    b->at_kink[i] = b->known[i] = b->split[i] = b->on_surface[i] = 0;
     b->time[i] = m->times[0];
-    b->power[i] = b->lapse[i] = b->rough[i] = b->steps[i] = b->rejected[i] = 0.0;
+    b->decay[i] = b->power[i] = b->lapse[i] = b->rough[i] = b->steps[i] = b->rejected[i] = 0.0;
     b->longest[i] = b->ripple[i] = b->residual[i] = b->put_in[i] = b->lost[i] = 0.0;
     for (long k = 0; k < ACCOUNTS; k++) b->accounts[k][i] = 0.0;
     b->next[i] = b->after_edge[i] = b->last_half[i] = b->length[i] = m->first[run];

@@ -173,7 +173,7 @@ static void put_aside(const march *m, block *b, long i, double time, long leavin
     const int now = time > b->time[i];
     const double start = now ? b->time[i] : b->node_time[0][i];
     const double middle = now ? start + 0.5 * b->length[i] : b->node_time[1][i];
-    const int late = ORDER == 2 && time > middle;
+    const int late = ORDER != 4 && time > middle;
     const column *first = now ? b->state : b->node_state[0], *second = now ? b->half : b->node_state[1];
     const column *state = late ? second : first, *owed = now ? b->owed : b->owed_before;
     const long j = q->count++;
@@ -184,7 +184,7 @@ static void put_aside(const march *m, block *b, long i, double time, long leavin
     q->end[j] = time;
     for (long k = 0; k < CONSTANTS; k++) q->c[k][j] = b->c[k][i];
     for (long k = 0; k < SIZE; k++) q->x[k][j] = state[k][i];
-#if ORDER == 2
+#if ORDER != 4
     const column *third = now ? b->full : b->state, *ahead = late ? third : second;
     const double share = (time - q->begin[j]) / (middle - start);
     for (long k = 0; k < SIZE; k++) q->line[k][j] = state[k][i] + share * (ahead[k][i] - state[k][i]);
@@ -201,9 +201,9 @@ static void put_aside(const march *m, block *b, long i, double time, long leavin
 static const column *find_node(const block *b, long i, double time, double end) {
     const double hair = STEP_TOLERANCE * b->length[i], middle = b->time[i] + 0.5 * b->length[i];
     if (time >= end - hair) return b->full;
-    if ((LANES > 1 || ORDER == 2) && fabs(time - middle) <= hair) return b->half;
+    if ((LANES > 1 || ORDER != 4) && fabs(time - middle) <= hair) return b->half;
     if (fabs(time - b->time[i]) <= hair) return b->state;
-    if ((LANES > 1 || ORDER == 2) && fabs(time - b->node_time[1][i]) <= hair) return b->node_state[1];
+    if ((LANES > 1 || ORDER != 4) && fabs(time - b->node_time[1][i]) <= hair) return b->node_state[1];
     return 0;
 }
 
@@ -212,7 +212,8 @@ static const column *find_node(const block *b, long i, double time, double end) 
 static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end,
                          const flags_of_lanes edge) {
     column time, per[5], last, low[SIZE + 1], high[SIZE + 1];
-    flags_of_lanes due, smooth, before, good, other, ends, waits = {0}, whole; /* whole: all states are tested */
+    flags_of_lanes due, smooth, before, good, other, within, ends, waits = {0};
+    flags_of_lanes whole; /* whether all states are tested */
     long leaving = 0, found = 0;
     EACH(i) {
         last[i] = taken[i] ? end[i] + STEP_TOLERANCE * b->length[i] : -1.0;
@@ -232,13 +233,24 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
             time[i] = due[i] ? b->coming[i] : end[i];
         }
         if (!any(due)) return;
-        if (!found) {
-            find_smooth(m, b, smooth, before, per);
-            find_bounds(b, low, high, any(whole));
-            found = 1;
+        EACH(i) {
+            within[i] = ORDER == 5 && b->on_surface[i] & (time[i] > b->time[i]);
+            good[i] = within[i];
+            other[i] = due[i] & !within[i];
         }
-        EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
-        interpolate(b, time, per, low, high, good, b->x2, whole);
+        if (any(other)) {
+            if (!found) {
+                find_smooth(m, b, smooth, before, per);
+                find_bounds(b, low, high, any(whole));
+                found = 1;
+            }
+            EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
+            interpolate(b, time, per, low, high, good, b->x2, whole);
+            EACH(i) good[i] |= within[i];
+        }
+#if ORDER == 5
+        if (any(within)) follow_slopes(b, time, within, any(whole), b->x2);
+#endif
         EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
         SOME(i, bits_of(other)) {
             const column *node = find_node(b, i, time[i], end[i]);

@@ -1,6 +1,6 @@
 // Written by write_types.py from declarations in Python; do not edit.
 
-export const LOCAL = { 2: 0.24, 4: 0.96 } as const;
+export const LOCAL = { 2: 0.24, 4: 0.96, 5: 0.15 } as const;
 export const ERROR_SAFETY = 1.25;
 export const FLOOR = 0.5;
 export const FINER = 8.0;

@@ -73,7 +73,7 @@ function march(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
   const times = Float64Array.from({ length: inputs.samples }, (_, k) => (inputs.duration * k) / (inputs.samples - 1));
   const base = planBase(scenario, module, inputs, times);
   const follow = (found: Marched): Track => {
-    const rows = listTrackRows(found.record, scenario.layout.recorded, base.drives);
+    const rows = listTrackRows(found.record, scenario.layout.recorded, base.drives, scenario.layout.order === 5);
     return trackOf(scenario, inputs, rows, module.observe(inputs.parameters, rows), found.status === OUT_OF_ENVELOPE);
   };
   try {

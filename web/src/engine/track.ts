@@ -8,7 +8,7 @@ import type { DriveTable } from "./march.ts";
 const HEAD = 4;
 const [AFTER, BEFORE, MEAN, SQUARE, LOW, HIGH, LAPSE] = [0, 1, 2, 3, 4, 5, 6];
 const PER_DRIVE = 7;
-const [FIRST, SECOND] = [1, 2];
+const [WHOLE, FIRST, SECOND] = [0, 1, 2];
 /** Weights of both ends of a piece in an integral, by its part. */
 const WEIGHTS = [[1 / 2, 1 / 2], [1 / 3, 2 / 3], [2 / 3, 1 / 3]] as const;
 const JUMP = 1e-9;
@@ -26,15 +26,15 @@ export interface TrackRows {
   inputs: number[];
 }
 
-/** Rows of a record with so many numbers of the state. */
-export function listTrackRows(record: Float64Array, size: number, drives: DriveTable[]): TrackRows {
+/** Rows of a record with so many numbers of the state; long steps, those of order five, also have rows between their nodes. */
+export function listTrackRows(record: Float64Array, size: number, drives: DriveTable[], long = false): TrackRows {
   const pieces = new Pieces(record, size, drives);
   const found: TrackRows = { times: [], weights: [], inputs: [] };
-  for (let k = 0; k < pieces.count; k++) addPiece(pieces, k, found);
+  for (let k = 0; k < pieces.count; k++) addPiece(pieces, k, long, found);
   return found;
 }
 
-function addPiece(pieces: Pieces, k: number, found: TrackRows): void {
+function addPiece(pieces: Pieces, k: number, long: boolean, found: TrackRows): void {
   const add = (share: number, weight: number, signals: number[]): void => {
     found.times.push(pieces.timeAt(k, share));
     found.weights.push(weight);
@@ -50,6 +50,7 @@ function addPiece(pieces: Pieces, k: number, found: TrackRows): void {
   else found.weights[found.weights.length - 1]! += start * length;
   if (toned) for (const [share, weight] of listToneNodes(pieces, k)) add(share, weight * length, pieces.signalsAt(k, share));
   if (varied) addLevels(pieces, k, add);
+  if (long && !toned && !varied && pieces.part(k) !== WHOLE) add(0.5, 0, pieces.signalsAt(k, 0.5));
   add(1, end * length, pieces.signalsAt(k, 1));
 }
 

@@ -81,7 +81,7 @@ export interface Layout {
   forks: [fraction: number, temperature: number, stress: number, weight: number][];
   /** Temperature per stress [K/Pa] with the same effect on a transformation. */
   perStress: number;
-  order: 2 | 4;
+  order: 2 | 4 | 5;
 }
 
 /** How an entry of the inputs moves with a control: coefficient times the change of a function of it. */

@@ -1,0 +1,186 @@
+/* Steps of order five of laws with surfaces: their lengths, kinks and states within, as in adaptive.py.
+
+   Before this text stands runs.c. The kernel k_surface leaves six states in `ends`: at the end, in the middle, at the
+   end to order four, at the start in the process of the step, and the changes by the slopes at both ends. The PATH of
+   temperature, stress and martensite fraction follows (start, middle, end, and changes by both slopes), then the
+   residual and the decay. The kernel k_events gives the numbers that fall to 0 at kinks. */
+
+#if ORDER == 5
+#define PATH (6 * SIZE)
+#define RESIDUAL (6 * SIZE + 15)
+#define DECAY (6 * SIZE + 16)
+enum { TEMPERATURE, STRESS, FRACTION, ON_PATH };
+
+/* largest phase of a tone in a step of order five */
+static double find_smooth_phase(const march *m) {
+    const double share = m->tolerance / SMOOTH_TOLERANCE;
+    return share < 1.0 ? SMOOTH_PHASE * exp(log(share) * (1.0 / 6.0)) : SMOOTH_PHASE;
+}
+
+/* a length at which a step has order five, unless a much longer one is possible */
+static double limit_length(const march *m, const block *b, long i) {
+    const double next = b->next[i];
+    double most = b->decay[i] > 0.0 ? STIFF / b->decay[i] : HUGE_VAL;
+    const double phase = find_smooth_phase(m);
+    if (!b->on_surface[i]) return next;
+    for (long k = 0; k < DRIVES; k++) {
+        const double fastest = drive_of(m, b->now + k, k, i)->fastest;
+        if (fastest > 0.0 && phase / fastest < most) most = phase / fastest;
+    }
+    return most < next && next < BEYOND * most ? most : next;
+}
+
+/* a polynomial on [0, 1] with values at the ends and in the middle, and changes by the slopes at the ends */
+INLINE double follow_quartic(double x, double start, double middle, double end, double first, double last) {
+    const double square = x * x;
+    const double moved = square * (16.0 + x * (16.0 * x - 32.0)) * (middle - start) +
+                         square * (x * (14.0 - 8.0 * x) - 5.0) * (end - start);
+    return start + (moved + x * (1.0 + x * (x * (5.0 - 2.0 * x) - 4.0)) * first +
+                    square * (1.0 + x * (2.0 * x - 3.0)) * last);
+}
+
+/* a number of the path at a share of each step */
+static void follow_path(const block *b, const column share, long k, column at) {
+    const column *p = b->ends + PATH + k;
+    const column *q = p + ON_PATH, *r = q + ON_PATH, *first = r + ON_PATH, *last = first + ON_PATH;
+    EACH(i) at[i] = follow_quartic(share[i], p[0][i], q[0][i], r[0][i], first[0][i], last[0][i]);
+}
+
+/* the numbers that fall to 0 at kinks, at a share of each step */
+static void ask_events(block *b, const column share, column *found) {
+    memcpy(b->x2, b->ends + 3 * SIZE, sizeof(column) * SIZE);
+    follow_path(b, share, TEMPERATURE, b->x2[SIZE]);
+    follow_path(b, share, STRESS, b->x2[SIZE + 1]);
+    k_events(LANES, *b->c, *b->x2, *found);
+}
+
+/* an interval in which a function falls to 0 or below, and the next place to look at */
+typedef struct {
+    double low, high, above, below, share;
+    long side;
+} bracket;
+
+/* shrink it by the rule of Illinois */
+static void shrink(bracket *r, double value) {
+    const long down = value <= 0.0;
+    if (down) {
+        r->high = r->share;
+        r->below = value;
+        r->above *= r->side == 1 ? 0.5 : 1.0;
+    } else {
+        r->low = r->share;
+        r->above = value;
+        r->below *= r->side == 2 ? 0.5 : 1.0;
+    }
+    r->side = down ? 1 : 2;
+    r->share = r->above > r->below ? r->low + (r->high - r->low) * r->above / (r->above - r->below) : r->high;
+}
+
+/* share of a step at which the temperature turns; 0.5 if it does not */
+static double find_turn_of_path(const block *b, long i) {
+    const column *p = b->ends + PATH + TEMPERATURE;
+    const double middle = p[ON_PATH][i] - p[0][i], end = p[2 * ON_PATH][i] - p[0][i];
+    const double first = p[3 * ON_PATH][i], last = p[4 * ON_PATH][i], sign = first < 0.0 ? -1.0 : 1.0;
+    if (!(first * last < 0.0)) return 0.5;
+    const double a = 2.0 * (16.0 * middle - 5.0 * end - 4.0 * first + last);
+    const double d = 3.0 * (14.0 * end - 32.0 * middle + 5.0 * first - 3.0 * last);
+    const double e = 4.0 * (16.0 * middle - 8.0 * end - 2.0 * first + 2.0 * last);
+    bracket r = {0.0, 1.0, sign * first, sign * last, first / (first - last), 0};
+    for (long turn = 0; turn < EVENT_TURNS; turn++) {
+        const double x = r.share;
+        shrink(&r, sign * (first + x * (a + x * (d + x * e))));
+    }
+    return r.share;
+}
+
+/* the numbers at both ends of each step, and between, where the temperature turns or in the middle */
+static void place_events(block *b) {
+    column zero, one;
+    EACH(i) {
+        zero[i] = 0.0;
+        one[i] = 1.0;
+    }
+    EVERY(i) b->between[i] = find_turn_of_path(b, i);
+    ask_events(b, zero, b->event_begin);
+    ask_events(b, b->between, b->event_between);
+    ask_events(b, one, b->event_end);
+}
+
+/* Cut steps where a process begins or ends, if their error shows it, or if they return behind it. */
+static void cut_at_events(block *b) {
+    bracket r[LANES];
+    column share, found[NUMBERS + 1];
+    flags_of_lanes asked;
+    long place[LANES];
+    EACH(i) asked[i] = 0;
+    for (long k = 0; k < NUMBERS - 4; k++)
+        EACH(i) {
+            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
+            const long long seen = (b->error[i] > 1.0) & ((between <= 0.0) | (end <= 0.0));
+            const long long returns = (between <= 0.0) & (end > 0.0);
+            asked[i] |= b->on_surface[i] & (begin > LEAST_FALL) & (seen | returns);
+        }
+    if (!any(asked)) return;
+    EACH(i) share[i] = 1.0;
+    SOME(i, bits_of(asked)) {
+        r[i].share = 2.0;
+        for (long k = 0; k < NUMBERS - 4; k++) {
+            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
+            if (!(begin > LEAST_FALL && (between <= 0.0 || end <= 0.0))) continue;
+            const int late = between > 0.0;
+            const double low = late ? b->between[i] : 0.0, high = late ? 1.0 : b->between[i];
+            const double above = late ? between : begin, below = late ? end : between;
+            const double there = low + (high - low) * above / (above - below);
+            if (!(there < r[i].share)) continue;
+            r[i].low = low;
+            r[i].high = high;
+            r[i].above = above;
+            r[i].below = below;
+            r[i].share = there;
+            r[i].side = 0;
+            place[i] = k;
+        }
+    }
+    for (long turn = 0; turn < EVENT_TURNS; turn++) {
+        SOME(i, bits_of(asked)) share[i] = r[i].share;
+        ask_events(b, share, found);
+        SOME(i, bits_of(asked)) shrink(r + i, found[place[i]][i]);
+    }
+    SOME(i, bits_of(asked)) {
+        const double margin = b->error[i] > 1.0 ? NEAREST : BESIDE;
+        if (r[i].share < 1.0 - margin) b->kink[i] = r[i].share;
+    }
+}
+
+/* cut steps behind the place where their process turns back by more than a fraction */
+static void cut_at_reversals(block *b, const column allowed) {
+    column top;
+    const double *end = b->ends[PATH + 2 * ON_PATH + FRACTION];
+    follow_path(b, b->between, FRACTION, top);
+    EACH(i) {
+        const double first = b->ends[PATH + 3 * ON_PATH][i], last = b->ends[PATH + 4 * ON_PATH][i];
+        const double share = (1.0 + BESIDE) * b->between[i];
+        const long long turns = b->on_surface[i] & b->accurate[i] & (first * last < 0.0);
+        const long long counts = turns & (fabs(top[i] - end[i]) > allowed[i]) & (share < 1.0 - BESIDE);
+        b->kink[i] = counts ? smaller(share, b->kink[i]) : b->kink[i];
+    }
+}
+
+/* states at times within steps of order five */
+static void follow_slopes(const block *b, const column time, const flags_of_lanes within, long all, column *x) {
+    column share;
+    EACH(i) share[i] = (time[i] - b->time[i]) / b->length[i];
+    for (long k = 0; k < SIZE; k++) {
+        if (!(all || observed[k])) continue;
+        const double *first = b->ends[4 * SIZE + k], *last = b->ends[5 * SIZE + k];
+        EACH(i) {
+            const double start = b->state[k][i], middle = b->half[k][i], end = b->full[k][i];
+            const double there = follow_quartic(share[i], start, middle, end, first[i], last[i]);
+            x[k][i] = within[i] ? there : x[k][i];
+        }
+    }
+}
+#else
+#define RESIDUAL 0
+#define limit_length(m, b, i) ((b)->next[i])
+#endif
