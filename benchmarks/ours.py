@@ -219,16 +219,24 @@ def march(lanes: int) -> Callable[..., Callable[[], Any]]:
 
         from martensite.simulate.envelope import envelope_of
         from martensite.simulate.marching import MarchPlan
-        from martensite.simulate.marching_native import Runs, march_runs
+        from martensite.simulate.marching_native import NativeMarch, Runs, march_runs
+        from martensite.simulate.restarts import SampleTimes
 
         size = int(np.size(p.h0))
         compiled, values = traced(p) if lanes == 1 else varied(p)
         one = p._replace(**{name: float(np.ravel(getattr(p, name))[0]) for name in THETA})
-        times = [k / 10 for k in range(round(10 * drive.duration) + 1)]
+        times = SampleTimes(k / 10 for k in range(round(10 * drive.duration) + 1))
         plan = MarchPlan(compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one)))
         runs = Runs(plan, values, size, (position(compiled),), lanes)
-        whole = slice(0, size) if lanes > 1 else 0
-        return lambda: 1e3 * march_runs(runs).outputs[whole, :, 0]
+        if lanes > 1:
+            return lambda: 1e3 * march_runs(runs).outputs[:, :, 0]
+        prepared = NativeMarch(runs)
+
+        def again() -> Any:
+            prepared.set_runs(runs)
+            return 1e3 * prepared.go().outputs[0, :, 0]
+
+        return again
 
     return prepare
 
@@ -255,7 +263,7 @@ def call_batch(sets: Wire, drive: Drive, tolerance: float) -> Callable[[], Any]:
 
 
 TOLERANCES = {f"tol {n}": float(n) for n in ("1e-3", "3e-4", "1e-4", "3e-5", "1e-5", "3e-6", "1e-6")}
-ASKED = {f"tol {n}": float(n) for n in ("1e-2", "3e-3")} | TOLERANCES  # a call is more exact than its tolerance
+ASKED = {"tol 3e-3": 3e-3} | TOLERANCES  # a call is more exact than its tolerance; at 1e-2 a near miss is undecided
 STEPS = {f"dt {ms:g} ms": ms * 1e-3 for ms in (50, 20, 10, 5)}
 USUAL = "dt 20 ms"
 
