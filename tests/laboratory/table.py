@@ -6,7 +6,7 @@ In the folder `tests`: `python -m laboratory accuracy`.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from multiprocessing import Pool
 from pathlib import Path
@@ -22,6 +22,8 @@ PAGE = ROOT / "docs/developer/accuracy-tests.md"
 NUMBERS = ROOT / "docs/developer/accuracy-tests.json"
 TOLERANCES = (1e-3, 1e-4, 1e-5)
 RATES = "any, law of rates"
+CLOSER = 0.25
+"""Longest step of a repeated reference, in longest steps of the first."""
 CASES, SCENARIOS = 1400, 1100
 """Random wires beside other equations, and scenarios of measures, of a whole run."""
 
@@ -47,21 +49,26 @@ class Outcome:
 
 def try_case(seed: int, tolerance: float, drive: str | None = None) -> Outcome:
     """A scenario without rates against its reference."""
-    return _compare(make_scenario(seed, drive), seed, tolerance)
+    return _compare(lambda: make_scenario(seed, drive), seed, tolerance)
 
 
 def try_layers(seed: int, tolerance: float, drive: str | None = None) -> Outcome:
     """A scenario of layers that jump at rates against its reference."""
-    found = _compare(make_layers(seed, drive), seed, tolerance)
+    found = _compare(lambda: make_layers(seed, drive), seed, tolerance)
     return replace(found, drive=RATES)
 
 
-def _compare(case: Scenario, seed: int, tolerance: float) -> Outcome:
+def _compare(make: Callable[[], Scenario], seed: int, tolerance: float) -> Outcome:
+    case = make()
     meant = case.equations.run(case.times)
     found = simulate(case.system, case.waveform, case.duration, tolerance=tolerance, samples=SAMPLES, runtime="c")
     assert not found.status.failed, (seed, found.warnings)
     assert found.accuracy is not None
     true = true_error([found[name] for name in JUDGED], meant)
+    if true > found.accuracy:  # the reference may miss a touch between two of its steps
+        again = make()
+        again.equations.longest *= CLOSER
+        true = true_error([found[name] for name in JUDGED], again.equations.run(again.times))
     return Outcome(seed, case.name.split(", ")[-1], tolerance, true, found.accuracy, found.steps)
 
 
@@ -109,7 +116,8 @@ Random wires with random drives run in C with tolerances of 1e-3, 1e-4 and 1e-5.
 kinetics; voltage, current or power; a spring or a weight. The reference is a system of ordinary differential
 equations that shares no code with the package; SciPy integrates it from kink to kink to 1e-10. The error is the
 largest error of temperature, martensite fraction and stress at 101 samples, relative to their ranges. *Claimed* is
-the reported accuracy.
+the reported accuracy. If the error exceeds it, the reference is repeated in steps of at most a quarter, because a
+reference can miss a touch of a strip between two steps.
 
 | drive | meaning |
 | --- | --- |
