@@ -134,7 +134,7 @@ def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any,
 
 
 def with_law(element: Any, law: type[Any]) -> Any:
-    """A copy with an example of a law; its numbers may be traced ones, which are no parameters."""
+    """A copy with an example of a law; it may have traced numbers, which a constructor would refuse."""
     found = copy(element)
     (name,) = {"law", "strand", "link"} & set(element.declarations)
     inner = builders.example(law) if name == "law" else with_law(getattr(found, name), law)

@@ -215,7 +215,7 @@ class AdaptiveMarch(AbstractMarch):
                     continue
                 there = now / fallen * self.last_half
                 near = there <= KINK_MARGIN * allowed
-                if self.on_surface and near and now > LEAST_FALL:  # across it; later kinks are found in the step
+                if self.on_surface and near:  # across it; later kinks are found in the step
                     length = min(length, max(ACROSS * there, self.shortest))
                 if not self.on_surface and SHORT * there > max(KINK_MARGIN * allowed, self.shortest):
                     length = min(length, SHORT * there)
@@ -447,16 +447,22 @@ class AdaptiveMarch(AbstractMarch):
 
         A place where it begins or ends counts if the error shows it, or if the step returns behind it.
         """
-        first = self._find_event(trial, surface)
+        turn = surface.find_turn()
+        first = self._find_event(trial, surface, turn)
         for fraction, weight, _ in self.plan.compiled.points if surface.accurate else ():
             allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
-            first = min(first, surface.find_reversal(allowed))
+            first = min(first, surface.find_reversal(turn, allowed))
         return first
 
-    def _find_event(self, trial: StepTrial, surface: SurfaceTrial) -> float:
-        """Return the place in a step where a process begins or ends, if it counts; else 1."""
+    def _find_event(self, trial: StepTrial, surface: SurfaceTrial, between: float) -> float:
+        """Return the place in a step where a process begins or ends, if it counts; else 1.
+
+        Args:
+            trial: the step.
+            surface: its details.
+            between: place where its temperature turns, or its middle.
+        """
         ask, seen = self.functions["events"], trial.error > 1.0
-        between = surface.find_turn()
         first, middle, last = (ask(*surface.begin, *surface.follow_path(x)[:2]) for x in (0.0, between, 1.0))
         brackets = list[tuple[float, int, RootBracket]]()
         asked = False

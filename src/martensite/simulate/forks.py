@@ -31,9 +31,9 @@ class LawFork(NamedTuple):
     """Position of a branch that a law may forget among the outputs."""
 
     fraction: int
-    """Index of the judged output with its martensite fraction."""
+    """Place of its martensite fraction among the judged outputs."""
     temperature: int
-    """Index of the judged output with its temperature."""
+    """Place of its temperature among the judged outputs."""
     stress: int
     weight: float
     """Weight of the law in these outputs."""

@@ -62,34 +62,26 @@ static double find_bend(const block *b, long place, long i, double most) {
     return first;
 }
 
-/* cut steps where numbers turn, and may pass 0 there and nowhere else */
-static void find_dips(block *b, const column *first, const column *middle, const column *last, long count,
-                      const flags_of_lanes asked) {
-    for (long k = 0; k < count; k++)
-        EACH(i) {
-            const double f = first[k][i], g = middle[k][i], h = last[k][i];
-            const double bend = (h - g) - (g - f), rise = h - f, least = smaller(smaller(f, h), g);
-            const int turns = (least > LEAST_FALL) & (fabs(rise) < 2.0 * bend);
-            const double per = 1.0 / (turns ? bend : 1.0), low = g - 0.125 * rise * rise * per;
-            const double share = 0.5 - 0.25 * rise * per;
-            const int dips = turns & (low + low < least) & (BESIDE < share) & (share < 1.0 - BESIDE) &
-                             (share < b->kink[i]) & (asked[i] != 0);
-            b->kink[i] = dips ? share : b->kink[i];
-        }
-}
-
 /* share of each step at which its law turns or bends; 1 if that does not count */
 static void find_kinks(const march *m, block *b) {
-    flags_of_lanes others;
     EACH(i) b->kink[i] = 1.0;
 #if ORDER == 5
     cut_at_events(b);
 #endif
     for (long place = 0; place < POINTS; place++) {
         const long at = start_of[place];
-        EACH(i) others[i] = !(ORDER == 5 && b->on_surface[i]);
-        const column *first = b->points + at + 4, *middle = b->points_half + at + 4, *last = b->points_full + at + 4;
-        find_dips(b, first, middle, last, size_of_point[place] - 4, others);
+        /* numbers that turn, and may pass 0 there and nowhere else */
+        for (long k = at + 4; k < at + size_of_point[place]; k++)
+            EACH(i) {
+                const double f = b->points[k][i], g = b->points_half[k][i], h = b->points_full[k][i];
+                const double bend = (h - g) - (g - f), rise = h - f, least = smaller(smaller(f, h), g);
+                const int turns = (least > LEAST_FALL) & (fabs(rise) < 2.0 * bend);
+                const double per = 1.0 / (turns ? bend : 1.0), low = g - 0.125 * rise * rise * per;
+                const double share = 0.5 - 0.25 * rise * per;
+                const int dips = turns & (low + low < least) & (BESIDE < share) & (share < 1.0 - BESIDE) &
+                                 (share < b->kink[i]) & !(ORDER == 5 && b->on_surface[i]);
+                b->kink[i] = dips ? share : b->kink[i];
+            }
         const double share = TURN * m->tolerance / weights[place];
         column changed, most;
         flags_of_lanes counts, bends;

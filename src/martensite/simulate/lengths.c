@@ -73,10 +73,11 @@ static int is_jump(const march *m, const block *b, long i) {
 static void plan_lengths(const march *m, block *b) {
     column allowed, length;
     int prescribed = 0;
+    const double phase = find_smooth_phase(m);
     for (long k = 0; k < DRIVES; k++) prescribed |= widths[k] == 1;
     EACH(i) {
         const double end = m->duration - b->time[i];
-        allowed[i] = reach_end(smaller(limit_length(m, b, i), end), end);
+        allowed[i] = reach_end(smaller(limit_length(m, b, i, phase), end), end);
     }
     if (prescribed)
         EVERY(i) if (b->fresh[i]) {
@@ -96,8 +97,7 @@ static void plan_lengths(const march *m, block *b) {
                 length[i] = kink ? there : length[i];
 #if ORDER == 5 /* across a kink that is nearly reached; others are found in the step */
                 const double gap = now / (ahead ? fallen : 1.0) * b->last_half[i];
-                const long long close = ahead & (gap <= KINK_MARGIN * allowed[i]);
-                const long long near = close & (now > LEAST_FALL) & b->on_surface[i];
+                const long long near = ahead & (gap <= KINK_MARGIN * allowed[i]) & b->on_surface[i];
                 length[i] = near ? smaller(length[i], larger(ACROSS * gap, m->shortest)) : length[i];
 #endif
             }

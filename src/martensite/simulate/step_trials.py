@@ -1,4 +1,4 @@
-"""Trials of steps with step size control, and their numbers: places of kinks, extremes and interpolated states."""
+"""Trials of steps with step size control: their kinks and extremes, and states within them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Node(NamedTuple):
 
 
 class StepTrial(NamedTuple):
-    """Step computed as a whole and in halves."""
+    """Step that was computed and may be accepted."""
 
     length: float
     """[s]"""
@@ -91,9 +91,8 @@ class SurfaceTrial(NamedTuple):
         """Return whether the temperature turns within the step."""
         return self.path[9] * self.path[12] < 0.0
 
-    def find_reversal(self, allowed: float) -> float:
-        """Return the place behind that at which the process turns back by more than a fraction; else 1."""
-        turn = self.find_turn()
+    def find_reversal(self, turn: float, allowed: float) -> float:
+        """Return a place just behind the turn if the process goes back there by more than a fraction; else 1."""
         share = (1.0 + BESIDE) * turn
         counts = self.turns and abs(self.follow_path(turn)[2] - self.path[8]) > allowed
         return share if counts and share < 1.0 - BESIDE else 1.0

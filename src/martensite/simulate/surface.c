@@ -18,10 +18,9 @@ static double find_smooth_phase(const march *m) {
 }
 
 /* a length at which a step has order five, unless a much longer one is possible */
-static double limit_length(const march *m, const block *b, long i) {
+static double limit_length(const march *m, const block *b, long i, double phase) {
     const double next = b->next[i];
     double most = b->decay[i] > 0.0 ? STIFF / b->decay[i] : HUGE_VAL;
-    const double phase = find_smooth_phase(m);
     if (!b->on_surface[i]) return next;
     for (long k = 0; k < DRIVES; k++) {
         const double fastest = drive_of(m, b->now + k, k, i)->fastest;
@@ -182,5 +181,6 @@ static void follow_slopes(const block *b, const column time, const flags_of_lane
 }
 #else
 #define RESIDUAL 0
-#define limit_length(m, b, i) ((b)->next[i])
+#define find_smooth_phase(m) 0.0
+#define limit_length(m, b, i, phase) ((void)(phase), (b)->next[i])
 #endif

@@ -155,10 +155,7 @@ class AbstractLumped(AbstractElement):
             return after._replace(worn=worn), report
 
         def loaded(xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-            def near(xp: Namespace, force: Scalar) -> Spring:
-                return self.spring(xp, fractions, temperature, force)
-
-            return equilibrium_force(xp, near, pull, state.force, self.passes)
+            return self._find_force(xp, fractions, temperature, pull, state.force)
 
         line = self._heat_line(xp, state, heating, loaded, dt)
         imposed = heating.temperature
@@ -174,6 +171,16 @@ class AbstractLumped(AbstractElement):
         change = end.martensite - line.fractions.martensite
         rate = xp.detach(xp.where(moves, change / xp.where(moves, dt, 1.0), state.rate))
         return LumpedState(memory, force, rate), report._replace(ripple=line.ripple)
+
+    def _find_force(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, pull: Pull, force: Scalar
+    ) -> Scalar:
+        """Return the force [N] on the load line at frozen fractions and temperature [K], from a force nearby."""
+
+        def near(xp: Namespace, force: Scalar) -> Spring:
+            return self.spring(xp, fractions, temperature, force)
+
+        return equilibrium_force(xp, near, pull, force, self.passes)
 
     @property
     def exchanges(self) -> bool:
@@ -207,10 +214,7 @@ class AbstractLumped(AbstractElement):
         drive = fit_drive(moments, later, dt)
 
         def force(xp: Namespace, at: Column) -> Scalar:
-            def near(xp: Namespace, force: Scalar) -> Spring:
-                return self.spring(xp, Fractions(at[0], at[0]), at[1], force)
-
-            return equilibrium_force(xp, near, pull, state.force, self.passes)
+            return self._find_force(xp, Fractions(at[0], at[0]), at[1], pull, state.force)
 
         def stress(xp: Namespace, at: Column) -> Scalar:
             return self.stress(xp, force(xp, at))
@@ -250,10 +254,7 @@ class AbstractLumped(AbstractElement):
         start, imposed = state.memory.temperature, heating.temperature
 
         def loaded(xp: Namespace, at: Column) -> Scalar:
-            def near(xp: Namespace, force: Scalar) -> Spring:
-                return self.spring(xp, Fractions(at[0], at[1]), at[2], force)
-
-            return equilibrium_force(xp, near, pull, state.force, self.passes)
+            return self._find_force(xp, Fractions(at[0], at[1]), at[2], pull, state.force)
 
         def stress(xp: Namespace, at: Column) -> Scalar:
             return self.stress(xp, loaded(xp, at))

@@ -95,7 +95,7 @@ class SurfaceStep(NamedTuple):
     """Length of the step over the time constant of the heat balance [-]."""
 
     def convert(self, state: Callable[[Any], Any], slope: Callable[[Any, Any], Any]) -> SurfaceStep:
-        """Return the step with each memory, and each change at a memory, converted to those of a larger state."""
+        """Return the step in states of a larger system, from functions for states and for their changes."""
         states = {name: state(getattr(self, name)) for name in ("end", "middle", "coarse", "begin")}
         first, last = self.slopes
         return self._replace(**states, slopes=(slope(self.begin, first), slope(self.end, last)))
