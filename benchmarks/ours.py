@@ -226,7 +226,9 @@ def march(lanes: int) -> Callable[..., Callable[[], Any]]:
         compiled, values = traced(p) if lanes == 1 else varied(p)
         one = p._replace(**{name: float(np.ravel(getattr(p, name))[0]) for name in THETA})
         times = SampleTimes(k / 10 for k in range(round(10 * drive.duration) + 1))
-        plan = MarchPlan(compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one)))
+        plan = MarchPlan(
+            compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one)), recorded=False
+        )
         runs = Runs(plan, values, size, (position(compiled),), lanes)
         if lanes > 1:
             return lambda: 1e3 * march_runs(runs).outputs[:, :, 0]

@@ -299,7 +299,7 @@ class Parametrised:
         if not hasattr(values, "items"):
             raise ParameterError(f"Values must be a table by name, such as `{{'diameter': 2e-4}}`, but are {values!r}.")
         paths = [leaf.path for leaf in self.leaves()]
-        return self._with_paths({_resolve_path(name, paths): value for name, value in values.items()})
+        return self._with_paths({resolve_path(name, paths): value for name, value in values.items()})
 
     def with_parts(self, **parts: Any) -> Self:
         """Return a checked copy with some fields exchanged."""
@@ -324,7 +324,7 @@ class Parametrised:
 
     def resolve(self, name: str) -> str:
         """Return the full path of a parameter, by path or unique ending of a path."""
-        return _resolve_path(name, [leaf.path for leaf in self.leaves()])
+        return resolve_path(name, [leaf.path for leaf in self.leaves()])
 
 
 def _shorten(value: Any) -> str:
@@ -341,7 +341,12 @@ def find_paths(name: str, paths: Iterable[str]) -> list[str]:
     return [name] if name in paths else [p for p in paths if p.endswith(f".{name}")]
 
 
-def _resolve_path(name: str, paths: Sequence[str]) -> str:
+def resolve_path(name: str, paths: Sequence[str]) -> str:
+    """Return the path that a name gives in full or by a unique ending.
+
+    Raises:
+        ParameterError: no path, or several paths.
+    """
     matches = find_paths(name, paths)
     if len(matches) == 1:
         return matches[0]

@@ -68,7 +68,7 @@ def _find_on_path(name: str, folders: str | None) -> str:
 
 
 _ZIG = """#!/bin/sh
-for word; do shift; [ "$word" = -fno-tree-pre ] || set -- "$@" "$word"; done
+for word; do shift; case $word in -fno-tree-pre|-fno-if-conversion) ;; *) set -- "$@" "$word" ;; esac; done
 exec {python} cc "$@"
 """
 

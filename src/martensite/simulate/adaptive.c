@@ -13,8 +13,10 @@ static const long places[HEATED + 1] = PLACES;
 
 #if ORDER == 4
 /* one step where laws give rates: its end, its middle, and its end to a lower order */
-static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]) {
+static void solve_steps(const march *m, block *b) {
+    column whole[DRIVES + 1][MOMENTS];
     (void)m;
+    for (long k = 0; k < DRIVES; k++) join(b, k, whole[k]);
     memcpy(b->x0, b->state, sizeof(column) * SIZE);
     feed(whole, 0, b->length, b->x0 + SIZE);
     k_rosenbrock(LANES, *b->c, *b->x0, *b->ends);
@@ -38,8 +40,9 @@ static void check_middles(const march *m, block *b, const column half, const col
 }
 #else
 /* steps in two halves, and the same as wholes */
-static void solve_halves(block *b, const column (*whole)[MOMENTS]) {
-    column half, gap;
+static void solve_halves(block *b) {
+    column whole[DRIVES + 1][MOMENTS], half, gap;
+    for (long k = 0; k < DRIVES; k++) join(b, k, whole[k]);
     EACH(i) {
         half[i] = 0.5 * b->length[i];
         gap[i] = 0.5 * (b->last_half[i] + half[i]);
@@ -68,9 +71,9 @@ static void solve_halves(block *b, const column (*whole)[MOMENTS]) {
 
 #if ORDER == 5
 /* steps of order five where drives are smooth and the heat balance is slower than a step; others in halves */
-static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]) {
+static void solve_steps(const march *m, block *b) {
     flags_of_lanes others;
-    const double phase = (1.0 + STEP_TOLERANCE) * find_smooth_phase(m);
+    const double phase = (1.0 + STEP_TOLERANCE) * b->phase;
     const double least = LEAST_SMOOTH * m->duration;
     EACH(i) {
         const long long slow = b->decay[i] * b->length[i] <= STIFF;
@@ -79,7 +82,11 @@ static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]
     for (long k = 0; k < DRIVES; k++)
         EVERY(i) b->on_surface[i] &= drive_of(m, b->now + k, k, i)->fastest * b->length[i] <= phase;
     EACH(i) others[i] = b->live[i] & !b->on_surface[i];
-    if (any(others)) solve_halves(b, whole);
+    if (any(others)) {
+        for (long k = 0; k < DRIVES && !needs_squares(m); k++)
+            if (widths[k] > 1) bring_halves(m, b, k, others, 1);
+        solve_halves(b);
+    }
     if (!any(b->on_surface)) return;
     memcpy(b->x0, b->state, sizeof(column) * SIZE);
     feed(b->one, b->owed, b->length, b->x0 + SIZE);
@@ -100,9 +107,9 @@ static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]
     place_events(b);
 }
 #else
-static void solve_steps(const march *m, block *b, const column (*whole)[MOMENTS]) {
+static void solve_steps(const march *m, block *b) {
     (void)m;
-    solve_halves(b, whole);
+    solve_halves(b);
 }
 #endif
 
@@ -125,14 +132,13 @@ static void find_ripples(block *b, const column half) {
 }
 
 static void try_steps(const march *m, block *b) {
-    column whole[DRIVES + 1][MOMENTS], half, end, middle;
-    for (long k = 0; k < DRIVES; k++) join(b, k, whole[k]);
+    column half, end, middle;
     EACH(i) {
         half[i] = 0.5 * b->length[i];
         middle[i] = b->time[i] + half[i];
         end[i] = b->time[i] + b->length[i];
     }
-    solve_steps(m, b, whole);
+    solve_steps(m, b);
     find_ripples(b, half);
     k_points(LANES, *b->c, *b->half, *b->points_half);
     k_points(LANES, *b->c, *b->full, *b->points_full);
@@ -188,6 +194,7 @@ static void judge_errors(const march *m, block *b, column ripple, column residua
 static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
     const double shortest = m->shortest;
     column ripple, residual, change, rough, slowing;
+    flags_of_lanes grew;
     judge_errors(m, b, ripple, residual);
     find_kinks(m, b);
     EACH(i) {
@@ -199,11 +206,13 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         const double used = smaller(larger(error, LEAST_ERROR), 1e300), length = b->length[i];
         const double cube = length * length * length;
         rough[i] = used / (ORDER == 4 ? cube * length : IS_SURFACE(i) ? cube * length * length : cube);
-        const long grew = !IS_SURFACE(i) & (b->rough[i] > 0.0) & (b->rough[i] < rough[i]);
-        const double falls = grew ? b->rough[i] / rough[i] : 1.0;
-        change[i] = SAFETY * exp(-POWER(i) * log(used));
-        slowing[i] = change[i] * exp(POWER(i) * log(falls));
+        grew[i] = !IS_SURFACE(i) & (b->rough[i] > 0.0) & (b->rough[i] < rough[i]);
+        slowing[i] = change[i] = SAFETY * exp(-POWER(i) * log(used));
     }
+    if (any(grew)) EACH(i) {
+            const double falls = grew[i] ? b->rough[i] / rough[i] : 1.0;
+            slowing[i] *= exp(POWER(i) * log(falls));
+        }
     EVERY(i) if (b->live[i] && b->length[i] <= shortest && b->error[i] == HUGE_VAL)
         b->status[i] = residual[i] > SOLVED ? UNSOLVED : NOT_FINITE;
     /* steps that are taken */
@@ -224,6 +233,7 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         b->at_kink[i] = t ? kinked : b->at_kink[i];
         b->rough[i] = t ? (kinked ? 0.0 : rough[i]) : b->rough[i];
         b->next[i] = t ? next : b->next[i];
+        b->cut[i] &= !t;
     }
     /* those that are made again */
     flags_of_lanes again;
@@ -238,7 +248,9 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         else
             b->grows[i] = 1.0;
         const double kink = b->kink[i], least = IS_SURFACE(i) ? LEAST_SHRINK : LEAST_CHANGE;
-        if (kink < 1.0 && !(IS_SURFACE(i) && !b->accurate[i])) {
+        const int explains = !IS_SURFACE(i) || good || (b->accurate[i] && !(b->cut[i] && kink > AGAIN));
+        b->cut[i] = kink < 1.0;
+        if (kink < 1.0 && explains) {
             shorter = kink * length;
         } else if (solved) {
             shorter = length * smaller(smaller(larger(change[i], least), SAFETY), kink);

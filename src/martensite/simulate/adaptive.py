@@ -87,6 +87,8 @@ NEAREST = 1e-6
 """Margin for a kink at the end of a step of order five, as a fraction of the step."""
 ACROSS = 1.01
 """Length of a step across a kink nearby, as a fraction of its distance."""
+AGAIN = 0.9
+"""Place of a kink, as a fraction of a step, that no longer explains the error if the last trial ended at a kink."""
 BEYOND = 5.0
 """Ratio of a step to the longest one of order five from which steps of lower order are tried."""
 LEAST_SHRINK, MOST_GROWTH = 0.1, 6.0
@@ -165,7 +167,7 @@ class AdaptiveMarch(AbstractMarch):
         self.leaps = self.plan.compiled.follows and self._jumps()
         length = LEAP * allowed if self.leaps else self._before_kink(allowed)
         most = MOST_GROWTH if self.plan.order == 5 else MOST_CHANGE
-        planned = 0.0 if length == allowed else allowed
+        planned, cut = 0.0 if length == allowed else allowed, False
         while True:
             length, halves = self._resolve_length(length)
             trial = self._try_step(length, halves)
@@ -184,7 +186,8 @@ class AdaptiveMarch(AbstractMarch):
                 planned = max(planned, length)
             else:
                 most = 1.0
-            length = max(self._find_next_trial(trial, kink), 0.5 * self.shortest)
+            length = max(self._find_next_trial(trial, kink, cut), 0.5 * self.shortest)
+            cut = kink < 1.0
         self._accept(trial, most, planned)
 
     def _limit_length(self, length: float) -> float:
@@ -216,7 +219,7 @@ class AdaptiveMarch(AbstractMarch):
                 there = now / fallen * self.last_half
                 near = there <= KINK_MARGIN * allowed
                 if self.on_surface and near:  # across it; later kinks are found in the step
-                    length = min(length, max(ACROSS * there, self.shortest))
+                    length = min(length, max(ACROSS * there, 2.0 * LEAST_SMOOTH * self.duration, self.shortest))
                 if not self.on_surface and SHORT * there > max(KINK_MARGIN * allowed, self.shortest):
                     length = min(length, SHORT * there)
             at += size
@@ -485,9 +488,16 @@ class AdaptiveMarch(AbstractMarch):
             if find_missed(rows, ratio, share) > allowed or (trial.error > 1.0 and BESIDE < share < 1.0 - BESIDE):
                 yield share
 
-    def _find_next_trial(self, trial: StepTrial, kink: float) -> float:
-        """Return the next trial length after a rejected step: up to its kink, or shorter if its error is too large."""
-        if kink < 1.0 and (trial.surface is None or trial.surface.accurate):
+    def _find_next_trial(self, trial: StepTrial, kink: float, cut: bool) -> float:
+        """Return the next trial length after a rejected step: up to its kink, or shorter if its error is too large.
+
+        Args:
+            trial: the rejected step.
+            kink: place of its kink, as a fraction of the step.
+            cut: True if the trial before was cut at a kink, too.
+        """
+        explains = trial.surface is None or (trial.surface.accurate and not (cut and kink > AGAIN))
+        if kink < 1.0 and (explains or trial.error <= 1.0):
             return kink * trial.length
         return min(kink * trial.length, self._shorten_step(trial))
 

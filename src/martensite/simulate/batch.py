@@ -12,6 +12,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import CompileError, InputError, ParameterError, SolveError, require_known
 from martensite.base.files import tell_once
+from martensite.base.parameters import resolve_path
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.simulate.api import check_run
@@ -218,7 +219,8 @@ def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int,
 def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
     """Return the varied parameters by full path, as arrays of equal length within their bounds."""
     leaves = {leaf.path: leaf for leaf in system.leaves()}
-    varied = {system.resolve(name): np.asarray(values, float) for name, values in over.items()}
+    paths = list(leaves)
+    varied = {resolve_path(name, paths): np.asarray(values, float) for name, values in over.items()}
     sizes = {path: values.size for path, values in varied.items()}
     if len(set(sizes.values())) != 1 or 0 in sizes.values():
         counts = ", ".join(f"`{path}` {size}" for path, size in sizes.items()) or "there is none"

@@ -71,17 +71,17 @@ static void turn(const drives_of_lanes *d, long j, const column length, column *
     }
 }
 
-/* half of the intervals as angles of tones, and functions of them, alone and of pairs */
+/* half of the intervals as angles of tones, and functions of them, alone and, for mean squares, of pairs */
 typedef struct {
     column reach[TONES], share[TONES], lean[TONES], near[TONES][TONES], far[TONES][TONES];
 } reaches;
 
-static void find_reaches(const drives_of_lanes *d, const column half, reaches *r) {
+static void find_reaches(const drives_of_lanes *d, const column half, long squares, reaches *r) {
     for (long j = 0; j < TONES; j++) {
         EACH(i) r->reach[j][i] = d->speed[j][i] * half[i];
         sincs(r->reach[j], r->share[j]);
         leanings(r->reach[j], r->lean[j]);
-        for (long l = 0; l <= j; l++) {
+        for (long l = 0; l <= j && squares; l++) {
             column apart, both;
             EACH(i) {
                 apart[i] = r->reach[j][i] - r->reach[l][i];
@@ -96,7 +96,7 @@ static void find_reaches(const drives_of_lanes *d, const column half, reaches *r
 
 /* what tones add to levels that are constant; `at` are cosines and sines in the middle */
 static void add_tones(const drives_of_lanes *d, const column (*at)[2], const reaches *r,
-                      const column half, column *m) {
+                      const column half, long squares, column *m) {
     column swing, level;
     EACH(i) {
         swing[i] = 0.0;
@@ -114,7 +114,7 @@ static void add_tones(const drives_of_lanes *d, const column (*at)[2], const rea
             m[HIGH][i] += smaller(peak + spread, size);
             swing[i] += x > RESOLVED ? size / d->speed[j][i] : 0.0;
         }
-        for (long l = 0; l <= j; l++) {
+        for (long l = 0; l <= j && squares; l++) {
             EACH(i) {
                 const double together = at[l][0][i] * at[j][0][i], crossed = at[l][1][i] * at[j][1][i];
                 const double sum = (together + crossed) * r->near[j][l][i] +
@@ -156,8 +156,11 @@ static void bring(const march *m, const drives_of_lanes *d, long k, long i, doub
     put_moments(&found, into, i);
 }
 
+/* whether mean squares count in all steps: steps of order five do without */
+INLINE long needs_squares(const march *m) { return ORDER != 5 || m->recording || m->totals; }
+
 /* what a drive that heats brings in both halves of the steps, for lanes that ask */
-static void bring_halves(const march *m, block *b, long k, const flags_of_lanes asked) {
+static void bring_halves(const march *m, block *b, long k, const flags_of_lanes asked, long squares) {
     drives_of_lanes *d = b->now + k;
     column one[MOMENTS], two[MOMENTS], half, middle, end, first, last;
     flags_of_lanes plain;
@@ -179,15 +182,15 @@ static void bring_halves(const march *m, block *b, long k, const flags_of_lanes 
 #if TONES > 0
         column at_one[TONES][2], at_two[TONES][2];
         reaches r;
-        find_reaches(d, half, &r);
+        find_reaches(d, half, squares, &r);
         for (long j = 0; j < TONES; j++) {
             column at_end[2];
             turn(d, j, b->length, at_one[j], at_two[j], at_end);
             BLEND(d->last_cosine[j], plain, at_end[0]);
             BLEND(d->last_sine[j], plain, at_end[1]);
         }
-        add_tones(d, at_one, &r, half, one);
-        add_tones(d, at_two, &r, half, two);
+        add_tones(d, at_one, &r, half, squares, one);
+        add_tones(d, at_two, &r, half, squares, two);
 #endif
         for (long j = 0; j < MOMENTS; j++) {
             BLEND(b->one[k][j], plain, one[j]);
@@ -209,7 +212,7 @@ static void bring_all(const march *m, block *b, const flags_of_lanes asked) {
     EACH(i) b->lapse[i] = asked[i] ? 0.0 : b->lapse[i];
     for (long k = 0; k < DRIVES; k++) {
         if (widths[k] > 1) {
-            bring_halves(m, b, k, asked);
+            bring_halves(m, b, k, asked, needs_squares(m));
             continue;
         }
         EVERY(i) if (asked[i]) {

@@ -28,7 +28,7 @@ from martensite.simulate.accuracy import (
     march_to,
     shares_stress,
 )
-from martensite.simulate.adaptive import AdaptiveMarch
+from martensite.simulate.adaptive import PER_STRESS, AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.forks import read_decision
@@ -45,6 +45,7 @@ from martensite.simulate.track import Track
 
 Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
+Indices: TypeAlias = NDArray[np.intp]
 RIPPLE, RESIDUAL = 7, 8
 TOTALLED = (Largest, Smallest, Stroke, Change, Integral, ElectricalEnergy, Mean)
 """Measures that need only extremes and integrals."""
@@ -151,13 +152,21 @@ class EnsembleMeasures:
         """Return whether extremes and integrals from C suffice for the measures."""
         return all(type(one) in TOTALLED for one in self.measures)
 
-    def measure_march(self, runs: Runs, march_rows: MarchRows) -> Numbers:
-        """Return all measures of runs in C, (measures, runs), from a track or from samples."""
+    def measure_march(self, runs: Runs, march_rows: MarchRows, last: Indices, ranges: Numbers) -> Numbers:
+        """Return all measures of the runs `last` in C, (measures, len(last)), from totals, tracks or samples.
+
+        Args:
+            runs: all runs.
+            march_rows: their results.
+            last: indices of the measured runs.
+            ranges: known ranges of judged outputs of all runs, (runs, judged).
+        """
         with np.errstate(all="ignore"):  # failed runs
             if not self.measures:
-                return np.empty((0, runs.size))
+                return np.empty((0, len(last)))
             if runs.plan.totalled:
-                return self.measure_totals(march_rows, runs.plan.times[-1])
+                return self.measure_totals(march_rows, runs.plan.times[-1])[:, last]
+            runs, march_rows = runs.choose(last, ranges[last]), march_rows.choose(last)
             if len(march_rows.record):
                 return self.measure_record(runs, march_rows)
             return self.measure_samples(runs.plan.times, np.moveaxis(march_rows.outputs, 0, 2).swapaxes(0, 1))
@@ -211,7 +220,8 @@ def march_in_lanes(
     for turn in range(MOST_PASSES):
         local /= FINER
         ranges = float(turn > 0 or not shares_stress(compiled)) * numbers[:, RANGES:]
-        finer = whole._replace(plan=plan._replace(tolerance=local, parted=True)).choose(left, ranges)
+        finer = whole._replace(plan=plan._replace(tolerance=local, parted=True))
+        finer = finer.choose(left, ranges) if turn else finer._replace(ranges=ranges)
         march_rows = march(finer)
         now = _read_judged(march_rows.outputs.take(compared, 1), judged_columns)
         apart = judged - now
@@ -222,7 +232,7 @@ def march_in_lanes(
         last = np.flatnonzero(~rest | (turn == MOST_PASSES - 1))
         measured = np.full((len(measuring.measures), len(left)), np.nan)
         if len(last):
-            measured[:, last] = measuring.measure_march(finer.choose(last, ranges[last]), march_rows.choose(last))
+            measured[:, last] = measuring.measure_march(finer, march_rows, last, ranges)
         ensemble.place_runs(left, _judge_runs(march_rows, names, accuracy, measured, plan.times))
         left, judged, numbers = left[rest], now[rest], march_rows.numbers[rest]
         if not len(left):
@@ -251,9 +261,15 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, march_rows: MarchRows
 
 def _find_effects(compiled: CompiledMarch, accuracy: Numbers, march_rows: MarchRows) -> Numbers:
     """Return the effects of decisions that the errors of their runs may change; 0 for other runs."""
-    decisions, ranges = march_rows.numbers[:, DECIDED:RANGES].tolist(), march_rows.numbers[:, RANGES:].tolist()
-    runs = zip(map(read_decision, decisions), accuracy.tolist(), ranges, strict=True)
-    return np.array([find_doubt(compiled, *run)[1] for run in runs])
+    effects, ranges = np.zeros(len(accuracy)), march_rows.numbers[:, RANGES:]
+    if compiled.forks:
+        scales = np.maximum(ranges, [least for _, least in compiled.convergence_scales])
+        largest_error = accuracy * np.max([scales[:, f[1]] + PER_STRESS * scales[:, f[2]] for f in compiled.forks], 0)
+        near = np.flatnonzero(np.abs(march_rows.numbers[:, DECIDED]) <= largest_error)
+        decisions = map(read_decision, march_rows.numbers[near, DECIDED:RANGES].tolist())
+        runs = zip(decisions, accuracy[near].tolist(), ranges[near].tolist(), strict=True)
+        effects[near] = [find_doubt(compiled, *run)[1] for run in runs]
+    return effects
 
 
 def _judge_runs(

@@ -73,11 +73,10 @@ static int is_jump(const march *m, const block *b, long i) {
 static void plan_lengths(const march *m, block *b) {
     column allowed, length;
     int prescribed = 0;
-    const double phase = find_smooth_phase(m);
     for (long k = 0; k < DRIVES; k++) prescribed |= widths[k] == 1;
     EACH(i) {
         const double end = m->duration - b->time[i];
-        allowed[i] = reach_end(smaller(limit_length(m, b, i, phase), end), end);
+        allowed[i] = reach_end(smaller(limit_length(m, b, i), end), end);
     }
     if (prescribed)
         EVERY(i) if (b->fresh[i]) {
@@ -98,7 +97,8 @@ static void plan_lengths(const march *m, block *b) {
 #if ORDER == 5 /* across a kink that is nearly reached; others are found in the step */
                 const double gap = now / (ahead ? fallen : 1.0) * b->last_half[i];
                 const long long near = ahead & (gap <= KINK_MARGIN * allowed[i]) & b->on_surface[i];
-                length[i] = near ? smaller(length[i], larger(ACROSS * gap, m->shortest)) : length[i];
+                const double least = larger(2.0 * LEAST_SMOOTH * m->duration, m->shortest);
+                length[i] = near ? smaller(length[i], larger(ACROSS * gap, least)) : length[i];
 #endif
             }
     if (FOLLOWS)

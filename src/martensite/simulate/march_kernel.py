@@ -28,7 +28,7 @@ SHARED = (
     *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
     *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
     *("STIFF", "LEAST_SMOOTH", "SMOOTH_PHASE", "SMOOTH_TOLERANCE", "LEAST_SHRINK", "MOST_GROWTH", "BEYOND"),
-    *("NEAREST", "ACROSS", "EVENT_TURNS"),
+    *("NEAREST", "ACROSS", "AGAIN", "EVENT_TURNS"),
     *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL", "TRACED"),
 )
 """Constants shared with the implementation on floats, under the same names."""
@@ -37,6 +37,8 @@ FUSED = ("-ffp-contract=fast",)
 
 Runs on given steps round as on floats.
 """
+BRANCHED = ("-fno-if-conversion",)
+"""Compiler flag for single runs: a predicted branch ends a chain of operations, which the choice of a value extends."""
 
 
 def kernel_of(
@@ -68,7 +70,9 @@ class MarchKernel:
     @property
     def flags(self) -> tuple[str, ...]:
         """Return additional compiler flags."""
-        return () if self.fixed else FUSED
+        if self.fixed:
+            return ()
+        return (*FUSED, *BRANCHED) if self.lanes == 1 else FUSED
 
     def source(self) -> str:
         """Return the C source."""

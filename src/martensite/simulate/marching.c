@@ -75,10 +75,12 @@ typedef struct {
     column steps, rejected, longest, ripple, residual, error, kink;
     column p[PARAMETERS + 1], c[CONSTANTS], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
+    flags_of_lanes cut;        /* whether the trial before was cut at a kink */
     flags_of_lanes on_surface; /* whether the step is one of order five */
     flags_of_lanes accurate;   /* whether its temperature is, and places of kinks are therefore reliable */
     column decay;              /* rate of the heat balance [1/s] */
-    column between, event_begin[NUMBERS + 1], event_between[NUMBERS + 1], event_end[NUMBERS + 1]; /* of surface.c */
+    column between, event_between[NUMBERS + 1], event_end[NUMBERS + 1]; /* of surface.c */
+    double phase; /* largest phase of a tone in a step of order five */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], range[JUDGED + 1];
     column limits[2 * ENVELOPE + 1];
     column points[NUMBERS + 1], earlier_points[NUMBERS + 1]; /* now, and half a step ago */

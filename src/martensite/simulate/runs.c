@@ -134,7 +134,7 @@ static void load_run(const march *m, block *b, long i, long run) {
     b->place[i] = -1;
     b->sample[i] = b->at_edge[i] = 1;
     b->coming[i] = m->times[1];
-    b->at_kink[i] = b->known[i] = b->split[i] = b->on_surface[i] = 0;
+    b->at_kink[i] = b->known[i] = b->split[i] = b->cut[i] = b->on_surface[i] = 0;
     b->time[i] = m->times[0];
     b->decay[i] = b->power[i] = b->lapse[i] = b->rough[i] = b->steps[i] = b->rejected[i] = 0.0;
     b->longest[i] = b->ripple[i] = b->residual[i] = b->put_in[i] = b->lost[i] = 0.0;
@@ -210,8 +210,12 @@ static long begin_runs(march *m, block *b, flags_of_lanes begins) {
 }
 
 /* prepare for the runs from `first` to before `end` */
-static void begin_block(block *b, long first, long end) {
+static void begin_block(const march *m, block *b, long first, long end) {
     memset(b, 0, sizeof *b);
+#if ORDER == 5
+    const double share = m->tolerance / SMOOTH_TOLERANCE;
+    b->phase = share < 1.0 ? SMOOTH_PHASE * exp(log(share) * (1.0 / 6.0)) : SMOOTH_PHASE;
+#endif
     b->next_run = first;
     b->end_run = end;
 }
@@ -235,7 +239,7 @@ static long go_on(march *m, block *b);
    full. */
 long march_on(march *m, block *b, long begin) {
     long answer = PAUSED;
-    if (begin) begin_block(b, 0, m->runs);
+    if (begin) begin_block(m, b, 0, m->runs);
     for (long round = 0; round < m->rounds && answer == PAUSED; round++) answer = go_on(m, b);
     return answer;
 }

@@ -136,12 +136,12 @@ static void finish_aside(const march *m, steps_aside *q) {
 #if TONES > 0
         column at[TONES][2];
         reaches r;
-        find_reaches(d, half, &r);
+        find_reaches(d, half, 1, &r);
         for (long j = 0; j < TONES; j++) {
             EACH(i) at[j][0][i] = cos(d->speed[j][i] * centre[i] + d->phase[j][i]);
             EACH(i) at[j][1][i] = sin(d->speed[j][i] * centre[i] + d->phase[j][i]);
         }
-        add_tones(d, at, &r, half, found[k]);
+        add_tones(d, at, &r, half, 1, found[k]);
 #endif
         EVERY(i) if (!plain[i]) bring(m, d, k, i, q->begin[i], q->end[i], found[k]);
     }

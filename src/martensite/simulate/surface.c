@@ -11,20 +11,14 @@
 #define DECAY (6 * SIZE + 16)
 enum { TEMPERATURE, STRESS, FRACTION, ON_PATH };
 
-/* largest phase of a tone in a step of order five */
-static double find_smooth_phase(const march *m) {
-    const double share = m->tolerance / SMOOTH_TOLERANCE;
-    return share < 1.0 ? SMOOTH_PHASE * exp(log(share) * (1.0 / 6.0)) : SMOOTH_PHASE;
-}
-
 /* a length at which a step has order five, unless a much longer one is possible */
-static double limit_length(const march *m, const block *b, long i, double phase) {
+static double limit_length(const march *m, const block *b, long i) {
     const double next = b->next[i];
     double most = b->decay[i] > 0.0 ? STIFF / b->decay[i] : HUGE_VAL;
     if (!b->on_surface[i]) return next;
     for (long k = 0; k < DRIVES; k++) {
         const double fastest = drive_of(m, b->now + k, k, i)->fastest;
-        if (fastest > 0.0 && phase / fastest < most) most = phase / fastest;
+        if (fastest > 0.0 && b->phase / fastest < most) most = b->phase / fastest;
     }
     return most < next && next < BEYOND * most ? most : next;
 }
@@ -45,12 +39,23 @@ static void follow_path(const block *b, const column share, long k, column at) {
     EACH(i) at[i] = follow_quartic(share[i], p[0][i], q[0][i], r[0][i], first[0][i], last[0][i]);
 }
 
-/* the numbers that fall to 0 at kinks, at a share of each step */
-static void ask_events(block *b, const column share, column *found) {
+/* the numbers that fall to 0 at kinks, at the temperature and stress in x2 */
+static void ask_events(block *b, column *found) {
     memcpy(b->x2, b->ends + 3 * SIZE, sizeof(column) * SIZE);
+    k_events(LANES, *b->c, *b->x2, *found);
+}
+
+/* the same at a share of each step */
+static void ask_events_at(block *b, const column share, column *found) {
     follow_path(b, share, TEMPERATURE, b->x2[SIZE]);
     follow_path(b, share, STRESS, b->x2[SIZE + 1]);
-    k_events(LANES, *b->c, *b->x2, *found);
+    ask_events(b, found);
+}
+
+/* the same at the start (0), in the middle (1) or at the end (2) of each step */
+static void ask_events_of(block *b, long place, column *found) {
+    memcpy(b->x2 + SIZE, b->ends + PATH + ON_PATH * place + TEMPERATURE, 2 * sizeof(column));
+    ask_events(b, found);
 }
 
 /* an interval in which a function falls to 0 or below, and the next place to look at */
@@ -75,12 +80,11 @@ static void shrink(bracket *r, double value) {
     r->share = r->above > r->below ? r->low + (r->high - r->low) * r->above / (r->above - r->below) : r->high;
 }
 
-/* share of a step at which the temperature turns; 0.5 if it does not */
+/* share of a step at which the temperature turns */
 static double find_turn_of_path(const block *b, long i) {
     const column *p = b->ends + PATH + TEMPERATURE;
     const double middle = p[ON_PATH][i] - p[0][i], end = p[2 * ON_PATH][i] - p[0][i];
     const double first = p[3 * ON_PATH][i], last = p[4 * ON_PATH][i], sign = first < 0.0 ? -1.0 : 1.0;
-    if (!(first * last < 0.0)) return 0.5;
     const double a = 2.0 * (16.0 * middle - 5.0 * end - 4.0 * first + last);
     const double d = 3.0 * (14.0 * end - 32.0 * middle + 5.0 * first - 3.0 * last);
     const double e = 4.0 * (16.0 * middle - 8.0 * end - 2.0 * first + 2.0 * last);
@@ -92,39 +96,46 @@ static double find_turn_of_path(const block *b, long i) {
     return r.share;
 }
 
-/* the numbers at both ends of each step, and between, where the temperature turns or in the middle */
+/* the numbers between, where the temperature turns or in the middle, and at the end of each step */
 static void place_events(block *b) {
-    column zero, one;
+    const column *first = b->ends + PATH + 3 * ON_PATH + TEMPERATURE, *last = first + ON_PATH;
+    flags_of_lanes turns;
     EACH(i) {
-        zero[i] = 0.0;
-        one[i] = 1.0;
+        b->between[i] = 0.5;
+        turns[i] = b->on_surface[i] & ((*first)[i] * (*last)[i] < 0.0);
     }
-    EVERY(i) b->between[i] = find_turn_of_path(b, i);
-    ask_events(b, zero, b->event_begin);
-    ask_events(b, b->between, b->event_between);
-    ask_events(b, one, b->event_end);
+    if (any(turns)) {
+        SOME(i, bits_of(turns)) b->between[i] = find_turn_of_path(b, i);
+        ask_events_at(b, b->between, b->event_between);
+    } else {
+        ask_events_of(b, 1, b->event_between);
+    }
+    ask_events_of(b, 2, b->event_end);
 }
 
 /* Cut steps where a process begins or ends, if their error shows it, or if they return behind it. */
 static void cut_at_events(block *b) {
     bracket r[LANES];
-    column share, found[NUMBERS + 1];
-    flags_of_lanes asked;
+    column share, start[NUMBERS + 1], found[NUMBERS + 1];
+    flags_of_lanes asked, some, falls[NUMBERS + 1];
     long place[LANES];
-    EACH(i) asked[i] = 0;
+    EACH(i) asked[i] = some[i] = 0;
     for (long k = 0; k < NUMBERS - 4; k++)
         EACH(i) {
-            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
+            const double between = b->event_between[k][i], end = b->event_end[k][i];
             const long long seen = (b->error[i] > 1.0) & ((between <= 0.0) | (end <= 0.0));
-            const long long returns = (between <= 0.0) & (end > 0.0);
-            asked[i] |= b->on_surface[i] & (begin > LEAST_FALL) & (seen | returns);
+            falls[k][i] = b->on_surface[i] & (seen | ((between <= 0.0) & (end > 0.0)));
+            some[i] |= falls[k][i];
         }
+    if (!any(some)) return;
+    ask_events_of(b, 0, start);
+    for (long k = 0; k < NUMBERS - 4; k++) EACH(i) asked[i] |= falls[k][i] & (start[k][i] > LEAST_FALL);
     if (!any(asked)) return;
     EACH(i) share[i] = 1.0;
     SOME(i, bits_of(asked)) {
         r[i].share = 2.0;
         for (long k = 0; k < NUMBERS - 4; k++) {
-            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
+            const double begin = start[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
             if (!(begin > LEAST_FALL && (between <= 0.0 || end <= 0.0))) continue;
             const int late = between > 0.0;
             const double low = late ? b->between[i] : 0.0, high = late ? 1.0 : b->between[i];
@@ -142,7 +153,7 @@ static void cut_at_events(block *b) {
     }
     for (long turn = 0; turn < EVENT_TURNS; turn++) {
         SOME(i, bits_of(asked)) share[i] = r[i].share;
-        ask_events(b, share, found);
+        ask_events_at(b, share, found);
         SOME(i, bits_of(asked)) shrink(r + i, found[place[i]][i]);
     }
     SOME(i, bits_of(asked)) {
@@ -181,6 +192,5 @@ static void follow_slopes(const block *b, const column time, const flags_of_lane
 }
 #else
 #define RESIDUAL 0
-#define find_smooth_phase(m) 0.0
-#define limit_length(m, b, i, phase) ((void)(phase), (b)->next[i])
+#define limit_length(m, b, i) ((b)->next[i])
 #endif

@@ -35,26 +35,26 @@ static void observe_at(block *b, const column *states, const column *signals, co
 /* outputs with their weights in integrals [s], of runs whose extremes they count for */
 static void count_row(block *b, const column *row, const column weight, const long long *counts) {
     for (long k = 0; k < OUTPUTS; k++)
-        for (long i = 0; i < LANES; i++) {
+        EACH(i) {
             b->sum[k][i] += weight[i] != 0.0 ? weight[i] * row[k][i] : 0.0;
-            b->lowest[k][i] = counts[i] && row[k][i] < b->lowest[k][i] ? row[k][i] : b->lowest[k][i];
-            b->highest[k][i] = counts[i] && row[k][i] > b->highest[k][i] ? row[k][i] : b->highest[k][i];
+            b->lowest[k][i] = counts[i] & (row[k][i] < b->lowest[k][i]) ? row[k][i] : b->lowest[k][i];
+            b->highest[k][i] = counts[i] & (row[k][i] > b->highest[k][i]) ? row[k][i] : b->highest[k][i];
         }
 }
 
 /* peaks between the nodes of steps in which no drive jumps or swings, and before which none does */
 static void count_peaks(block *b, const column (*rows)[OUTPUTS + 1], const long long *counts) {
     for (long k = 0; k < OUTPUTS; k++)
-        for (long i = 0; i < LANES; i++) {
+        EACH(i) {
             const double first = rows[0][k][i], middle = rows[1][k][i], last = rows[2][k][i];
-            const double bend = first - 2.0 * middle + last, rise = last - first;
-            if (!counts[i] || b->at_edge[i] || !(fabs(rise) < 2.0 * fabs(bend))) continue;
-            const double half = 0.5 * b->length[i], before = b->last_half[i], per = half / before;
+            const double bend = first - 2.0 * middle + last, rise = last - first, size = fabs(bend);
+            const double per = 0.5 * b->length[i] / b->last_half[i];
             const double earlier = 2.0 * (middle - first - (first - b->last_middle[k][i]) * per) / (1.0 + per) * per;
-            if (!(fabs(earlier - bend) <= 0.1 * fabs(bend))) continue;
-            const double top = middle - rise * rise / (8.0 * bend);
-            b->lowest[k][i] = top < b->lowest[k][i] ? top : b->lowest[k][i];
-            b->highest[k][i] = top > b->highest[k][i] ? top : b->highest[k][i];
+            const long long turns = counts[i] & !b->at_edge[i] & (fabs(rise) < 2.0 * size);
+            const long long smooth = turns & (fabs(earlier - bend) <= 0.1 * size);
+            const double top = middle - rise * rise / (8.0 * (smooth ? bend : 1.0));
+            b->lowest[k][i] = smooth ? smaller(top, b->lowest[k][i]) : b->lowest[k][i];
+            b->highest[k][i] = smooth ? larger(top, b->highest[k][i]) : b->highest[k][i];
         }
 }
 
@@ -142,8 +142,8 @@ static void add_totals(march *m, block *b, const long long *taken) {
     memcpy(rows[0], b->last_row, sizeof(column) * OUTPUTS);
     for (long j = OBSERVE_SIGNALS ? 0 : 1; j < 3; j++) observe_at(b, states[j], signals[j], rows[j]);
     for (long j = 0; j < 3; j++) {
-        for (long i = 0; i < LANES; i++)
-            weight[i] = taken[i] && !varied[i] ? (j == 1 ? 4.0 : 1.0) * (1.0 / 6.0) * b->length[i] : 0.0;
+        EACH(i)
+            weight[i] = taken[i] & !varied[i] ? (j == 1 ? 4.0 : 1.0) * (1.0 / 6.0) * b->length[i] : 0.0;
         count_row(b, rows[j], weight, taken);
     }
     count_peaks(b, rows, smooth);
@@ -151,12 +151,10 @@ static void add_totals(march *m, block *b, const long long *taken) {
 #if OBSERVE_SIGNALS
     if (any_varied) count_levels(m, b, varied, signals);
 #endif
-    for (long k = 0; k < OUTPUTS; k++)
-        for (long i = 0; i < LANES; i++)
-            if (taken[i]) {
-                b->last_middle[k][i] = rows[1][k][i];
-                b->last_row[k][i] = rows[2][k][i];
-            }
+    for (long k = 0; k < OUTPUTS; k++) {
+        BLEND(b->last_middle[k], taken, rows[1][k]);
+        BLEND(b->last_row[k], taken, rows[2][k]);
+    }
 }
 
 static void tell_totals(const march *m, const block *b, long run, long i) {

@@ -39,8 +39,6 @@ STAGES = (
     (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
 )
 """Weights of earlier slopes in the state of each stage; the last stage is the end."""
-POLISHED = 2
-"""Newton steps of the fraction at the end."""
 ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
 """Weights of the slopes in the difference of both orders."""
 MIDDLE = (
@@ -137,20 +135,17 @@ def advance_on_surface(
     def gap(xp: Namespace, at: Column) -> Scalar:
         return law.follow(xp, move, coupling.stress(xp, at), at[1], dt).martensite - at[0]
 
-    def find_slope(at: Column) -> tuple[Scalar, Scalar]:
-        """Return dξ/dT of the process, and the effective heat capacity [J/K]."""
-        _, (own, other) = _differentiate(xp, gap, at)
-        per_kelvin = -other / own
-        return per_kelvin, coupling.capacity - coupling.latent * per_kelvin
+    def find_slope(at: Column, share: float) -> Column:
+        """Return the changes of ξ and temperature over the step at their slopes."""
+        _, (own, other) = _differentiate(xp, gap, at)  # dξ/dT is -other/own
+        change = dt * coupling.power(xp, at, share) / (coupling.capacity * own + coupling.latent * other)
+        return [-other * change, own * change]
 
     slopes: list[Column] = []
     for share, weights in zip(TIMES, STAGES, strict=True):
-        at = _move(begin, slopes, weights)
-        per_kelvin, capacity = find_slope(at)
-        change = dt * coupling.power(xp, at, share) / capacity
-        slopes.append([per_kelvin * change, change])
-    per_kelvin, capacity = find_slope(begin)
-    decay = -dt * (by_temperature + by_fraction * per_kelvin) / capacity
+        slopes.append(find_slope(_move(begin, slopes, weights), share))
+    _, (own, other) = _differentiate(xp, gap, begin)
+    decay = dt * (by_fraction * other - by_temperature * own) / (coupling.capacity * own + coupling.latent * other)
     fine = _move(begin, slopes, STAGES[-1])
 
     def commit(process: Any, at: Column) -> Any:
@@ -165,11 +160,13 @@ def advance_on_surface(
         def miss(xp: Namespace, x: Scalar) -> Scalar:
             return law.follow(xp, process, coupling.stress(xp, [x, at[1]]), at[1], dt).martensite - x
 
-        fraction, short = at[0], 0.0
-        for _ in range(POLISHED):
-            short, slope = value_and_slope(xp, miss, fraction)
-            fraction = xp.clip(fraction - short / slope, 0.0, 1.0)
-        return commit(process, [fraction, at[1]]), short * short
+        # Ostrowski's method: as accurate as two steps of Newton's method, with one slope
+        short, slope = value_and_slope(xp, miss, at[0])
+        first = xp.clip(at[0] - short / slope, 0.0, 1.0)
+        rest = miss(xp, first)
+        falls = 4.0 * xp.abs(rest) < xp.abs(short)
+        left = xp.where(falls, short, 1.0) * rest / (slope * xp.where(falls, short - 2.0 * rest, 1.0))
+        return commit(process, [xp.clip(first - left, 0.0, 1.0), at[1]]), left * left
 
     def incline(at: Column, slope: Column) -> tuple[Any, Column]:
         """Return the change of the memory, and of temperature, stress and ξ, over the step at a slope."""

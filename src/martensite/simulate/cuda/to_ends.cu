@@ -6,6 +6,6 @@ KERNEL march_to_ends(const march *given) {
     block b;
     const long run = blockIdx.x * (long)blockDim.x + threadIdx.x;
     if (run >= m.runs) return;
-    begin_block(&b, run, run + 1);
+    begin_block(&m, &b, run, run + 1);
     while (go_on(&m, &b) != DONE) continue;
 }
