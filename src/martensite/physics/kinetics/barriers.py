@@ -25,7 +25,7 @@ Sources: Achenbach (1989); Seelecke and Müller (2004), Appl. Mech. Rev. 57, for
 from typing import NamedTuple
 
 from martensite.kernels.floats import ROOT_PI
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 BOLTZMANN = 1.380649e-23
 """[J/K], exact by definition."""
@@ -68,6 +68,8 @@ class Process(NamedTuple):
     """Root of the barrier in thermal units; negative beyond the threshold."""
     factor: Scalar
     """Prefactor q of the Gaussian."""
+    height: Scalar
+    """⟨y⟩², without the root."""
 
 
 class RateStart(NamedTuple):
@@ -80,7 +82,7 @@ class RateStart(NamedTuple):
 
 def build_wells(xp: Namespace, material: BarrierConstants, threshold: Scalar, temperature: Scalar, form: str) -> Wells:
     """Return the free energy for a threshold σ_A [Pa] before its limit at zero."""
-    per_energy = material.volume / (BOLTZMANN * xp.maximum(temperature, COLDEST))
+    per_energy = material.volume / BOLTZMANN / xp.maximum(temperature, COLDEST)
     least = 0.0
     if form == "well":
         least = FLATTEST * xp.sqrt(2.0 * material.E_A / per_energy)
@@ -96,18 +98,29 @@ class BarrierScales(NamedTuple):
 
     A: Scalar
     M: Scalar
+    A_squared: Scalar
+    """Square of `A`."""
+    M_squared: Scalar
 
 
 def compute_scales(xp: Namespace, material: BarrierConstants, at: Wells, form: str) -> BarrierScales:
     """Return the reciprocal thermal widths; the bridge between the wells softens the saddle."""
     bridge = at.gap / material.width if form == "barrier" else 0.0
     half = 0.5 * at.per_energy
-    return BarrierScales(xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge)))
+    square_A, square_M = half * (1.0 / material.E_A + bridge), half * (1.0 / material.E_M + bridge)
+    return BarrierScales(xp.sqrt(square_A), xp.sqrt(square_M), square_A, square_M)
 
 
-def compute_edges(at: Wells, scale: BarrierScales, stress: Scalar) -> tuple[Scalar, Scalar]:
-    """Return y inside σ_A and σ_M, for the variant favoured by positive stress."""
-    return (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
+def compute_edges(xp: Namespace, at: Wells, scale: BarrierScales, stress: Scalar) -> tuple[Process, Process]:
+    """Return the processes inside σ_A and σ_M, to the variant favoured by positive stress and back."""
+    up, down = at.stress_A - stress, stress - at.stress_M
+    return _pass_edge(xp, up, scale.A, scale.A_squared), _pass_edge(xp, down, scale.M, scale.M_squared)
+
+
+def _pass_edge(xp: Namespace, inside: Scalar, scale: Scalar, square: Scalar) -> Process:
+    """Return the process at a stress inside its threshold [Pa]."""
+    positive = xp.maximum(inside, 0.0)
+    return Process(inside * scale, 1.0, square * positive * positive)
 
 
 def build_processes(
@@ -115,26 +128,31 @@ def build_processes(
 ) -> tuple[Process, Process]:
     """Return the processes from austenite to the variant favoured by positive `stress`, and back."""
     scale = compute_scales(xp, material, at, form)
-    u, z = compute_edges(at, scale, stress)
+    over, back = compute_edges(xp, at, scale, stress)
     if form == "edge":
-        return Process(u, 1.0), Process(z, 1.0)
+        return over, back
     if form == "barrier":
-        return _compute_saddle(xp, material, at, stress, u, z)
+        return _compute_saddle(xp, material, at, stress, over, back)
     v = (at.stress_A + stress) * scale.A
     ratio = xp.sqrt(material.E_M / material.E_A)
-    return _out_of_well(xp, u, v), Process(z, ratio * _half_line(xp, z))
+    return _out_of_well(xp, over.y, v), back._replace(factor=ratio * _half_line(xp, back.y))
 
 
 def _compute_saddle(
-    xp: Namespace, material: BarrierConstants, at: Wells, stress: Scalar, u: Scalar, z: Scalar
+    xp: Namespace, material: BarrierConstants, at: Wells, stress: Scalar, over: Process, back: Process
 ) -> tuple[Process, Process]:
-    """Return the processes inside the thresholds u and z; beyond the other threshold without saddle."""
+    """Return the processes inside their thresholds; beyond the other threshold without saddle."""
     up, down = at.stress_A - stress, stress - at.stress_M
     middle = (stress - 0.5 * (at.stress_A + at.stress_M)) * at.gap
     square = xp.where(stress < -at.stress_A, -4.0 * at.stress_A * stress, up * up)
-    deep_A = xp.sqrt(at.per_energy * (0.5 * square / material.E_A - middle))
-    deep_M = xp.sqrt(at.per_energy * (0.5 * down * down / material.E_M + middle))
-    return Process(xp.where(down < 0.0, deep_A, u), 1.0), Process(xp.where(up < 0.0, deep_M, z), 1.0)
+    deep_A = at.per_energy * (0.5 * square / material.E_A - middle)
+    deep_M = at.per_energy * (0.5 * down * down / material.E_M + middle)
+
+    def choose(beyond: Flag, deep: Scalar, inside: Process) -> Process:
+        y = xp.where(beyond, xp.sqrt(deep), inside.y)
+        return Process(y, 1.0, xp.where(beyond, deep, inside.height))
+
+    return choose(down < 0.0, deep_A, over), choose(up < 0.0, deep_M, back)
 
 
 def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:
@@ -148,7 +166,8 @@ def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:
     outside = xp.either(beyond, behind)
     weight = xp.where(outside, outer, inner)
     y = xp.where(behind, xp.sqrt((u - v) * (u + v)), u)
-    return Process(y, 1.0 / xp.maximum(weight, 1e-12))
+    a = xp.maximum(y, 0.0)
+    return Process(y, 1.0 / xp.maximum(weight, 1e-12), a * a)
 
 
 def _half_line(xp: Namespace, z: Scalar) -> Scalar:
@@ -160,8 +179,7 @@ def _half_line(xp: Namespace, z: Scalar) -> Scalar:
 
 def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
     """Return the rate of a process [1/s]."""
-    a = xp.maximum(process.y, 0.0)
-    return process.factor * xp.exp(-a * a) / time
+    return process.factor * xp.exp(-process.height) / time
 
 
 def keep_process(xp: Namespace, process: Process) -> RateStart:

@@ -122,8 +122,7 @@ class AbstractLayers(AbstractLaw):
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """Return (x₊ + x₋)/E_M + A/E_A [1/Pa]."""
-        martensite = fractions.martensite
-        return martensite / self.E_M + (1.0 - martensite) / self.E_A
+        return 1.0 / self.E_A + fractions.martensite * (1.0 / self.E_M - 1.0 / self.E_A)
 
     def heat(self, xp: Namespace, latent: Scalar, stress: Scalar, temperature: Scalar) -> Scalar:
         """Return the heat of the whole transformation [J/m³] by the chosen model."""

@@ -164,8 +164,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
             barrier, inner = self.shifts(quantile)
             rise, local = xp.maximum(threshold + barrier, 0.0), stress + inner
             at = middle._replace(stress_A=rise, stress_M=rise - self.Delta_sigma)
-            distances = (*compute_edges(at, scale, local), *compute_edges(at, scale, -local))
-            return tuple(Process(y, 1.0) for y in distances)
+            return *compute_edges(xp, at, scale, local), *compute_edges(xp, at, scale, -local)
 
         return four
 
