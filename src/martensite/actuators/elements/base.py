@@ -88,8 +88,7 @@ class Heating:
 
     def power_at(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Return the power [W] in a resistance [ohm] under a constant drive signal."""
-        current = self.source.current(xp, drive, resistance)
-        return current * current * resistance
+        return self.source.power(xp, drive, resistance)
 
     def ripple(self, xp: Namespace, resistance: Scalar, capacity: Scalar, dt: Scalar) -> Scalar:
         """Return the temperature [K] that mean heating over a step of dt [s] neglects."""

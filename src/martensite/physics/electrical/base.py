@@ -86,6 +86,11 @@ class AbstractSource(Parametrised):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Return the current [A] through an element of `resistance` [ohm]; rms if pulsed."""
 
+    def power(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Return the power [W] in an element of `resistance` [ohm] under a constant drive signal."""
+        current = self.current(xp, drive, resistance)
+        return current * current * resistance
+
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Return the (mean) current [A] drawn from the supply."""
         return xp.abs(self.current(xp, drive, resistance))
@@ -99,8 +104,7 @@ class AbstractSource(Parametrised):
         square = self.linear == "current"
 
         def answer(drive: Scalar) -> Scalar:
-            current = self.current(xp, drive, resistance)
-            return current if square else current * current * resistance
+            return (self.current if square else self.power)(xp, drive, resistance)
 
         span = drive.high - drive.low
         varies = span > 0.0

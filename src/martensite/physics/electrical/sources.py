@@ -55,6 +55,11 @@ class PowerSource(AbstractSupply):
         return xp.minimum(wanted, self.most(xp, resistance))
 
     @override
+    def power(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        most = self.most(xp, resistance)
+        return xp.minimum(xp.maximum(drive, 0.0), most * most * resistance)
+
+    @override
     def reach(self, resistance: float) -> SignalRange:
         most = self.most(xp, resistance)
         return SignalRange(0.0, most * most * resistance)
