@@ -82,6 +82,8 @@ class _Linear(NamedTuple):
     rates: _Columns
     inverse: tuple[Column, Column, Column, Column]
     """Inverse of I/(γ Δt) - J within a group."""
+    response: _Columns
+    """That inverse times the rates."""
     by_stress: _Columns
     """That inverse times the derivative with respect to stress."""
     by_temperature: _Columns
@@ -147,7 +149,8 @@ class _Stages:
         self.diagonal = self.per_step * (1.0 / GAMMA)
         stress, self.by_state = self._stress(at)
         self.linear = self._linearise(stress)
-        self.relocate = self.linear.rates.mean()[0]
+        self.moved = self.linear.rates.mean()[0]
+        """Rate of ξ at the start."""
         self._close(at)
 
     def solve(self) -> list[_Stage]:
@@ -181,39 +184,49 @@ class _Stages:
             share = 1.0 / (a * d - up * over)
             inverse = [share * x for x in (d, -up, -over, a)]
             changes = (_sum_flows(rates, here), _sum_flows(by_stress, here), _sum_flows(by_temperature, here))
-            one, two, three = changes
-            return [*one, *inverse, *_multiply_matrix(inverse, two), *_multiply_matrix(inverse, three)]
+            products = (number for change in changes for number in _multiply_matrix(inverse, change))
+            return [*changes[0], *inverse, *products]
 
         columns = _map_rows(xp, group, law.quantiles(), *self.begin.groups)
         a, b, c, d = columns[2:6]
-        pairs = (_Columns(*columns[k : k + 2]) for k in (0, 6, 8))
-        rates, by_stress, by_temperature = pairs
-        return _Linear(rates, (a, b, c, d), by_stress, by_temperature)
+        rates, *products = (_Columns(*columns[k : k + 2]) for k in (0, 6, 8, 10))
+        return _Linear(rates, (a, b, c, d), *products)
 
     def _close(self, at: Sequence[Scalar]) -> None:
         """Compute the response of stress and temperature to a change within the groups."""
-        xp, coupling, moved = self.xp, self.coupling, self.relocate
+        xp, coupling, moved = self.xp, self.coupling, self.moved
 
         def balance(xp: Namespace, at: Column) -> Column:
             latent = coupling.latent(xp, coupling.stress(xp, at), at[2])
             net, slope = coupling.power(xp, at)
             return [net - 0.5 * self.dt * slope + latent * moved, slope, latent]
 
-        (_, slope, latent), (by_state, *_) = compute_jacobian(xp, balance, at)
-        self.slope, self.latent = slope, latent
-        self.by_heat = by_state
-        by_m, by_o, by_T = self.by_state
-        (ms, os), (mT, oT) = self.linear.by_stress.mean(), self.linear.by_temperature.mean()
-        self.yields = 1.0 / (1.0 - by_m * ms - by_o * os)
-        self.stress_by_T = self.yields * (by_m * mT + by_o * oT + by_T)
-        self.both = (mT + ms * self.stress_by_T, oT + os * self.stress_by_T)
+        (self.heat, self.slope, self.latent), (by_state, *_) = compute_jacobian(xp, balance, at)
+        (by_m, by_o, by_T), (ms, os) = self.by_state, self.linear.by_stress.mean()
+        mT, oT = self.linear.by_temperature.mean()
+        yields = 1.0 / (1.0 - by_m * ms - by_o * os)
+        self.stress_by_m, self.stress_by_o = yields * by_m, yields * by_o
         self.of_stress = (ms, os)
-        m, o = self.both
-        rest = self.diagonal * (coupling.capacity - self.latent * m)
-        rest = rest - self.by_heat[0] * m - self.by_heat[1] * o - self.by_heat[2]
-        self.share = 1.0 / rest
+        stress_by_T = yields * (by_m * mT + by_o * oT + by_T)
 
-    def _solve_stage(self, k: int, before: Sequence[_Stage]) -> _Stage:
+        def both(one: Scalar, other: Scalar) -> list[Scalar]:
+            return [other + one * stress_by_T]
+
+        columns = zip(self.linear.by_stress, self.linear.by_temperature, strict=True)
+        self.by_temperature = _Columns(*(_map_rows(xp, both, *pair)[0] for pair in columns))
+        self.of_temperature = (m, o) = (mT + ms * stress_by_T, oT + os * stress_by_T)
+        by_m, by_o, by_T = by_state
+        rest = self.diagonal * (coupling.capacity - self.latent * m) - by_m * m - by_o * o - by_T
+        self.share = 1.0 / rest
+        by_m = by_m + self.latent * self.diagonal
+        by_stress = by_m * ms + by_o * os
+        self.heated_by_m = self.share * (by_m + by_stress * self.stress_by_m)
+        self.heated_by_o = self.share * (by_o + by_stress * self.stress_by_o)
+
+    def _evaluate(self, k: int, before: Sequence[_Stage]) -> tuple[_Columns, Scalar, Scalar]:
+        """Return the response of the groups at frozen stress and temperature, their gain, and the heat [W]."""
+        if k == 0:
+            return self.linear.response, self.moved, self.heat
         xp, coupling = self.xp, self.coupling
         at = self._state(POINTS[k], before)
         stress = coupling.stress(xp, at)
@@ -221,24 +234,23 @@ class _Stages:
         power, slope = coupling.power(xp, at)
         heat = power + (TIMES[k] - 0.5) * self.dt * slope
         heat = heat + coupling.latent(xp, stress, at[2]) * moved
-        heat = heat + SLOPES[k] * self.dt * self.slope
         own = _weigh_numbers(CARRIED[k], [one.temperature for one in before])
-        heat = heat + coupling.capacity * self.per_step * own
-        (m, o), (by_m, by_o, _) = response.mean(), self.by_state
-        stress = self.yields * (by_m * m + by_o * o)
-        m, o = m + self.of_stress[0] * stress, o + self.of_stress[1] * stress
-        heat = heat + self.by_heat[0] * m + self.by_heat[1] * o
-        heat = heat + self.latent * (self.diagonal * m - gained)
-        change = self.share * heat
-        stress = stress + self.stress_by_T * change
+        return response, gained, heat + coupling.capacity * self.per_step * own
+
+    def _solve_stage(self, k: int, before: Sequence[_Stage]) -> _Stage:
+        xp = self.xp
+        response, gained, heat = self._evaluate(k, before)
+        heat = heat + SLOPES[k] * self.dt * self.slope
+        m, o = response.mean()
+        change = self.share * (heat - self.latent * gained) + self.heated_by_m * m + self.heated_by_o * o
+        stress = self.stress_by_m * m + self.stress_by_o * o
 
         def group(*row: Scalar) -> list[Scalar]:
             return [a + b * stress + c * change for a, b, c in zip(row[:2], row[2:4], row[4:], strict=True)]
 
-        linear = self.linear
-        groups = _map_rows(xp, group, *response, *linear.by_stress, *linear.by_temperature)
-        m, o = m + self.both[0] * change, o + self.both[1] * change
-        return _Stage(_Columns(*groups), m, o, change)
+        groups = _map_rows(xp, group, *response, *self.linear.by_stress, *self.by_temperature)
+        (ms, os), (mT, oT) = self.of_stress, self.of_temperature
+        return _Stage(_Columns(*groups), m + ms * stress + mT * change, o + os * stress + oT * change, change)
 
     def _state(self, weights: Sequence[float], before: Sequence[_Stage]) -> list[Scalar]:
         """Return fractions and temperature at a stage."""
