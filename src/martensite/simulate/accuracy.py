@@ -167,7 +167,7 @@ class RunEngine:
             marching = NativeMarch(runs)
         else:
             marching.set_runs(runs)
-        run = marching.go(self._watch("simulating")).take_run(0, plan.times)
+        run = marching.go(self._watch("simulating")).take_run(0, plan.times, plan.recorded)
         idle.append(marching)
         return run
 
@@ -224,14 +224,13 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[MarchResu
     compiled, compared = plan.compiled, choose_samples(len(plan.times), plan.skipped)
     local, accuracy = LOCAL[plan.order] * tolerance, math.inf
     run = march(plan._replace(times=choose_times(plan.times, plan.skipped), recorded=False, tolerance=local))
-    judged = read_judged(compiled, run.rows)
+    rows = run.rows
     for turn in range(MOST_PASSES):
         local /= FINER
         ranges = run.ranges if turn or not shares_stress(compiled) else ()
         run = march(plan._replace(tolerance=local, ranges=ranges, parted=True))
-        before, judged = judged, read_judged(compiled, choose_rows(run.rows, compared))
-        count = min(len(before), len(judged))
-        run.gaps = np.abs(before[:count] - judged[:count])[1 if run.gap else 0 :]
+        before, rows = rows, choose_rows(run.rows, compared)
+        run.gaps = find_gaps(compiled, before, rows)[1 if run.gap else 0 :]
         run.largest = run.find_largest_gap(run.gap)
         accuracy = max(bound_error(compiled, run), find_floor(compiled) * tolerance)
         if accuracy <= tolerance:
@@ -277,7 +276,9 @@ def shares_stress(compiled: CompiledMarch) -> bool:
 
 def choose_rows(rows: Any, places: NDArray[np.intp]) -> Any:
     """Return the rows at ascending places that a run reached."""
-    reached = places[: np.searchsorted(places, len(rows))]
+    if len(rows) == len(places) > places[-1]:
+        return rows
+    reached = places[: places.searchsorted(len(rows))]
     return rows.take(reached, 0) if hasattr(rows, "dtype") else [rows[k] for k in reached.tolist()]
 
 
@@ -301,9 +302,11 @@ def choose_times(times: Sequence[float], skipped: int = 0) -> SampleTimes:
     return kept[skipped]
 
 
-def read_judged(compiled: CompiledMarch, rows: Any) -> Numbers:
-    """Return the judged outputs of rows, (samples, judged)."""
-    return np.asarray(rows, float).reshape(len(rows), -1).take(compiled.judged, 1)
+def find_gaps(compiled: CompiledMarch, before: Any, rows: Any) -> Numbers:
+    """Return the differences of judged outputs between two passes as far as both reach, (samples, judged)."""
+    count = min(len(before), len(rows))
+    gaps = np.subtract(before[:count], rows[:count]).reshape(count, -1).take(compiled.judged, 1)
+    return np.abs(gaps, out=gaps)
 
 
 def bound_error(compiled: CompiledMarch, run: MarchResult) -> float:

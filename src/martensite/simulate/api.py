@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -111,7 +111,7 @@ def simulate(
 
     plan, run, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
     restarts = relay.list_restarts(choose_times(times, plan.skipped) if step is None else times[-1:])
-    notes = list[str]()
+    notes: list[str] = []
     if run.undecided:
         name, _ = compiled.convergence_scales[compiled.forks[run.decision.place].fraction]
         notes.append(describe_decision(run.decision, run.undecided, name.rpartition(".")[0]))
@@ -229,11 +229,13 @@ class _RunContext(NamedTuple):
 def _build_result(system: AbstractSystem, plan: MarchPlan, run: MarchResult, context: _RunContext) -> Result:
     names, book = name_outputs(system), plan.compiled.book
     columns = np.array(np.asarray(run.require().rows, float).T, order="C")
-    notes, heat, work, unknown = list[str](), None, None, list[str]()
-    if plan.step is None and not system.sample_time():
+    notes: list[str] = []
+    heat = work = None
+    balanced = plan.step is None and not system.sample_time()
+    if balanced:
         heat = balance_heat(run.put_in, run.lost, run.accounts) if book.has_heat_balance else None
         work = balance_work(book, run.accounts) if book.has_work_balance else None
-        notes, unknown = _warn_of_residuals({"heat": heat, "work": work}, plan.tolerance), list(book.unknown)
+        notes = _warn_of_residuals(heat, work, plan.tolerance)
     if run.status is Status.OUT_OF_ENVELOPE:
         notes.append(describe_exit(system, run.time, run.place, run.value))
     return Result(
@@ -253,7 +255,7 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, run: MarchResult, con
         rejected=run.rejected,
         heat=heat,
         work=work,
-        unbalanced=unknown,
+        unbalanced=list(book.unknown) if balanced else [],
         ripple=run.ripple,
         trace=context.trace,
         begin=partial(describe_start, context.start),
@@ -261,12 +263,12 @@ def _build_result(system: AbstractSystem, plan: MarchPlan, run: MarchResult, con
     )
 
 
-def _warn_of_residuals(balances: Mapping[str, HeatBalance | WorkBalance | None], tolerance: float) -> list[str]:
+def _warn_of_residuals(heat: HeatBalance | None, work: WorkBalance | None, tolerance: float) -> list[str]:
     """Return a warning for each balance with a large residual."""
-    residuals = {words: one.residual for words, one in balances.items() if one is not None}
+    residuals = [(words, one.residual) for words, one in (("heat", heat), ("work", work)) if one is not None]
     return [
         f"Warning: {residual:.1e} of the {words} is not accounted for, more than the tolerance of {tolerance:.1e}."
-        for words, residual in residuals.items()
+        for words, residual in residuals
         if residual is not None and not residual <= tolerance
     ]
 

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from operator import itemgetter
 from typing import NamedTuple
 
 from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED, HEAT, HELD
@@ -213,19 +214,18 @@ class WorkBalance:
 
 def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatBalance:
     """Return the heat balance of a run from heat input, heat loss and accounts [J]."""
-    own = dict(zip(ACCOUNTS, accounts, strict=True))
-    return HeatBalance(put_in, lost, own["sensible"], own["latent"], own[EXCHANGED[0]])
+    return HeatBalance(put_in, lost, *_read_heat(accounts))
 
 
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
     """Return the work balance of a run from its accounts [J]."""
-    own = dict(zip(ACCOUNTS, accounts, strict=True))
-    elastic = own["elastic"] if ACCOUNTS.index("elastic") in book.energies else None
-    return WorkBalance(*[own[name] for name in BALANCED], elastic=elastic)
+    elastic = accounts[ELASTIC] if ELASTIC in book.energies else None
+    return WorkBalance(*_read_work(accounts), elastic=elastic)
 
 
-BALANCED = tuple(one.name for one in fields(WorkBalance))[:-1]
-"""Accounts in the work balance."""
+_read_heat = itemgetter(*map(ACCOUNTS.index, ("sensible", "latent", EXCHANGED[0])))
+_read_work = itemgetter(*(ACCOUNTS.index(one.name) for one in fields(WorkBalance)[:-1]))
+ELASTIC = ACCOUNTS.index("elastic")
 
 
 def _tell_energy(value: float | None, most: float) -> str:

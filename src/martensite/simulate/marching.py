@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.errors import SolveError
 from martensite.base.status import Status
@@ -156,7 +158,7 @@ class MarchResult:
         """
         if not len(self.gaps):
             return before
-        largest = tuple(self.gaps[:samples].max(axis=0, initial=0.0).tolist())
+        largest = tuple(np.maximum.reduce(self.gaps[:samples].T.copy(), axis=1, initial=0.0).tolist())
         return tuple(map(max, before, largest)) if before else largest
 
     @property

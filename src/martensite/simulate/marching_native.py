@@ -36,6 +36,8 @@ MOST_SEGMENTS = 1 << 21
 """Maximum number of drive segments in a batch."""
 FIRST_RECORD = 4096
 NOTHING = np.empty(0)
+UNSEEN = np.array([[np.inf], [-np.inf]])
+"""Minimum and maximum before a run."""
 EXPECTED = 512
 """Initial capacity of the record of a batch, in steps."""
 FIXED = ("p", "first", "limits", "ranges", "numbers", "states", "extremes")
@@ -127,15 +129,15 @@ class MarchRows(NamedTuple):
         others = (getattr(self, name)[places] for name in ("states", "extremes"))
         return MarchRows(self.outputs[places], self.numbers[places], record, totals, *others)
 
-    def take_run(self, run: int, times: Sequence[float]) -> MarchResult:
-        """Return one run."""
+    def take_run(self, run: int, times: Sequence[float], checked: bool = True) -> MarchResult:
+        """Return one run; if `checked`, its status reports outputs that are not finite."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, *more = numbers[:11]
         low, high = self.extremes[run].tolist()
         rows, verdict = self.outputs[run], Status(int(status))
         if verdict.failed:
             rows = rows[: bisect_right(times, end)]
-        elif not np.logical_and.reduce(np.isfinite(rows), axis=None):
+        elif checked and np.count_nonzero(np.isfinite(rows)) < rows.size:
             verdict = Status.NOT_FINITE
         ranges = tuple(numbers[RANGES:])
         march = MarchResult(rows, ranges, verdict, end, int(place), value, int(steps), int(rejected), *more)
@@ -194,7 +196,7 @@ class MarchArrays:
         self.totals = np.full((runs.size, 3, len(runs.outputs)), np.nan) if plan.totalled else NOTHING
         self.ranges[...] = plan.ranges or 0.0 if runs.ranges is None else runs.ranges
         self.states[...] = plan.start or 0.0
-        self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
+        self.extremes[...] = plan.extremes if plan.extremes[0] else UNSEEN
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
         """Return the C structure with the address of each array."""

@@ -219,8 +219,10 @@ class Relay:
         else:
             whole = self.march(plan)
             legs = [whole]
-        for one in (*(earlier for earlier, _ in self.passes), *(leg for leg in legs if leg is not whole)):
-            one.rows = list[Any]()  # rows of one pass are enough
+        earlier = [self.passes[-1][0]] if self.passes else []
+        for one in (*earlier, *legs):
+            if one is not whole:
+                one.rows = ()  # rows of one pass are enough
         self.passes.append((whole, legs))
         return whole
 
@@ -257,6 +259,9 @@ class Relay:
         states = list[PassState]()
         for number, (whole, legs) in enumerate(self.passes):
             if whole.status.failed:
+                continue
+            if legs[0] is whole:
+                states.append(PassState(whole.state, *whole.extremes, whole.largest, whole.ripple, whole.residual))
                 continue
             before = self._begin(number) or REST
             parts, (low, high) = legs[: leg + 1], legs[leg].extremes
