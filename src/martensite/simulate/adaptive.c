@@ -7,7 +7,7 @@
 #define LEAST_ERROR 1e-9
 #define IS_SURFACE(i) (ORDER == 5 && b->on_surface[i])
 #define PART(i) (ORDER == 4 || IS_SURFACE(i) ? 1.0 : 1.0 / 3.0)
-#define POWER(i) (ORDER == 4 ? 0.25 : IS_SURFACE(i) ? 0.2 : 1.0 / 3.0) /* of an error, for the length of a step */
+#define POWER(i) (IS_SURFACE(i) ? 0.2 : 1.0 / 3.0) /* of an error, for the length of a step without rates */
 
 static const long places[HEATED + 1] = PLACES;
 
@@ -207,11 +207,12 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         const double cube = length * length * length;
         rough[i] = used / (ORDER == 4 ? cube * length : IS_SURFACE(i) ? cube * length * length : cube);
         grew[i] = !IS_SURFACE(i) & (b->rough[i] > 0.0) & (b->rough[i] < rough[i]);
-        slowing[i] = change[i] = SAFETY * exp(-POWER(i) * log(used));
+        change[i] = SAFETY * (ORDER == 4 ? 1.0 / sqrt(sqrt(used)) : exp(-POWER(i) * log(used)));
+        slowing[i] = change[i];
     }
     if (any(grew)) EACH(i) {
             const double falls = grew[i] ? b->rough[i] / rough[i] : 1.0;
-            slowing[i] *= exp(POWER(i) * log(falls));
+            slowing[i] *= ORDER == 4 ? sqrt(sqrt(falls)) : exp(POWER(i) * log(falls));
         }
     EVERY(i) if (b->live[i] && b->length[i] <= shortest && b->error[i] == HUGE_VAL)
         b->status[i] = residual[i] > SOLVED ? UNSOLVED : NOT_FINITE;

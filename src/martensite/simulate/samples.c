@@ -15,7 +15,7 @@ static long is_judged_state(long k) {
    denominators of its weights. Its own last term is small enough, or, where a sixth point is known,
    the one that would come next. */
 static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, flags_of_lanes before, column *per) {
-    column reached[2], farther[2], over;
+    column reached[2], farther[2], from_tail[5], over;
     flags_of_lanes flat[2], flatter[2], resolved;
     EACH(i) {
         const double half = 0.5 * b->length[i], t2 = b->time[i], tail = b->older_time[i];
@@ -30,7 +30,11 @@ static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, f
             for (long k = 0; k < 5; k++) product *= k == j ? 1.0 : t[j] - t[k];
             per[j][i] = 1.0 / product;
         }
-        over[i] = 1.0 / ((tail - t[0]) * (tail - t[1]) * (tail - t[2]) * (tail - t[3]) * (tail - t[4]));
+        over[i] = -1.0;
+        for (long j = 0; j < 5; j++) {
+            from_tail[j][i] = 1.0 / (t[j] - tail);
+            over[i] *= from_tail[j][i];
+        }
         flat[0][i] = flatter[0][i] = flat[1][i] = flatter[1][i] = resolved[i] = 1;
     }
     for (long k = 0; k < DRIVES; k++)
@@ -40,13 +44,11 @@ static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, f
         }
     for (long k = 0; k < JUDGED; k++)
         EACH(i) {
-            const double t2 = b->time[i], tail = b->older_time[i];
             const double a = per[0][i] * b->node_seen[0][k][i], c = per[1][i] * b->node_seen[1][k][i];
             const double d = per[2][i] * b->seen[k][i], e = per[3][i] * b->middle[k][i];
             const double f = per[4][i] * b->fine[k][i];
-            const double fifth = a / (b->node_time[0][i] - tail) + c / (b->node_time[1][i] - tail) +
-                                 d / (t2 - tail) + e / (t2 + 0.5 * b->length[i] - tail) +
-                                 f / (t2 + b->length[i] - tail) + over[i] * b->older_seen[k][i];
+            const double fifth = a * from_tail[0][i] + c * from_tail[1][i] + d * from_tail[2][i] +
+                                 e * from_tail[3][i] + f * from_tail[4][i] + over[i] * b->older_seen[k][i];
             const double fourth = a + c + d + e + f, allowed = BETWEEN * m->tolerance * b->scale[k][i];
             for (long j = 0; j < 2; j++) {
                 flat[j][i] &= reached[j][i] * fabs(fourth) <= allowed;
