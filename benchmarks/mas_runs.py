@@ -22,7 +22,7 @@ from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import TimeGrid, build_grid
 from martensite.simulate.march import classify_step, march_floats
 from martensite.simulate.marching import MarchPlan
-from martensite.simulate.marching_native import Runs, march_runs
+from martensite.simulate.marching_native import NativeMarch, Runs, march_runs
 from martensite.simulate.native import march_lanes
 
 LANES = 256
@@ -132,9 +132,11 @@ def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
     plan = plan_of(whole, tolerance)
     places = tuple(plan.compiled.outputs.index(name) for name in COLUMNS)
     runs = Runs(plan, plan.compiled.values(whole), 1, places, 1)
+    prepared = NativeMarch(runs)
 
     def march() -> tuple[Any, Status]:
-        found = march_runs(runs)
+        prepared.set_runs(runs)
+        found = prepared.go()
         return found.outputs[0].T, Status(int(found.numbers[0, 0]))
 
     return judged(march)
