@@ -37,8 +37,12 @@ FUSED = ("-ffp-contract=fast",)
 
 Runs on given steps round as on floats.
 """
-BRANCHED = ("-fno-if-conversion",)
-"""Compiler flag for single runs: a predicted branch ends a chain of operations, which the choice of a value extends."""
+SINGLE = ("-fno-tree-slp-vectorize", "-fno-if-conversion")
+"""Compiler flags for one run.
+
+Vectors of a few of its numbers stall, since these numbers were just stored. A predicted branch ends a chain of
+operations, which the choice of a value extends.
+"""
 
 
 def kernel_of(
@@ -72,7 +76,7 @@ class MarchKernel:
         """Return additional compiler flags."""
         if self.fixed:
             return ()
-        return (*FUSED, *BRANCHED) if self.lanes == 1 else FUSED
+        return FUSED if self.lanes > 1 else FUSED + SINGLE
 
     def source(self) -> str:
         """Return the C source."""
