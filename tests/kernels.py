@@ -260,9 +260,10 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
 
 
 def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:
-    """The current, and of a switch the share of the time for which it is closed."""
+    """The current, the power, and of a switch the share of the time for which it is closed."""
     shares = [source.share(xp, drive, 100.0)] if isinstance(source, AbstractSwitch) else []
-    return source.current(xp, drive, ohms), source.supply_current(xp, drive, ohms), *shares
+    answers = (ask(xp, drive, ohms) for ask in (source.current, source.power, source.supply_current))
+    return *answers, *shares
 
 
 def source_heat(source: Any, xp: Any, low: Any, high: Any, share: Any, ohms: Any) -> Any:
