@@ -3,14 +3,15 @@
     h(ξ) = ½ [1 + ξ^m - (1 - ξ)^n],      0 < m, n ≤ 1,      h(0) = 0, h(1) = 1
 
 For m = n = 1 it is h = ξ; smaller exponents round the corners at the start (m) and at the end (n), where the slope of h
-is infinite. The inversion avoids that singularity: below ξ = ½ in the variable p = ξ^m, above it in p = (1 - ξ)^n, with
-exchanged exponents,
+is infinite. The inversion avoids that singularity by logarithms. Below ξ = ½ it solves, with u = ln x and x = ξ,
 
-    φ(p) = p + 1 - (1 - p^(1/m))^n = 2 h
+    ln[x^m + 1 - (1 - x)^n] = ln 2h,
 
-is convex with slopes from 1. Newton's iteration from the right thus decreases to the root without a bracket: six steps
-reach rounding for exponents from 0.05 to 1. Only the last step is differentiated, which gives the slopes of the root.
-Source: Hartl and Lagoudas, in Lagoudas et al. (2012), Int. J. Plasticity 32–33; the inversion is this package's.
+above ξ = ½ the same equation for x = 1 - ξ, with exchanged exponents and 1 - h. The left side is the logarithm of a sum
+of powers of x with positive factors, so it is convex in u, and nearly straight. One or two of Halley's steps come near
+the root, and a last step reaches rounding for exponents from 0.05 to 1. Only the last step is differentiated, which
+gives the slopes of the root. Source: Hartl and Lagoudas, in Lagoudas et al. (2012), Int. J. Plasticity 32–33; the
+inversion is this package's.
 
 The waist contracts the middle of a range: with y = 2h - 1, from -1 to 1,
 
@@ -34,7 +35,9 @@ import math
 from martensite.kernels.namespace import Namespace, Scalar
 
 LEAST_EXPONENT = 0.05
-ITERATIONS = 6
+MOST_ITERATIONS = 8
+NEAR = 1e-2
+"""Step in ln x after which one more step reaches rounding; a step cubes the error."""
 NOTHING = 1e-60
 """Bases below this value count as 0: their logarithm has no bounded slope."""
 
@@ -53,36 +56,49 @@ def compute_hardening(xp: Namespace, fraction: Scalar, start: Scalar, end: Scala
 
 def hardening_integral(xp: Namespace, fraction: Scalar, start: Scalar, end: Scalar) -> Scalar:
     """Return an antiderivative of h over ξ [-]."""
-    left = raise_positive(xp, 1.0 - fraction, end + 1.0) / (end + 1.0)
-    return 0.5 * (fraction + raise_positive(xp, fraction, start + 1.0) / (start + 1.0) + left)
+    rest = 1.0 - fraction
+    left = rest * raise_positive(xp, rest, end) / (end + 1.0)
+    return 0.5 * (fraction + fraction * raise_positive(xp, fraction, start) / (start + 1.0) + left)
 
 
 def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -> Scalar:
-    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]."""
+    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]; a share outside needs no iterations."""
     share = xp.clip(share, 0.0, 1.0)
-    middle = compute_hardening(xp, 0.5, start, end)
-    below = share < middle
-    near = xp.where(below, start, end)
-    far = xp.where(below, end, start)
+    below = share < compute_hardening(xp, 0.5, start, end)
+    near, far = xp.where(below, start, end), xp.where(below, end, start)
     twice = 2.0 * xp.where(below, share, 1.0 - share)
-    fixed = xp.detach(twice), xp.detach(near), xp.detach(far)
-    p = xp.minimum(fixed[0], raise_positive(xp, 0.5, fixed[1]))
-    for _ in range(ITERATIONS - 1):
-        p = _improve_root(xp, p, *fixed)
-    part = raise_positive(xp, _improve_root(xp, p, twice, near, far), 1.0 / near)
+    some = twice > NOTHING
+    goal = xp.log(xp.where(some, twice, 1.0))
+    fixed = xp.detach(goal), xp.detach(near), xp.detach(far)
+
+    def turn(_: Scalar, u: Scalar) -> tuple[Scalar, Scalar]:
+        better = xp.minimum(_improve_logarithm(xp, u, *fixed), LOG_HALF)
+        return xp.abs(better - u) - NEAR, better
+
+    begin = xp.minimum(xp.minimum(fixed[0] / fixed[1], fixed[0] - xp.log(fixed[2])), LOG_HALF)
+    u = xp.iterate(MOST_ITERATIONS, turn, xp.where(some, 1.0, 0.0), begin)[1]
+    part = xp.where(some, xp.exp(_improve_logarithm(xp, u, goal, near, far)), 0.0)
     return xp.where(below, part, 1.0 - part)
 
 
-def _improve_root(xp: Namespace, p: Scalar, twice: Scalar, near: Scalar, far: Scalar) -> Scalar:
-    """Return p after one Newton step towards φ(p) = twice, with the slopes of the root."""
-    part = raise_positive(xp, p, 1.0 / near)
-    rest = raise_positive(xp, 1.0 - part, far)
-    slope = 1.0 + rest * part * far / ((1.0 - part) * near * xp.maximum(p, NOTHING))
-    return xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0)
+def _improve_logarithm(xp: Namespace, u: Scalar, goal: Scalar, near: Scalar, far: Scalar) -> Scalar:
+    """Return ln x after one of Halley's steps, at most twice or half as long as Newton's."""
+    x, power = xp.exp(u), xp.exp(near * u)
+    left = 1.0 - x
+    rest = xp.exp(far * xp.log(left))
+    odds = x / left
+    other = far * rest * odds
+    total = power + (1.0 - rest)
+    per = 1.0 / total
+    slope = (near * power + other) * per
+    bend = (near * near * power + other * (1.0 + (1.0 - far) * odds)) * per - slope * slope
+    newton = (xp.log(total) - goal) / slope
+    return u - newton / xp.clip(1.0 - 0.5 * newton * bend / slope, 0.5, 2.0)
 
 
 MOST_WAIST = 0.98
 """Largest b; there the middle is fifty times as steep as without a waist."""
+LOG_HALF = math.log(0.5)
 HALF_LOG = 0.5 * math.log(2.0 * math.pi)
 SHIFT = 6
 """Steps to the range where Stirling's series of four terms is accurate to 3e-11."""
