@@ -99,6 +99,11 @@ class StraightPath(NamedTuple):
     more: Scalar
     warmer: Scalar
 
+    @classmethod
+    def between(cls, start: tuple[Scalar, Scalar], end: tuple[Scalar, Scalar]) -> Self:
+        """Return the path between two points of stress [Pa] and temperature [K]."""
+        return cls(*start, end[0] - start[0], end[1] - start[1])
+
     def at(self, part: Scalar) -> tuple[Scalar, Scalar]:
         """Return the stress [Pa] and temperature [K] after a fraction of the path."""
         return self.stress + part * self.more, self.temperature + part * self.warmer
@@ -345,7 +350,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             return self.forward_share(xp, scale, *way.at(part)) - share + 1e-13 * part  # avoids a zero slope
 
         rises = self.forward_share(xp, scale, *way.at(1.0)) > share
-        part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING)
+        part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING, rises)
         return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
 
     def forward_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath) -> Scalar:
@@ -380,8 +385,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             curve, slope = curve + 2.0 * self.curvature_r, slope - 2.0 * self.curvature_r * self.sigma_cal
         bend = curve * way.more * way.more
         bends = bend > 1e-30
-        slope = slope + curve * way.stress
-        part = (way.warmer - slope * way.more) / xp.where(bends, bend, 1.0)
+        part = (way.warmer - (slope + curve * way.stress) * way.more) / xp.where(bends, bend, 1.0)
         return xp.where(bends, xp.clip(part, 0.0, 1.0), 0.0)
 
     def softening(self) -> Scalar:

@@ -31,12 +31,17 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
-from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import choose_tuple
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import choose_tuple, find_largest
 from martensite.physics.kinetics.diagram import find_side_strain
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
 from martensite.physics.laws.base import LAWS, Fractions
+
+MOST_PIECES = 5
+"""Largest number of pieces of a leg."""
+ROUNDING = 1e-12
+"""Overshoot of a surface [-] that counts as rounding at the start of a leg."""
 
 
 class LagoudasMemory(NamedTuple):
@@ -63,8 +68,7 @@ class LagoudasProcess(NamedTuple):
 
     def way(self, stress: Scalar, temperature: Scalar) -> StraightPath:
         """Return the straight path from the previous state to a point."""
-        begin = self.stress, self.temperature
-        return StraightPath(*begin, stress - self.stress, temperature - self.temperature)
+        return StraightPath.between((self.stress, self.temperature), (stress, temperature))
 
 
 @LAWS.register("lagoudas")
@@ -118,11 +122,13 @@ class Lagoudas(AbstractSurfaceLaw):
     ) -> Fractions:
         scale, way = self.scale(xp), move.way(stress, temperature)
         strain = move.ratio * self.H_sat
-        share = self.reverse_share(xp, scale, strain, stress, temperature)
-        share = self.smooth(xp, share, self.waist_r)
+        share = self.smooth(xp, self.reverse_share(xp, scale, strain, stress, temperature), self.waist_r)
+        falls = share < compute_hardening(xp, move.fraction, self.n_3, self.n_4)
+        share = xp.where(falls, share, 1.0)  # the inversion of 0 or 1 needs no iterations
         left = xp.minimum(invert_hardening(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
-        fraction = xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left)
+        grows = xp.either(falls, share > compute_hardening(xp, move.fraction, self.n_1, self.n_2))
+        fraction = xp.maximum(invert_hardening(xp, xp.where(grows, share, 0.0), self.n_1, self.n_2), left)
         if self.reorients:  # martensite that reverts from the other orientation and forms again is new
             move = move._replace(fraction=xp.where(move.ratio < 0.0, left, move.fraction))
         gained = self._integrate_strain(xp, scale, move, way, xp.maximum(fraction, move.fraction))
@@ -194,27 +200,47 @@ class Lagoudas(AbstractSurfaceLaw):
     def kinetics(
         self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[LagoudasMemory, Fractions]:
-        """Advance along a straight leg, cut wherever a process may turn inside it."""
-        here = memory.stress, memory.temperature
-        there = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
-        fractions = self.follow(xp, there, *here, 0.0)
-        memory = self.commit(xp, memory, there, fractions, *here, 0.0)
-        way = there.way(stress, temperature)
-        turn = way.at(self.forward_peak(xp, self.scale(xp), way))
-        memory, _ = self._advance(xp, memory, *turn, dt)
-        return self._advance(xp, memory, stress, temperature, dt)
+        """Advance along a straight leg, in pieces that end wherever a process may turn inside it.
 
-    def _advance(
-        self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> tuple[LagoudasMemory, Fractions]:
-        """Advance along a piece of a leg without a forward turn."""
-        way = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0).way(stress, temperature)
-        strain = memory.ratio * self.H_sat
-        turn = way.at(self.reverse_peak(xp, self.scale(xp), way, strain))
-        there, _ = super().kinetics(xp, memory, *turn, dt)
-        stop = there.fraction < memory.fraction
-        memory = choose_tuple(xp, stop, there, memory)
-        return super().kinetics(xp, memory, stress, temperature, dt)
+        A leg without transformation has no pieces. Otherwise a piece ends at the start, if the state lies outside its
+        surfaces; at a maximum of the forward surface; at the end of the leg; and at a minimum of the reverse surface
+        before either of the last two.
+        """
+        scale, advance = self.scale(xp), super().kinetics
+        start, end = (memory.stress, memory.temperature), (stress, temperature)
+
+        def run_piece(place: Scalar, cut: Scalar, *numbers: Scalar) -> tuple[Scalar, ...]:
+            now = LagoudasMemory(*numbers)
+            goal = choose_tuple(xp, place > 2.0, start, choose_tuple(xp, place > 1.0, peak, end))
+            way = StraightPath.between((now.stress, now.temperature), goal)
+            part = self.reverse_peak(xp, scale, way, now.ratio * self.H_sat)
+            turn = way.at(part)
+            turns = xp.both(self._falls(xp, scale, now, *turn), xp.both(part * (1.0 - part) > 0.0, cut < 1.0))
+            after, _ = advance(xp, now, *choose_tuple(xp, turns, turn, goal), dt)
+            return (xp.where(turns, place, place - 1.0), xp.where(turns, 1.0, 0.0), *after)
+
+        move = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
+        way = move.way(stress, temperature)
+        part = self.forward_peak(xp, scale, way)
+        peak, turn = way.at(part), way.at(self.reverse_peak(xp, scale, way, memory.ratio * self.H_sat))
+        outside = self.crossing(xp, memory, move, *start) > ROUNDING
+        acts = find_largest(xp, [self.crossing(xp, memory, move, *at) for at in (peak, turn, end)]) > ROUNDING
+        # a piece of no length changes nothing, unless martensite reorients
+        peaks = True if self.reorients else part * (1.0 - part) > 0.0
+        pieces = xp.where(acts, xp.where(peaks, 2.0, 1.0), 0.0)
+        begin = xp.where(outside, 3.0, pieces), xp.where(outside, 1.0, 0.0)
+        _, _, *numbers = xp.iterate(MOST_PIECES, run_piece, *begin, *memory)
+        memory = LagoudasMemory(*numbers)._replace(stress=stress, temperature=temperature)
+        return memory, self.fractions(memory)
+
+    def _falls(
+        self, xp: Namespace, scale: WorkScale, memory: LagoudasMemory, stress: Scalar, temperature: Scalar
+    ) -> Flag:
+        """Return whether the fraction is smaller at a point, by more than rounding."""
+        share = self.reverse_share(xp, scale, memory.ratio * self.H_sat, stress, temperature)
+        falls = xp.maximum(share, 0.0) < self.reverse_hardening(xp, memory.fraction) - ROUNDING
+        share = self.forward_share(xp, scale, stress, temperature)
+        return xp.both(falls, share < self.forward_hardening(xp, memory.fraction) - ROUNDING)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """Return H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
