@@ -52,6 +52,20 @@ def choose_tuple(xp: Namespace, flag: Flag, one: Chosen, other: Chosen) -> Chose
     return NestedShape(one).rebuild([xp.where(flag, a, b) for a, b in pairs])
 
 
+def compute_if(
+    xp: Namespace, wanted: Flag, function: Callable[..., Scalar], other: Scalar, *arguments: Scalar
+) -> Scalar:
+    """Return a function of the arguments where `wanted`, otherwise `other`.
+
+    If no batch element wants it, only the parts that do not depend on the arguments are evaluated.
+    """
+
+    def compute(_: Scalar, __: Scalar, *numbers: Scalar) -> tuple[Scalar, ...]:
+        return (0.0, function(*numbers), *numbers)
+
+    return xp.iterate(1, compute, xp.where(wanted, 1.0, 0.0), other, *arguments)[1]
+
+
 def sum_column(column: Sequence[Scalar]) -> Scalar:
     """Return the sum of the numbers of a column."""
     result = column[0]

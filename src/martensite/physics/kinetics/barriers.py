@@ -26,11 +26,14 @@ from typing import NamedTuple
 
 from martensite.kernels.floats import ROOT_PI
 from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import compute_if
 
 BOLTZMANN = 1.380649e-23
 """[J/K], exact by definition."""
 COLDEST = 100.0
 """Lowest temperature of the rates [K]; solvers may try lower temperatures."""
+FARTHEST = 26.0
+"""Root of a barrier over which no layer jumps: exp(-y²) is below 1e-293."""
 FLATTEST = 0.05
 """Lowest threshold σ_A in the form `well`, in thermal widths."""
 
@@ -184,17 +187,33 @@ def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
 
 def keep_process(xp: Namespace, process: Process) -> RateStart:
     """Return the quantities at the start of a step that the mean rate needs."""
-    a = xp.maximum(process.y, 0.0)
-    return RateStart(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))
+
+    def find_tail(y: Scalar) -> Scalar:
+        return _compute_bell(xp, y)[1]
+
+    acts = xp.both(process.y > 0.0, process.y < FARTHEST)
+    other = xp.where(process.y > 0.0, 0.0, 0.5 * ROOT_PI)
+    return RateStart(process.y, compute_if(xp, acts, find_tail, other, process.y))
+
+
+def _compute_bell(xp: Namespace, a: Scalar) -> tuple[Scalar, Scalar]:
+    """Return exp(-a²) and (√π/2) erfc(a), for a ≥ 0."""
+    bell = xp.exp(-a * a)
+    return bell, bell * (0.5 * ROOT_PI) * xp.erfcx(a)
 
 
 def mean_rate(xp: Namespace, start: RateStart, end: Process) -> Scalar:
     """Return τ times the rate over a step: the mean of a growing rate, the end value of a falling one."""
-    a = xp.maximum(end.y, 0.0)
-    bell = xp.exp(-a * a)
-    fall = start.y - end.y
-    grows = fall > 1e-7 * (1.0 + a)
-    saturated = xp.maximum(-end.y, 0.0) - xp.maximum(-start.y, 0.0)
-    integral = saturated + (0.5 * ROOT_PI) * bell * xp.erfcx(a) - start.tail
-    mean = xp.where(grows, integral / xp.where(grows, fall, 1.0), bell)
-    return end.factor * xp.clip(mean, 0.0, 1.0)
+
+    def average(before: Scalar, after: Scalar, tail: Scalar) -> Scalar:
+        a = xp.maximum(after, 0.0)
+        bell, left = _compute_bell(xp, a)
+        fall = before - after
+        grows = fall > 1e-7 * (1.0 + a)
+        saturated = xp.maximum(-after, 0.0) - xp.maximum(-before, 0.0)
+        mean = xp.where(grows, (saturated + left - tail) / xp.where(grows, fall, 1.0), bell)
+        return xp.clip(mean, 0.0, 1.0)
+
+    acts = xp.both(xp.maximum(start.y, end.y) > 0.0, end.y < FARTHEST)
+    other = xp.where(end.y > 0.0, 0.0, 1.0)
+    return end.factor * compute_if(xp, acts, average, other, start.y, end.y, start.tail)
