@@ -123,7 +123,8 @@ def native(problem: Problem, step: float) -> Callable[[], Any]:
 def plan_of(whole: Any, tolerance: float) -> MarchPlan:
     """A march with error control."""
     times = [OUTPUT_INTERVAL * k for k in range(SAMPLES)]
-    return MarchPlan(compile_march(whole), [waveform()], times, tolerance, OUTPUT_INTERVAL, envelope_of(whole))
+    limits = envelope_of(whole)
+    return MarchPlan(compile_march(whole), [waveform()], times, tolerance, OUTPUT_INTERVAL, limits, recorded=False)
 
 
 def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
