@@ -11,7 +11,8 @@ an excess, and the price c of changes between blocks; u_0 is the present signal.
 A round of the search rates several plans on the model: the best plan so far; plans with one signal moved a little
 towards the middle of its range; plans that reach far, as a dead band requires (one drive changed, up to full or off,
 in a window of the horizon; all drives off); and plans along the direction of the previous round. The best plan starts
-the next round. The direction is a Gauss-Newton step
+the next round. Costs only grow along the horizon, so plans that reach far stop after the block in which their cost
+exceeds the least so far. The direction is a Gauss-Newton step
 
     (DᵀD + C + λI) d = -½ ∂J/∂u,    D = ∂(mean errors and excesses of the blocks)/∂u
 
@@ -137,21 +138,20 @@ class Planner(NamedTuple):
         step = APART * (self.limits[1] - self.limits[0])
         steps = [xp.where(u > middle, -step, step) for u in best_so_far.plan]
         near = [[u + s if i == j else u for j, u in enumerate(best_so_far.plan)] for i, s in enumerate(steps)]
-        plans = [
-            list(best_so_far.plan),
-            *near,
-            *self._reach_far(xp, best_so_far.plan),
-            *self._follow_line(xp, best_so_far),
-        ]
+        complete = [list(best_so_far.plan), *near]
+        plans = [*complete, *self._follow_line(xp, best_so_far), *self._reach_far(xp, best_so_far.plan)]
+        limits = [math.inf if k < len(complete) else 0.0 for k in range(len(plans))]
 
-        def rate(*plan: Scalar) -> Numbers:
-            cost = self.rate_plan(xp, plan)
-            return [cost.total, cost.linear, *cost.residuals]
+        def rate(least: Scalar, limit: Scalar, *plan: Scalar) -> Numbers:
+            apart = [u - v for u, v in zip(plan, best_so_far.plan, strict=True)]
+            is_new = multiply_inner(apart, apart) > 0.0
+            cost = self.rate_plan(xp, plan, xp.maximum(limit, xp.where(is_new, least, 0.0)))
+            return [xp.minimum(least, cost.total), cost.total, cost.linear, *cost.residuals]
 
-        costs = xp.each(rate, *zip(*plans, strict=True))
-        best = _choose_plan(xp, plans, costs[0])
-        slopes = [[(column[1 + i] - column[0]) / steps[i] for column in costs[1:]] for i in range(count)]
-        direction = self._find_direction(xp, best_so_far.plan, slopes, [column[0] for column in costs[2:]])
+        _, totals, *parts = xp.scan(rate, (HUGE,), limits, *zip(*plans, strict=True))
+        best = _choose_plan(xp, plans, totals)
+        slopes = [[(column[1 + i] - column[0]) / steps[i] for column in parts] for i in range(count)]
+        direction = self._find_direction(xp, best_so_far.plan, slopes, [column[0] for column in parts[1:]])
         return PlanStart(tuple(best), best_so_far.plan, tuple(direction))
 
     def _reach_far(self, xp: Namespace, plan: Sequence[Scalar]) -> list[Numbers]:
@@ -222,13 +222,16 @@ class Planner(NamedTuple):
 
     # ------------------------------------------------------------ one plan
 
-    def rate_plan(self, xp: Namespace, plan: Sequence[Scalar]) -> PlanCost:
-        """Return the cost of a plan; `HUGE` where the model fails."""
+    def rate_plan(self, xp: Namespace, plan: Sequence[Scalar], limit: Scalar = math.inf) -> PlanCost:
+        """Return the cost of a plan; `HUGE` where the model fails or the cost is above `limit`.
+
+        Costs only grow along the horizon, so the model stops after a block with a cost above the limit.
+        """
         shape, size, count = NestedShape(self.state), len(flatten_numbers(self.state)), len(plan)
         kinds = self._count_kinds()
         parts = (size, count, len(self.targets), self.drives, kinds * self.blocks, 3)
 
-        def block(*numbers: Scalar) -> Numbers:
+        def block(_: Scalar, *numbers: Scalar) -> Numbers:
             state, ahead, wanted, before, residuals, (cost, energy, worst) = cut_pieces(numbers, parts)
             now = ahead[: self.drives]
             outputs = len(self.outputs)
@@ -241,14 +244,16 @@ class Planner(NamedTuple):
             wanted = [*wanted[outputs:], *wanted[:outputs]]
             energy = energy + self.price.energy * power / self.blocks
             worst = xp.maximum(worst, failed)
-            return [*state, *ahead[self.drives :], *now, *wanted, *now, *residuals, cost, energy, worst]
+            going = xp.where(cost + energy > limit, 0.0, 1.0)
+            return [going, *state, *ahead[self.drives :], *now, *wanted, *now, *residuals, cost, energy, worst]
 
         given = [[u + d for u, d in zip(x, cycle(self.shifts))] if self.shifts else x for x in (plan, self.signals)]
         begin = [*flatten_numbers(self.state), *given[0], *self.targets, *given[1]]
-        result = xp.repeat(self.blocks, block, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
+        going, *result = xp.iterate(self.blocks, block, 1.0, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
         *_, residuals, (cost, energy, worst) = cut_pieces(result, parts)
         total = cost + energy
-        total = xp.where(xp.both(total < HUGE, worst <= SOLVED), total, HUGE)
+        is_rated = xp.both(going > 0.0, xp.both(total < HUGE, worst <= SOLVED))
+        total = xp.where(is_rated, total, HUGE)
         return PlanCost(total, energy, residuals)
 
     def _go_block(
