@@ -136,6 +136,7 @@ def _declare_states(
 C_DIALECT = Dialect(
     templates={
         **PYTHON_OPERATORS,
+        "neg": "(-1.0 * {})",  # tcc negates one byte in memory, and the next load waits for it
         "where": "({0} ? {1} : {2})",
         "both": "({} & {})",
         "either": "({} | {})",
@@ -161,6 +162,8 @@ C_DIALECT = Dialect(
     repeat=_print_repetition,
     most_variables=MOST_VARIABLES,
 )
+BRANCHING = C_DIALECT.wants_names - {"where"}
+"""Operations of single runs that need names: a branch that is not chosen may be skipped."""
 
 
 def scalar_dialect(
@@ -174,8 +177,8 @@ def scalar_dialect(
     types = {**_TYPES, NUMBER: number, FLAG: flag}
     return replace(
         C_DIALECT,
-        templates={**C_DIALECT.templates, **templates},
-        wants_names=C_DIALECT.wants_names - {"where"},
+        templates={**C_DIALECT.templates, "neg": PYTHON_OPERATORS["neg"], **templates},
+        wants_names=BRANCHING,
         assign=partial(_print_assignment, types=types),
         constant=constant,
         loop=partial(_print_loop, types=types),
@@ -183,9 +186,12 @@ def scalar_dialect(
     )
 
 
-def c_source(program: Program, functions: Iterable[Function], shares_inverses: bool = False) -> str:
+def c_source(
+    program: Program, functions: Iterable[Function], shares_inverses: bool = False, single: bool = False
+) -> str:
     """Return C source of `prepare` and traced functions of a program, over batch elements.
 
+    With `single`, functions accept one batch element only, and are quicker without optimisation.
     Divisions by the same number may share its inverse, which is quicker but rounds differently. The inverse of a
     subnormal number is infinite, so exponentials are 0 below -700.
     """
@@ -193,11 +199,14 @@ def c_source(program: Program, functions: Iterable[Function], shares_inverses: b
     if shares_inverses:
         limited = f"({{0}} > -700.0 ? {C_DIALECT.templates['exp']} : 0.0)"
         dialect = replace(dialect, templates={**C_DIALECT.templates, "exp": limited})
-    kernels = KernelPrinter(program, dialect, "{}[{} * n + l]")
-    parts = [write_prelude(), _print_function("prepare", "p", (), kernels.prepare)]
+    if single:
+        dialect = replace(dialect, wants_names=BRANCHING)
+    place = "{}[{}]" if single else "{}[{} * n + l]"
+    kernels = KernelPrinter(program, dialect, place)
+    parts = [write_prelude(), _print_function("prepare", "p", (), kernels.prepare, place)]
     for one in functions:
         parts += [QUICK_TO_COMPILE] if one.name == "init" else []
-        parts.append(_print_function(one.name, "c", ("x",), kernels.print_function(one)))
+        parts.append(_print_function(one.name, "c", ("x",), kernels.print_function(one), place))
     return "\n".join(parts)
 
 
@@ -209,14 +218,14 @@ __attribute__((optimize("O0"))) static inline void k_init(long, const double *re
 """Declaration of a function called once per run, where optimisation costs more time than it saves."""
 
 
-def _print_function(name: str, constants: str, inputs: Sequence[str], statements: Statements) -> str:
-    lines = [*statements.lines, *roll_lines([f"y[{i} * n + l] = {text};" for i, text in enumerate(statements.results)])]
+def _print_function(name: str, constants: str, inputs: Sequence[str], statements: Statements, place: str) -> str:
+    results = [f"{place.format('y', i)} = {text};" for i, text in enumerate(statements.results)]
+    lines = [*statements.lines, *roll_lines(results)]
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)
-    return (
-        f"static inline void k_{name}(long n, {arguments}, double *restrict y) {{\n"
-        f"    #pragma omp simd\n    for (long l = 0; l < n; l++) {{\n{body}    }}\n}}\n"
-    )
+    loop = f"    #pragma omp simd\n    for (long l = 0; l < n; l++) {{\n{body}    }}\n"
+    text = loop if " * n" in place else f"    (void)n;\n{body}"
+    return f"static inline void k_{name}(long n, {arguments}, double *restrict y) {{\n{text}}}\n"
 
 
 def write_prelude() -> str:

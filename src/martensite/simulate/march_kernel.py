@@ -168,7 +168,7 @@ class MarchKernel:
         wanted = tuple(observe.outputs[i] for i in self.outputs)
         functions.append(replace(observe, outputs=wanted))
         if self.lanes == 1:
-            return c_source(compiled.program, functions, not self.fixed)
+            return c_source(compiled.program, functions, not self.fixed, single=True)
         return lanes_source(compiled.program, functions)
 
 

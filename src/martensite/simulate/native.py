@@ -53,8 +53,9 @@ def march_source(
 
 def _write_kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int) -> str:
     """Return the C source of traced functions, vectorised for full batches."""
-    write = c_source if lanes % BLOCK else lanes_source
-    return write(compiled.program, functions)
+    if lanes % BLOCK:
+        return c_source(compiled.program, functions, single=lanes == 1)
+    return lanes_source(compiled.program, functions)
 
 
 @cache_answers(64)
