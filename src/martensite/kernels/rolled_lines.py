@@ -64,10 +64,11 @@ def _print_index(first: int, step: int, row: str) -> str:
 def _find_period(parts: Sequence[Parts], at: int) -> tuple[int, int]:
     """Return the number of statements that repeat from a place on, and how often."""
     for size in range(1, min(LONGEST, (len(parts) - at) // LEAST_TURNS) + 1):
-        if parts[at][0] == parts[at + size][0]:
-            turns = min(_count_turns(parts[at + k :: size]) for k in range(size))
-            if turns >= LEAST_TURNS:
-                return size, turns
+        end = at + size * LEAST_TURNS
+        if parts[at][0] == parts[at + size][0] and all(
+            _count_turns(parts[at + k : end : size]) == LEAST_TURNS for k in range(size)
+        ):
+            return size, min(_count_turns(parts[at + k :: size]) for k in range(size))
     return 1, 1
 
 
