@@ -31,10 +31,15 @@ class CompiledProgram:
     The batch must be smaller than `BLOCK` or a multiple of it, so that vectors are full.
     """
 
-    def __init__(self, program: Program, names: tuple[str, ...], table: Any, added: str = "") -> None:
-        """Compile named functions and further C for a table (parameters, batch), or reuse the compiled library."""
+    def __init__(
+        self, program: Program, names: tuple[str, ...], table: Any, added: str = "", soon: bool = False
+    ) -> None:
+        """Compile named functions and further C for a table (parameters, batch), or reuse the compiled library.
+
+        With `soon`, C without vectors is used, at first from the quick compiler, for short runs.
+        """
         self.lanes = table.shape[1]
-        self.library = _load_program(program, names, added, self.lanes >= BLOCK)
+        self.library = _load_program(program, names, added, min(self.lanes, BLOCK), soon)
         self.constants = np.empty((program.constants, self.lanes))
         """Values that depend on the parameters alone."""
         self.set_table(table)
@@ -58,10 +63,13 @@ def get_address(array: Any) -> ctypes.c_void_p:
 
 
 @cache_answers(64)
-def _load_program(program: Program, names: tuple[str, ...], added: str, full: bool) -> Any:
-    """Load the program for a small batch, or with vectors for full blocks."""
-    write = lanes_source if full else c_source
+def _load_program(program: Program, names: tuple[str, ...], added: str, lanes: int, soon: bool) -> Any:
+    """Load the program for a single run, a small batch, or with vectors for full blocks."""
     calls = [_CALL.format(name=name) for name in names]
     prepare = _CALL.format(name="prepare").replace("k_prepare(n, c, x, y)", "k_prepare(n, c, y)")
-    source = write(program, [program.functions[name] for name in names])
-    return load_library("\n".join([source, prepare, *calls, added]))
+    functions = [program.functions[name] for name in names]
+    if soon or lanes < BLOCK:
+        source = c_source(program, functions, single=lanes == 1)
+    else:
+        source = lanes_source(program, functions)
+    return load_library("\n".join([source, prepare, *calls, added]), soon=soon)

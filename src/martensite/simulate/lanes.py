@@ -36,7 +36,12 @@ class Lanes:
     """Batch of states of one system, for one thread."""
 
     def __init__(
-        self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None, native: bool | None = None
+        self,
+        system: AbstractSystem,
+        lanes: int,
+        values: Mapping[str, Any] | None = None,
+        native: bool | None = None,
+        soon: bool = False,
     ) -> None:
         """Create a batch in equilibrium.
 
@@ -45,6 +50,7 @@ class Lanes:
             lanes: batch size.
             values: individual parameters by path, each of shape (lanes,).
             native: True for C; by default if a compiler is available.
+            soon: True for C without vectors, at first from the quick compiler, for a few short runs.
         """
         compiled = compile_system(system)
         self._rows = {path: k for k, path in enumerate(compiled.paths)}
@@ -55,7 +61,7 @@ class Lanes:
         self.drives = tuple(drive.name for drive in system.drives())
         self._shape = len(self.drives), lanes
         in_c = find_compiler() is not None if native is None else native
-        self._engine = NativeLanes(compiled, table) if in_c else PlainLanes(compiled, table)
+        self._engine = NativeLanes(compiled, table, soon) if in_c else PlainLanes(compiled, table)
         self.state: Numbers = np.zeros((compiled.size, lanes))
         """All state variables, shape (states, lanes); set it to go on from elsewhere."""
 
@@ -160,14 +166,14 @@ class NativeLanes:
     signals and dt; `y` holds the results of a step.
     """
 
-    def __init__(self, compiled: CompiledSystem, table: Numbers) -> None:
+    def __init__(self, compiled: CompiledSystem, table: Numbers, soon: bool = False) -> None:
         self.compiled = compiled
         size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
         self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
         self._table = self._fill_block(table)
         constants = {"SIZE": size, "DRIVES": compiled.drives, "OUTPUTS": outputs}
         added = read_source("simulate", "pushed_lanes.c", constants)
-        self.program = CompiledProgram(compiled.program, FUNCTIONS, self._table, added)
+        self.program = CompiledProgram(compiled.program, FUNCTIONS, self._table, added, soon)
         self.x = np.empty((size + compiled.drives + 1, n))
         self.y, self._worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
         self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]

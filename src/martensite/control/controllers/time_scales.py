@@ -39,7 +39,7 @@ def measure_reach(system: AbstractSystem, output: str, low: float, high: float) 
         ParameterError: full signal does not move the output.
     """
     dt = 0.5 * longest_step(system)
-    lanes = Lanes(system, 1)
+    lanes = Lanes(system, 1, soon=True)
     lanes.reset(low)
     index = lanes.names.index(output)
     rest = float(lanes.observe(low)[index, 0])

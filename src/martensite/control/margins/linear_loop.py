@@ -120,7 +120,7 @@ def _settle_bench(
     if not bench.observers.members():
         return [_begin_at(idle, start, point) for point in points]
     places = [one.name for one in idle.drives()]
-    lanes = Lanes(idle, len(points))
+    lanes = Lanes(idle, len(points), soon=True)
     table = np.zeros((len(places), len(points)))
     names = [one.name for one in idle.plant.drives()]
     table[[places.index(name) for name in names]] = np.array([point.signals for point in points]).T

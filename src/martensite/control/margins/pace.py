@@ -72,7 +72,7 @@ def _compute_fastest(case: LoopCase, sign: float, wanted: Numbers, ends: tuple[f
     slack = BEYOND * (ends[1] - ends[0])
     top = min(float(wanted.max()), ends[1] - slack)
     floor = max(min(float(wanted.min()), top - slack), ends[0] + slack)
-    lanes = Lanes(case.bench.plant, BLOCK)
+    lanes = Lanes(case.bench.plant, BLOCK, soon=True)
     lanes.reset(case.heating.signals[:, :1])
     place = list(lanes.names).index(find_truth(case))
     up = _march_until(case, lanes, case.limits[1], lambda y: sign * y >= top, place)

@@ -74,7 +74,7 @@ def compute_rest_curve(
     base = np.array([float((others or {}).get(name, 0.0)) for name in names])
     table = np.repeat(base[:, None], len(row), axis=1)
     table[names.index(drive)] = row
-    lanes = Lanes(system, len(row))
+    lanes = Lanes(system, len(row), soon=True)
     lanes.reset(base[:, None])
     if start is not None:
         lanes.state = np.repeat(start[:, None], len(row), axis=1)

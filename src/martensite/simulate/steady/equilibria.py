@@ -124,7 +124,7 @@ def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers 
     Raises:
         SolveError: the system does not settle.
     """
-    lanes = Lanes(system, 1)
+    lanes = Lanes(system, 1, soon=True)
     lanes.reset(rest_signals(system)[:, None])
     if state is not None:
         lanes.state = np.array(state)[:, None]
