@@ -142,14 +142,16 @@ class Planner(NamedTuple):
         plans = [*complete, *self._follow_line(xp, best_so_far), *self._reach_far(xp, best_so_far.plan)]
         limits = [math.inf if k < len(complete) else 0.0 for k in range(len(plans))]
 
-        def rate(least: Scalar, limit: Scalar, *plan: Scalar) -> Numbers:
+        def rate(least: Scalar, *numbers: Scalar) -> Numbers:
+            best, (limit,), plan = cut_pieces(numbers, (count, 1, count))
             apart = [u - v for u, v in zip(plan, best_so_far.plan, strict=True)]
             is_new = multiply_inner(apart, apart) > 0.0
             cost = self.rate_plan(xp, plan, xp.maximum(limit, xp.where(is_new, least, 0.0)))
-            return [xp.minimum(least, cost.total), cost.total, cost.linear, *cost.residuals]
+            chosen = [xp.where(cost.total < least, u, v) for u, v in zip(plan, best, strict=True)]
+            return [xp.minimum(least, cost.total), *chosen, cost.linear, *cost.residuals]
 
-        _, totals, *parts = xp.scan(rate, (HUGE,), limits, *zip(*plans, strict=True))
-        best = _choose_plan(xp, plans, totals)
+        columns = xp.scan(rate, (HUGE, *best_so_far.plan), limits, *zip(*plans, strict=True))
+        best, parts = [column[-1] for column in columns[1 : 1 + count]], columns[1 + count :]
         slopes = [[(column[1 + i] - column[0]) / steps[i] for column in parts] for i in range(count)]
         direction = self._find_direction(xp, best_so_far.plan, slopes, [column[0] for column in parts[1:]])
         return PlanStart(tuple(best), best_so_far.plan, tuple(direction))
@@ -296,19 +298,6 @@ class Planner(NamedTuple):
 
     def _list_outputs(self, kind: str) -> list[str]:
         return [self.model.label(port, kind) for port in self.model.actuators()]
-
-
-def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar]) -> Numbers:
-    """Return the first plan of least cost; values that equal the first plan need no choice."""
-    least, chosen = costs[0], 0.0
-    for k, cost in enumerate(costs[1:], 1):
-        better = cost < least
-        least, chosen = xp.where(better, cost, least), xp.where(better, float(k), chosen)
-    best = list(plans[0])
-    for k, plan in enumerate(plans[1:], 1):
-        this = xp.both(chosen > k - 0.5, chosen < k + 0.5)
-        best = [y if x is u else xp.where(this, x, y) for x, y, u in zip(plan, best, plans[0], strict=True)]
-    return best
 
 
 def cut_pieces(numbers: Sequence[Scalar], sizes: Sequence[int]) -> list[Any]:
