@@ -342,11 +342,7 @@ def find_paths(name: str, paths: Iterable[str]) -> list[str]:
 
 
 def resolve_path(name: str, paths: Sequence[str]) -> str:
-    """Return the path that a name gives in full or by a unique ending.
-
-    Raises:
-        ParameterError: no path, or several paths.
-    """
+    """Return the path that a name gives in full or by a unique ending; `ParameterError` if there is no such path."""
     matches = find_paths(name, paths)
     if len(matches) == 1:
         return matches[0]
