@@ -42,7 +42,6 @@ from martensite.simulate.step_trials import (
     BESIDE,
     LEAST_FALL,
     Node,
-    RootBracket,
     StepTrial,
     SurfaceTrial,
     TakenStep,
@@ -51,6 +50,7 @@ from martensite.simulate.step_trials import (
     find_extreme,
     find_fall,
     find_missed,
+    find_touch,
     interpolate_state,
     interpolate_step,
     join_halves,
@@ -83,8 +83,6 @@ SMOOTH_PHASE, SMOOTH_TOLERANCE = 1.0, 1e-4
 
 The error of a cubic in place of the drive grows with the sixth power of the phase, and no error estimate sees it.
 """
-NEAREST = 1e-6
-"""Margin for a kink at the end of a step of order five, as a fraction of the step."""
 ACROSS = 1.01
 """Length of a step across a kink nearby, as a fraction of its distance."""
 AGAIN = 0.9
@@ -191,12 +189,12 @@ class AdaptiveMarch(AbstractMarch):
         self._accept(trial, most, planned)
 
     def _limit_length(self, length: float) -> float:
-        """Return a length at which a step has order five, unless a much longer step is possible."""
+        """Return a length at which a step has order five, unless a much longer step is possible, not behind a kink."""
         limits = [self.smooth_phase / reader.fastest for reader in self.readers if reader.fastest > 0.0]
         if self.decay > 0.0:
             limits.append(STIFF / self.decay)
         most = min(limits, default=math.inf)
-        return most if self.on_surface and most < length < BEYOND * most else length
+        return most if self.on_surface and most < length and (self.at_kink or length < BEYOND * most) else length
 
     def _allow_length(self, length: float) -> float:
         """Return a length that is short enough for signals that prescribe a state."""
@@ -435,6 +433,9 @@ class AdaptiveMarch(AbstractMarch):
             first = min([first, *(share for share in dips if BESIDE < share < 1.0 - BESIDE)])
             changed = max(_compute_variation(rows, k) for k in (2, 3))
             allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
+            if self.plan.order == 5:
+                ratio = 0.0 if self.at_edge else 0.5 * trial.length / self.last_half
+                first = min(first, find_touch(self.functions["events"], self.state, rows, ratio, allowed))
             if not changed > allowed:
                 continue
             drives = [(row[0] - row[1] * PER_STRESS,) for row in rows]
@@ -446,39 +447,14 @@ class AdaptiveMarch(AbstractMarch):
         return first
 
     def _find_surface_kink(self, trial: StepTrial, surface: SurfaceTrial) -> float:
-        """Return the place in a step of order five where a process begins, ends or turns back; else 1.
-
-        A place where it begins or ends counts if the error shows it, or if the step returns behind it.
-        """
-        turn = surface.find_turn()
-        first = self._find_event(trial, surface, turn)
+        """Return the place in a step of order five where a process begins, ends or turns back; else 1."""
+        turn, ask = surface.find_turn(), self.functions["events"]
+        rows = [ask(*surface.begin, *surface.follow_path(x)[:2]) for x in (0.0, turn, 1.0)]
+        first = surface.find_event(ask, rows, turn, trial.error > 1.0)
         for fraction, weight, _ in self.plan.compiled.points if surface.accurate else ():
             allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
-            first = min(first, surface.find_reversal(turn, allowed))
+            first = min(first, surface.find_reversal(rows, turn, allowed))
         return first
-
-    def _find_event(self, trial: StepTrial, surface: SurfaceTrial, between: float) -> float:
-        """Return the place in a step where a process begins or ends, if it counts; else 1.
-
-        Args:
-            trial: the step.
-            surface: its details.
-            between: place where its temperature turns, or its middle.
-        """
-        ask, seen = self.functions["events"], trial.error > 1.0
-        first, middle, last = (ask(*surface.begin, *surface.follow_path(x)[:2]) for x in (0.0, between, 1.0))
-        brackets = list[tuple[float, int, RootBracket]]()
-        asked = False
-        for k, (a, b, c) in enumerate(zip(first, middle, last, strict=True)):
-            if a > LEAST_FALL and min(b, c) <= 0.0:
-                asked = asked or seen or c > 0.0
-                bracket = RootBracket(between, 1.0, b, c) if b > 0.0 else RootBracket(0.0, between, a, b)
-                brackets.append((bracket.cut_chord(), k, bracket))
-        if not asked:
-            return 1.0
-        share, k, bracket = min(brackets)
-        share = bracket.find_root(lambda x: ask(*surface.begin, *surface.follow_path(x)[:2])[k], share)
-        return share if share < 1.0 - (NEAREST if seen else BESIDE) else 1.0
 
     def _find_bends(self, trial: StepTrial, rows: Sequence[Row], allowed: float) -> Iterator[float]:
         """Yield the fractions of a step at which a law has a relevant bend."""

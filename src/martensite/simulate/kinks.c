@@ -100,6 +100,7 @@ static void find_kinks(const march *m, block *b) {
         }
 #if ORDER == 5
         cut_at_reversals(b, most);
+        cut_at_touches(b, most);
         EACH(i) counts[i] &= !b->on_surface[i];
 #endif
         if (!any(counts)) continue;

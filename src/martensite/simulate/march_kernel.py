@@ -28,7 +28,7 @@ SHARED = (
     *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
     *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
     *("STIFF", "LEAST_SMOOTH", "SMOOTH_PHASE", "SMOOTH_TOLERANCE", "LEAST_SHRINK", "MOST_GROWTH", "BEYOND"),
-    *("NEAREST", "ACROSS", "AGAIN", "EVENT_TURNS"),
+    *("NEAREST", "ACROSS", "AGAIN", "EVENT_TURNS", "LINES", "REACH"),
     *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL", "TRACED"),
 )
 """Constants shared with the implementation on floats, under the same names."""

@@ -79,7 +79,8 @@ typedef struct {
     flags_of_lanes on_surface; /* whether the step is one of order five */
     flags_of_lanes accurate;   /* whether its temperature is, and places of kinks are therefore reliable */
     column decay;              /* rate of the heat balance [1/s] */
-    column between, event_between[NUMBERS + 1], event_end[NUMBERS + 1]; /* of surface.c */
+    column between, event_begin[NUMBERS + 1], event_between[NUMBERS + 1], event_end[NUMBERS + 1]; /* of surface.c */
+    long begun; /* whether event_begin is known */
     double phase; /* largest phase of a tone in a step of order five */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], range[JUDGED + 1];
     column limits[2 * ENVELOPE + 1];

@@ -18,6 +18,12 @@ LEAST_FALL = 1e-9
 """Distance from a kink that counts as zero."""
 EVENT_TURNS = 4
 """Iterations for the place of a kink in a step of order five."""
+NEAREST = 1e-6
+"""Margin for a kink at the end of a step of order five, as a fraction of the step."""
+REACH = 0.1
+"""Margin for the extreme of a parabola through both ends and the middle, as a fraction of its second difference."""
+LINES = 4
+"""Numbers of both strips among the events of a law: before both start lines, then before both finish lines."""
 
 
 class Node(NamedTuple):
@@ -91,11 +97,105 @@ class SurfaceTrial(NamedTuple):
         """Return whether the temperature turns within the step."""
         return self.path[9] * self.path[12] < 0.0
 
-    def find_reversal(self, turn: float, allowed: float) -> float:
-        """Return a place just behind the turn if the process goes back there by more than a fraction; else 1."""
+    def find_event(self, ask: Callable[..., Row], rows: Sequence[Row], turn: float, seen: bool) -> float:
+        """Return the place in the step where a process begins or ends, if it counts; else 1.
+
+        It counts if the error shows it, or if the temperature turns behind it. If the temperature turns before it, it
+        counts if the line was also passed before the turn.
+
+        Args:
+            ask: function for events, from a state, temperature and stress.
+            rows: events at the start, at the turn and at the end.
+            turn: place where the temperature turns, or the middle.
+            seen: True if the error of the step is too large.
+        """
+        brackets = list[tuple[float, int, RootBracket]]()
+        asked = False
+        for k, (a, b, c) in enumerate(zip(*rows, strict=True)):
+            if a > LEAST_FALL and b <= 0.0:
+                bracket, counts = RootBracket(0.0, turn, a, b), self.turns or c > 0.0
+            elif max(a, b) > LEAST_FALL and c <= 0.0 < b:
+                bracket, counts = RootBracket(turn, 1.0, b, c), a <= LEAST_FALL
+            else:
+                continue
+            asked = asked or seen or counts
+            brackets.append((bracket.cut_chord(), k, bracket))
+        if not asked:
+            return 1.0
+        share, k, bracket = min(brackets)
+        share = bracket.find_root(lambda x: ask(*self.begin, *self.follow_path(x)[:2])[k], share)
+        return share if share < 1.0 - (NEAREST if seen else BESIDE) else 1.0
+
+    def find_reversal(self, rows: Sequence[Row], turn: float, allowed: float) -> float:
+        """Return a place just behind the turn if a process goes back or begins there; else 1.
+
+        Args:
+            rows: events at the start, at the turn and at the end.
+            turn: place where the temperature turns, or the middle.
+            allowed: smallest change of the fraction, or of the distance in a strip, that counts.
+        """
         share = (1.0 + BESIDE) * turn
-        counts = self.turns and abs(self.follow_path(turn)[2] - self.path[8]) > allowed
-        return share if counts and share < 1.0 - BESIDE else 1.0
+        if not self.turns or share >= 1.0 - BESIDE:
+            return 1.0
+        back = abs(self.follow_path(turn)[2] - self.path[8]) > allowed
+        return share if back or begins_at_turn(rows[1], rows[2], allowed) else 1.0
+
+
+def begins_at_turn(turn: Row, end: Row, allowed: float) -> bool:
+    """Return whether a process begins where the temperature turns inside a strip, without an event of its own.
+
+    A process that waits for its interrupted branch has an event, a number between 0 and 1 behind those of the lines.
+
+    Args:
+        turn: events at the turn.
+        end: events at the end of the step.
+        allowed: smallest change of the distance in a strip that counts.
+    """
+    if any(0.0 < wait < 1.0 for wait in turn[LINES : LINES + 1]):
+        return False
+    return any(turn[k] <= 0.0 < turn[k + 2] and turn[k] - end[k] > allowed for k in (0, 1))
+
+
+def find_touch(ask: Callable[..., Row], state: Row, rows: Sequence[Row], ratio: float, allowed: float) -> float:
+    """Return the place in a step in halves where the temperature turns, if an unseen process acts there; else 1.
+
+    A turn near the start is on the parabola through the start, the middle and the point half a step earlier.
+
+    Args:
+        ask: function for events, from a state, temperature and stress.
+        state: state at the start.
+        rows: temperature, stress, two fractions and events half a step earlier, at the start, in the middle and at the
+            end.
+        ratio: length of a half over the length of the half before the step; 0 behind an edge of a drive.
+        allowed: smallest change of the distance in a strip that counts.
+    """
+    columns = [[row[k] for row in rows] for k in (0, 1)]
+    around, behind = map(fit_around, columns), (fit_behind(column, ratio) for column in columns)
+    for fits, most in ((list(around), 1.0 - BESIDE), (list(behind), 0.5)):
+        (slope, bend), _ = fits
+        share = -0.5 * slope / bend if bend else 1.0
+        if BESIDE < share < most:
+            tops = [x + share * u + (share * share - 0.5 * REACH) * v for x, (u, v) in zip(rows[1], fits, strict=False)]
+            turn = ask(*state, *tops)
+            numbers = zip(turn, *(row[4:] for row in rows[1:]), strict=True)
+            touches = any(n <= 0.0 and n < a and min(b, c) > LEAST_FALL for n, a, b, c in numbers)
+            return share if touches or begins_at_turn(turn, rows[3][4:], allowed) else 1.0
+    return 1.0
+
+
+def fit_around(values: Sequence[float]) -> tuple[float, float]:
+    """Return the slope at the start and the curvature over a step of the parabola through the last three values."""
+    _, first, middle, last = values
+    bend = 2.0 * (first - 2.0 * middle + last)
+    return last - first - bend, bend
+
+
+def fit_behind(values: Sequence[float], ratio: float) -> tuple[float, float]:
+    """Return the slope at the start and the curvature over a step of the parabola through the first three values."""
+    earlier, first, middle, _ = values
+    before, after = ratio * (first - earlier), middle - first
+    bend = 4.0 * ratio * (after - before) / (1.0 + ratio)
+    return 2.0 * after - 0.5 * bend, bend
 
 
 class TakenStep(NamedTuple):

@@ -11,7 +11,7 @@
 #define DECAY (6 * SIZE + 16)
 enum { TEMPERATURE, STRESS, FRACTION, ON_PATH };
 
-/* a length at which a step has order five, unless a much longer one is possible */
+/* a length at which a step has order five, unless a much longer one is possible, not behind a kink */
 static double limit_length(const march *m, const block *b, long i) {
     const double next = b->next[i];
     double most = b->decay[i] > 0.0 ? STIFF / b->decay[i] : HUGE_VAL;
@@ -20,7 +20,7 @@ static double limit_length(const march *m, const block *b, long i) {
         const double fastest = drive_of(m, b->now + k, k, i)->fastest;
         if (fastest > 0.0 && b->phase / fastest < most) most = b->phase / fastest;
     }
-    return most < next && next < BEYOND * most ? most : next;
+    return most < next && (b->at_kink[i] || next < BEYOND * most) ? most : next;
 }
 
 /* a polynomial on [0, 1] with values at the ends and in the middle, and changes by the slopes at the ends */
@@ -96,48 +96,67 @@ static double find_turn_of_path(const block *b, long i) {
     return r.share;
 }
 
+/* whether the temperature turns within a step */
+INLINE int turns(const block *b, long i) {
+    return b->ends[PATH + 3 * ON_PATH][i] * b->ends[PATH + 4 * ON_PATH][i] < 0.0;
+}
+
 /* the numbers between, where the temperature turns or in the middle, and at the end of each step */
 static void place_events(block *b) {
-    const column *first = b->ends + PATH + 3 * ON_PATH + TEMPERATURE, *last = first + ON_PATH;
-    flags_of_lanes turns;
+    flags_of_lanes turning;
     EACH(i) {
         b->between[i] = 0.5;
-        turns[i] = b->on_surface[i] & ((*first)[i] * (*last)[i] < 0.0);
+        turning[i] = b->on_surface[i] & turns(b, i);
     }
-    if (any(turns)) {
-        SOME(i, bits_of(turns)) b->between[i] = find_turn_of_path(b, i);
+    if (any(turning)) {
+        SOME(i, bits_of(turning)) b->between[i] = find_turn_of_path(b, i);
         ask_events_at(b, b->between, b->event_between);
     } else {
         ask_events_of(b, 1, b->event_between);
     }
     ask_events_of(b, 2, b->event_end);
+    b->begun = 0;
 }
 
-/* Cut steps where a process begins or ends, if their error shows it, or if they return behind it. */
+/* the numbers at the start of each step, where they count */
+static void place_begins(block *b) {
+    if (!b->begun) ask_events_of(b, 0, b->event_begin);
+    b->begun = 1;
+}
+
+/* Cut steps where a process begins or ends, if their error shows it, if they turn behind it, or if they turn before it
+   where the line was passed before. */
 static void cut_at_events(block *b) {
     bracket r[LANES];
-    column share, start[NUMBERS + 1], found[NUMBERS + 1];
-    flags_of_lanes asked, some, falls[NUMBERS + 1];
+    column share, found[NUMBERS + 1];
+    flags_of_lanes asked, may;
     long place[LANES];
-    EACH(i) asked[i] = some[i] = 0;
+    EACH(i) asked[i] = may[i] = 0;
     for (long k = 0; k < NUMBERS - 4; k++)
         EACH(i) {
             const double between = b->event_between[k][i], end = b->event_end[k][i];
-            const long long seen = (b->error[i] > 1.0) & ((between <= 0.0) | (end <= 0.0));
-            falls[k][i] = b->on_surface[i] & (seen | ((between <= 0.0) & (end > 0.0)));
-            some[i] |= falls[k][i];
+            const long long seen = b->error[i] > 1.0;
+            const long long early = (between <= 0.0) & (seen | turns(b, i) | (end > 0.0));
+            may[i] |= b->on_surface[i] & (early | ((end <= 0.0) & (between > (seen ? 0.0 : LEAST_FALL))));
         }
-    if (!any(some)) return;
-    ask_events_of(b, 0, start);
-    for (long k = 0; k < NUMBERS - 4; k++) EACH(i) asked[i] |= falls[k][i] & (start[k][i] > LEAST_FALL);
+    if (!any(may)) return;
+    place_begins(b);
+    for (long k = 0; k < NUMBERS - 4; k++)
+        EACH(i) {
+            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
+            const long long seen = b->error[i] > 1.0, inside = begin <= LEAST_FALL;
+            const long long early = !inside & (between <= 0.0) & (seen | turns(b, i) | (end > 0.0));
+            const long long late = (end <= 0.0) & (between > 0.0) & (inside ? between > LEAST_FALL : seen);
+            asked[i] |= b->on_surface[i] & (early | late);
+        }
     if (!any(asked)) return;
     EACH(i) share[i] = 1.0;
     SOME(i, bits_of(asked)) {
         r[i].share = 2.0;
         for (long k = 0; k < NUMBERS - 4; k++) {
-            const double begin = start[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
-            if (!(begin > LEAST_FALL && (between <= 0.0 || end <= 0.0))) continue;
+            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
             const int late = between > 0.0;
+            if (!(late ? end <= 0.0 && larger(begin, between) > LEAST_FALL : begin > LEAST_FALL)) continue;
             const double low = late ? b->between[i] : 0.0, high = late ? 1.0 : b->between[i];
             const double above = late ? between : begin, below = late ? end : between;
             const double there = low + (high - low) * above / (above - below);
@@ -162,17 +181,75 @@ static void cut_at_events(block *b) {
     }
 }
 
-/* cut steps behind the place where their process turns back by more than a fraction */
+/* whether a process begins where the temperature turns inside a strip; one that waits for its interrupted branch has an
+   event, a number between 0 and 1 behind those of the lines */
+static long begins_at_turn(const column *turn, const column *end, long i, double allowed) {
+    long begins = 0;
+    for (long k = LINES; k < LINES + 1 && k < NUMBERS - 4; k++)
+        if (0.0 < turn[k][i] && turn[k][i] < 1.0) return 0;
+    for (long k = 0; k < 2; k++)
+        begins |= turn[k][i] <= 0.0 && 0.0 < turn[k + 2][i] && turn[k][i] - end[k][i] > allowed;
+    return begins;
+}
+
+/* cut steps behind the place where their process turns back by more than a fraction, or another begins */
 static void cut_at_reversals(block *b, const column allowed) {
     column top;
+    flags_of_lanes asked;
     const double *end = b->ends[PATH + 2 * ON_PATH + FRACTION];
+    EACH(i) asked[i] = b->on_surface[i] & b->accurate[i] & turns(b, i);
+    if (!any(asked)) return;
     follow_path(b, b->between, FRACTION, top);
-    EACH(i) {
-        const double first = b->ends[PATH + 3 * ON_PATH][i], last = b->ends[PATH + 4 * ON_PATH][i];
+    SOME(i, bits_of(asked)) {
         const double share = (1.0 + BESIDE) * b->between[i];
-        const long long turns = b->on_surface[i] & b->accurate[i] & (first * last < 0.0);
-        const long long counts = turns & (fabs(top[i] - end[i]) > allowed[i]) & (share < 1.0 - BESIDE);
-        b->kink[i] = counts ? smaller(share, b->kink[i]) : b->kink[i];
+        if (!(share < 1.0 - BESIDE)) continue;
+        if (fabs(top[i] - end[i]) > allowed[i] || begins_at_turn(b->event_between, b->event_end, i, allowed[i]))
+            b->kink[i] = smaller(share, b->kink[i]);
+    }
+}
+
+/* slope at the start and curvature of a parabola over a step: through both ends and the middle, or, if early, through
+   the point half a step earlier, the start and the middle */
+INLINE void fit_step(const block *b, long k, long i, int early, double *slope, double *bend) {
+    const double first = b->points[k][i], middle = b->points_half[k][i], last = b->points_full[k][i];
+    const double ratio = b->at_edge[i] ? 0.0 : 0.5 * b->length[i] / b->last_half[i], after = middle - first;
+    const double before = ratio * (first - b->earlier_points[k][i]), around = 2.0 * (first - 2.0 * middle + last);
+    *bend = early ? 4.0 * ratio * (after - before) / (1.0 + ratio) : around;
+    *slope = early ? 2.0 * after - 0.5 * *bend : last - first - around;
+}
+
+/* cut steps in halves where the temperature turns, if an unseen process acts there; a turn near the start is on the
+   parabola of the point half a step earlier */
+static void cut_at_touches(block *b, const column allowed) {
+    const column *p = b->points + 4, *q = b->points_half + 4, *r = b->points_full + 4;
+    column share, turn[NUMBERS + 1];
+    flags_of_lanes asked, early;
+    EACH(i) asked[i] = b->live[i] & !b->on_surface[i];
+    if (!any(asked)) return;
+    EACH(i) {
+        double slope, bend, earlier, more;
+        fit_step(b, 0, i, 0, &slope, &bend);
+        fit_step(b, 0, i, 1, &earlier, &more);
+        const double x = bend != 0.0 ? -0.5 * slope / bend : 1.0, y = more != 0.0 ? -0.5 * earlier / more : 1.0;
+        const long long around = (BESIDE < x) & (x < 1.0 - BESIDE), behind = (BESIDE < y) & (y < 0.5);
+        early[i] = !around;
+        share[i] = around ? x : y;
+        asked[i] &= around | behind;
+    }
+    if (!any(asked)) return;
+    memcpy(b->x2, b->state, sizeof(column) * SIZE);
+    for (long k = 0; k < 2; k++)
+        EACH(i) {
+            double slope, bend;
+            fit_step(b, k, i, early[i] != 0, &slope, &bend);
+            b->x2[SIZE + k][i] = b->points[k][i] + share[i] * slope + (share[i] * share[i] - 0.5 * REACH) * bend;
+        }
+    k_events(LANES, *b->c, *b->x2, *turn);
+    SOME(i, bits_of(asked)) {
+        long touches = begins_at_turn(turn, r, i, allowed[i]);
+        for (long k = 0; k < NUMBERS - 4; k++)
+            touches |= turn[k][i] <= 0.0 && turn[k][i] < p[k][i] && q[k][i] > LEAST_FALL && r[k][i] > LEAST_FALL;
+        if (touches) b->kink[i] = smaller(share[i], b->kink[i]);
     }
 }
 
