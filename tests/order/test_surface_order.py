@@ -130,6 +130,26 @@ TOUCHING = {
 }
 
 
+GRAZING = {
+    "latent_heat": 8973.005958479165,
+    "element.law.A_s": 332.3011684062226,
+    "element.law.A_f": 337.6679948018504,
+    "element.law.M_s": 321.39540175076627,
+    "element.law.M_f": 311.56591811089567,
+    "element.law.C_A": 11379230.22477793,
+    "element.law.C_M": 7891883.099050849,
+    "element.resistance.r_M": 9.5,
+    "h0": 166.4643934613867,
+}
+
+
+def grazing_wire():
+    """A wire that begins a step on the start line and turns early in it, 0.002 strips behind the line."""
+    whole = problem_a("restart")
+    wave = ms.Sine(low=0.5592764252038129, high=2.4850344373454716, frequency=0.09167290108060785)
+    return whole.rebuilt({whole.resolve(name): value for name, value in GRAZING.items()}), wave, 29.305471647034487
+
+
 def touching_wire():
     """A wire that enters the forward strip and turns in it, both in one step, near the end of the run."""
     whole = problem_a("restart", element=wire_a(law_a("restart", "austenite")), mechanism=DeadWeight(mass=1.0))
@@ -150,6 +170,7 @@ def ripple(low, high, frequency):
 
 MISSED = {
     "enters and turns": (touching_wire, 1.9e-6),
+    "begins on a line and turns": (grazing_wire, 1.875e-6),
     "turns inside, slow": (lambda: ripple(2.0, 3.0, 0.5), 3e-6),
     "turns inside, fast": (lambda: ripple(1.8, 3.0, 1.0), 3e-6),
     "in halves, behind a kink": (lambda: scenario_of(114), 1.5e-5),

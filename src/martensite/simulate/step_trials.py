@@ -127,7 +127,7 @@ class SurfaceTrial(NamedTuple):
         return share if share < 1.0 - (NEAREST if seen else BESIDE) else 1.0
 
     def find_reversal(self, rows: Sequence[Row], turn: float, allowed: float) -> float:
-        """Return a place just behind the turn if a process goes back or begins there; else 1.
+        """Return a place just behind the turn if a process acts before or behind it; else 1.
 
         Args:
             rows: events at the start, at the turn and at the end.
@@ -138,22 +138,23 @@ class SurfaceTrial(NamedTuple):
         if not self.turns or share >= 1.0 - BESIDE:
             return 1.0
         back = abs(self.follow_path(turn)[2] - self.path[8]) > allowed
-        return share if back or begins_at_turn(rows[1], rows[2], allowed) else 1.0
+        return share if back or acts_at_turn(rows, allowed) else 1.0
 
 
-def begins_at_turn(turn: Row, end: Row, allowed: float) -> bool:
-    """Return whether a process begins where the temperature turns inside a strip, without an event of its own.
+def acts_at_turn(rows: Sequence[Row], allowed: float) -> bool:
+    """Return whether a process acts before or behind the place where the temperature turns inside its strip.
 
     A process that waits for its interrupted branch has an event, a number between 0 and 1 behind those of the lines.
 
     Args:
-        turn: events at the turn.
-        end: events at the end of the step.
+        rows: events at the start, at the turn and at the end.
         allowed: smallest change of the distance in a strip that counts.
     """
+    start, turn, end = rows
     if any(0.0 < wait < 1.0 for wait in turn[LINES : LINES + 1]):
         return False
-    return any(turn[k] <= 0.0 < turn[k + 2] and turn[k] - end[k] > allowed for k in (0, 1))
+    inside = [k for k in (0, 1) if turn[k] <= 0.0 < turn[k + 2]]
+    return any(max(start[k] - turn[k], turn[k] - end[k]) > allowed for k in inside)
 
 
 def find_touch(ask: Callable[..., Row], state: Row, rows: Sequence[Row], ratio: float, allowed: float) -> float:
@@ -179,7 +180,7 @@ def find_touch(ask: Callable[..., Row], state: Row, rows: Sequence[Row], ratio: 
             turn = ask(*state, *tops)
             numbers = zip(turn, *(row[4:] for row in rows[1:]), strict=True)
             touches = any(n <= 0.0 and n < a and min(b, c) > LEAST_FALL for n, a, b, c in numbers)
-            return share if touches or begins_at_turn(turn, rows[3][4:], allowed) else 1.0
+            return share if touches or acts_at_turn((turn, turn, rows[3][4:]), allowed) else 1.0
     return 1.0
 
 

@@ -181,15 +181,16 @@ static void cut_at_events(block *b) {
     }
 }
 
-/* whether a process begins where the temperature turns inside a strip; one that waits for its interrupted branch has an
-   event, a number between 0 and 1 behind those of the lines */
-static long begins_at_turn(const column *turn, const column *end, long i, double allowed) {
-    long begins = 0;
+/* whether a process acts before or behind the place where the temperature turns inside its strip; one that waits for
+   its interrupted branch has an event, a number between 0 and 1 behind those of the lines */
+static long acts_at_turn(const column *start, const column *turn, const column *end, long i, double allowed) {
+    long acts = 0;
     for (long k = LINES; k < LINES + 1 && k < NUMBERS - 4; k++)
         if (0.0 < turn[k][i] && turn[k][i] < 1.0) return 0;
     for (long k = 0; k < 2; k++)
-        begins |= turn[k][i] <= 0.0 && 0.0 < turn[k + 2][i] && turn[k][i] - end[k][i] > allowed;
-    return begins;
+        if (turn[k][i] <= 0.0 && 0.0 < turn[k + 2][i])
+            acts |= larger(start[k][i] - turn[k][i], turn[k][i] - end[k][i]) > allowed;
+    return acts;
 }
 
 /* cut steps behind the place where their process turns back by more than a fraction, or another begins */
@@ -199,11 +200,13 @@ static void cut_at_reversals(block *b, const column allowed) {
     const double *end = b->ends[PATH + 2 * ON_PATH + FRACTION];
     EACH(i) asked[i] = b->on_surface[i] & b->accurate[i] & turns(b, i);
     if (!any(asked)) return;
+    place_begins(b);
     follow_path(b, b->between, FRACTION, top);
     SOME(i, bits_of(asked)) {
         const double share = (1.0 + BESIDE) * b->between[i];
         if (!(share < 1.0 - BESIDE)) continue;
-        if (fabs(top[i] - end[i]) > allowed[i] || begins_at_turn(b->event_between, b->event_end, i, allowed[i]))
+        if (fabs(top[i] - end[i]) > allowed[i] ||
+            acts_at_turn(b->event_begin, b->event_between, b->event_end, i, allowed[i]))
             b->kink[i] = smaller(share, b->kink[i]);
     }
 }
@@ -246,7 +249,7 @@ static void cut_at_touches(block *b, const column allowed) {
         }
     k_events(LANES, *b->c, *b->x2, *turn);
     SOME(i, bits_of(asked)) {
-        long touches = begins_at_turn(turn, r, i, allowed[i]);
+        long touches = acts_at_turn(turn, turn, r, i, allowed[i]);
         for (long k = 0; k < NUMBERS - 4; k++)
             touches |= turn[k][i] <= 0.0 && turn[k][i] < p[k][i] && q[k][i] > LEAST_FALL && r[k][i] > LEAST_FALL;
         if (touches) b->kink[i] = smaller(share[i], b->kink[i]);
