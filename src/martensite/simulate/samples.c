@@ -213,12 +213,13 @@ static const column *find_node(const block *b, long i, double time, double end) 
    it may go on from this one, and otherwise for a step aside. */
 static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end,
                          const flags_of_lanes edge) {
-    column time, per[5], last, low[SIZE + 1], high[SIZE + 1];
+    column time, per[5], last, near, low[SIZE + 1], high[SIZE + 1];
     flags_of_lanes due, smooth, before, good, other, within, ends, waits = {0};
     flags_of_lanes whole; /* whether all states are tested */
     long leaving = 0, found = 0;
     EACH(i) {
         last[i] = taken[i] ? end[i] + STEP_TOLERANCE * b->length[i] : -1.0;
+        near[i] = end[i] - STEP_TOLERANCE * b->length[i];
         ends[i] = edge[i] | (b->lapse[i] > 0.0) | !(end[i] < m->duration);
         whole[i] = LANES == 1;
     }
@@ -229,12 +230,25 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
             whole[i] |= outside;
             ends[i] |= outside;
         }
+    const long all = any(whole);
     for (;;) {
         EACH(i) {
             due[i] = (b->coming[i] <= last[i]) & !waits[i];
             time[i] = due[i] ? b->coming[i] : end[i];
         }
         if (!any(due)) return;
+#if ORDER == 5
+        EACH(i) other[i] = due[i] & !(b->on_surface[i] & (b->time[i] < time[i]) & (time[i] < near[i]));
+        if (!any(other)) {
+            follow_slopes(b, time, due, all, b->x2);
+            keep_rows(m, b, time, bits_of(due), leaving);
+            EACH(i) {
+                b->sample[i] += due[i];
+                b->coming[i] = m->times[b->sample[i]];
+            }
+            continue;
+        }
+#endif
         EACH(i) {
             within[i] = ORDER == 5 && b->on_surface[i] & (time[i] > b->time[i]);
             good[i] = within[i];
@@ -243,7 +257,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
         if (any(other)) {
             if (!found) {
                 find_smooth(m, b, smooth, before, per);
-                find_bounds(b, low, high, any(whole));
+                find_bounds(b, low, high, all);
                 found = 1;
             }
             EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
@@ -251,9 +265,9 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
             EACH(i) good[i] |= within[i];
         }
 #if ORDER == 5
-        if (any(within)) follow_slopes(b, time, within, any(whole), b->x2);
+        if (any(within)) follow_slopes(b, time, within, all, b->x2);
 #endif
-        EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
+        EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= near[i]));
         SOME(i, bits_of(other)) {
             const column *node = find_node(b, i, time[i], end[i]);
             good[i] = node ? 1 : -1;

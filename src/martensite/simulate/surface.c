@@ -129,26 +129,31 @@ static void place_begins(block *b) {
 static void cut_at_events(block *b) {
     bracket r[LANES];
     column share, found[NUMBERS + 1];
-    flags_of_lanes asked, may;
+    flags_of_lanes asked, may, seen, counts; /* whether a line counts that is passed before the middle */
     long place[LANES];
-    EACH(i) asked[i] = may[i] = 0;
+    EACH(i) {
+        asked[i] = may[i] = 0;
+        seen[i] = b->error[i] > 1.0;
+        counts[i] = seen[i] | turns(b, i);
+    }
     for (long k = 0; k < NUMBERS - 4; k++)
         EACH(i) {
             const double between = b->event_between[k][i], end = b->event_end[k][i];
-            const long long seen = b->error[i] > 1.0;
-            const long long early = (between <= 0.0) & (seen | turns(b, i) | (end > 0.0));
-            may[i] |= b->on_surface[i] & (early | ((end <= 0.0) & (between > (seen ? 0.0 : LEAST_FALL))));
+            const long long down = between <= 0.0, up = between > LEAST_FALL, ends = end <= 0.0;
+            may[i] |= (down & (counts[i] | !ends)) | (ends & !down & (seen[i] | up));
         }
+    EACH(i) may[i] &= b->on_surface[i];
     if (!any(may)) return;
     place_begins(b);
     for (long k = 0; k < NUMBERS - 4; k++)
         EACH(i) {
-            const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
-            const long long seen = b->error[i] > 1.0, inside = begin <= LEAST_FALL;
-            const long long early = !inside & (between <= 0.0) & (seen | turns(b, i) | (end > 0.0));
-            const long long late = (end <= 0.0) & (between > 0.0) & (inside ? between > LEAST_FALL : seen);
-            asked[i] |= b->on_surface[i] & (early | late);
+            const double between = b->event_between[k][i], end = b->event_end[k][i];
+            const long long down = between <= 0.0, up = between > LEAST_FALL, ends = end <= 0.0;
+            const long long inside = b->event_begin[k][i] <= LEAST_FALL;
+            const long long early = !inside & down & (counts[i] | !ends);
+            asked[i] |= early | (ends & !down & ((inside & up) | (!inside & seen[i])));
         }
+    EACH(i) asked[i] &= b->on_surface[i];
     if (!any(asked)) return;
     EACH(i) share[i] = 1.0;
     SOME(i, bits_of(asked)) {
