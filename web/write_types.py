@@ -21,7 +21,7 @@ from write_sentences import write_sentence
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 SOURCES = (ROOT / "src/martensite/scenario/catalogue.py", ROOT / "src/martensite/app/forms/form_types.py")
-ACCURACY = ("LOCAL", "ERROR_SAFETY", "FLOOR", "FINER", "MOST_PASSES", "FEW", "LEAST_ACCURACY")
+ACCURACY = ("LOCAL", "ERROR_SAFETY", "FLOOR", "COMMON", "FINER", "MOST_PASSES", "FEW", "LEAST_ACCURACY")
 SIMULATE = ROOT / "src/martensite/simulate"
 LOOP = ROOT / "src/martensite/control/loop/run.py"
 VIEWS = ROOT / "src/martensite/app/views"

@@ -2,8 +2,9 @@
 
 A run is repeated with local tolerances that are `FINER` times smaller. The difference of two passes times
 `ERROR_SAFETY` bounds the error of the second pass. Passes are repeated until this bound is below the tolerance. For
-random wires, the error is a quarter of the difference in the median and 1.4 times in one of a hundred. The reported
-accuracy is at least half of the tolerance, since two passes may have a common error, for example at a kink.
+random wires, the error is a quarter of the difference in the median and 1.4 times in one of a hundred. Two passes may
+have a common error, for example at a kink. A tenth of the tolerance is therefore added to a bound, up to half of the
+tolerance. Where many points share a stress, the reported accuracy is the tolerance.
 
 The bound also includes the ripple that drive means neglect. If a step at minimum length exceeds its tolerance, two
 passes hardly differ. The sum of these errors times `ERROR_SAFETY` is then added. All passes but the first split the
@@ -61,7 +62,10 @@ A step of order four is estimated with order three.
 ERROR_SAFETY = 1.25
 """Ratio of the error bound to the difference of two runs."""
 FLOOR = 0.5
-"""Smallest accuracy that is reported, as a fraction of the tolerance; twice this where many points share a stress."""
+"""Largest bound raised for a common error of passes, as a fraction of the tolerance; twice where points share a stress.
+"""
+COMMON = 0.1
+"""Common error of two passes, as a fraction of the tolerance; below `FLOOR`."""
 FINER = 8.0
 """Ratio of local tolerances of consecutive passes."""
 MOST_PASSES = 5
@@ -222,7 +226,7 @@ def require_budget(budget: float | None, begin: float, share: float) -> float:
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[MarchResult, float]:
     """Return the last run to a tolerance and its error bounds as fractions of the ranges of judged outputs."""
     compiled, compared = plan.compiled, choose_samples(len(plan.times), plan.skipped)
-    local, accuracy = LOCAL[plan.order] * tolerance, math.inf
+    local, bound = LOCAL[plan.order] * tolerance, math.inf
     run = march(plan._replace(times=choose_times(plan.times, plan.skipped), recorded=False, tolerance=local))
     rows = run.rows
     for turn in range(MOST_PASSES):
@@ -232,11 +236,12 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[MarchResu
         before, rows = rows, choose_rows(run.rows, compared)
         run.gaps = find_gaps(compiled, before, rows)[1 if run.gap else 0 :]
         run.largest = run.find_largest_gap(run.gap)
-        accuracy = max(bound_error(compiled, run), find_floor(compiled) * tolerance)
-        if accuracy <= tolerance:
+        bound = bound_error(compiled, run)
+        if bound <= tolerance:
             break
-    run.undecided, change = find_doubt(compiled, run.decision, accuracy, run.ranges)
-    return run, max(accuracy, change)
+    error = max(bound, find_floor(compiled) * tolerance)
+    run.undecided, change = find_doubt(compiled, run.decision, error, run.ranges)
+    return run, max(float(add_common(compiled, bound, tolerance)), change)
 
 
 def find_doubt(
@@ -260,8 +265,20 @@ def find_doubt(
     return (error, effect) if abs(decision.margin) <= error and effect > accuracy else (0.0, 0.0)
 
 
+def add_common(compiled: CompiledMarch, bound: Any, tolerance: float) -> Any:
+    """Return the reported accuracy for an error bound from two passes, or for an array of bounds.
+
+    Args:
+        compiled: system of the runs.
+        bound: error bound, as a fraction of ranges.
+        tolerance: tolerance of the runs.
+    """
+    floor = find_floor(compiled) * tolerance
+    return np.maximum(bound, floor if shares_stress(compiled) else np.minimum(bound + COMMON * tolerance, floor))
+
+
 def find_floor(compiled: CompiledMarch) -> float:
-    """Return the smallest accuracy that is reported, as a fraction of the tolerance."""
+    """Return the largest bound that is raised for a common error of passes, as a fraction of the tolerance."""
     return 2.0 * FLOOR if shares_stress(compiled) else FLOOR
 
 

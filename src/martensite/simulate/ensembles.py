@@ -21,6 +21,7 @@ from martensite.simulate.accuracy import (
     LEAST_ACCURACY,
     LOCAL,
     MOST_PASSES,
+    add_common,
     choose_samples,
     choose_times,
     find_doubt,
@@ -226,9 +227,10 @@ def march_in_lanes(
         now = _read_judged(march_rows.outputs.take(compared, 1), judged_columns)
         apart = judged - now
         np.abs(apart, out=apart)
-        accuracy = np.maximum(_bound_errors(compiled, apart, march_rows), find_floor(compiled) * tolerance)
-        rest = accuracy > tolerance
-        accuracy = np.maximum(accuracy, _find_effects(compiled, accuracy, march_rows))
+        bound = _bound_errors(compiled, apart, march_rows)
+        rest = bound > tolerance
+        effects = _find_effects(compiled, np.maximum(bound, find_floor(compiled) * tolerance), march_rows)
+        accuracy = np.maximum(add_common(compiled, bound, tolerance), effects)
         last = np.flatnonzero(~rest | (turn == MOST_PASSES - 1))
         measured = np.full((len(measuring.measures), len(left)), np.nan)
         if len(last):

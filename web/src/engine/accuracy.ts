@@ -4,7 +4,7 @@ import { writeDecision } from "./sentences.ts";
 import { UNSOLVED, type Marched, type Plan, type RunModule } from "./march.ts";
 import type { Scenario } from "./types.ts";
 import {
-  ERROR_SAFETY, FEW, FINER, FINEST, FLOOR, LEAST_ACCURACY, LOCAL, MOST_PASSES, ROUGHNESS, SHORTEST,
+  COMMON, ERROR_SAFETY, FEW, FINER, FINEST, FLOOR, LEAST_ACCURACY, LOCAL, MOST_PASSES, ROUGHNESS, SHORTEST,
 } from "./constants.ts";
 
 /** A plan but its tolerance; what moves with inertia bounds the shortest step. */
@@ -23,18 +23,19 @@ export function marchTo(module: RunModule, scenario: Scenario, base: Base, toler
   const some = { ...base, times: Float64Array.from(compared, (k) => base.times[k]!) };
   let found = module.march(planMarch(some, local));
   let rows = pickJudged(scenario, found, null);
-  let accuracy = Infinity;
-  const floor = module.layout.shares ? 2 * FLOOR : FLOOR;
+  let bound = Infinity;
   for (let run = 0; run < MOST_PASSES; run++) {
     local /= FINER;
     const ranges = run || !module.layout.shares ? found.ranges : null;
     found = module.march({ ...planMarch(base, local, ranges, true), recorded: true });
     const before = rows;
     rows = pickJudged(scenario, found, compared);
-    accuracy = Math.max(boundError(scenario, found, before, rows), floor * tolerance);
-    if (accuracy <= tolerance) break;
+    bound = boundError(scenario, found, before, rows);
+    if (bound <= tolerance) break;
   }
-  const [error, effect] = findDoubt(scenario, found, accuracy);
+  const floor = (module.layout.shares ? 2 * FLOOR : FLOOR) * tolerance;
+  const accuracy = Math.max(bound, module.layout.shares ? floor : Math.min(bound + COMMON * tolerance, floor));
+  const [error, effect] = findDoubt(scenario, found, Math.max(bound, floor));
   return effect ? [found, Math.max(accuracy, effect), describeDecision(scenario, found.decision, error)] : [found, accuracy, ""];
 }
 

@@ -3,6 +3,7 @@
 export const LOCAL = { 2: 0.24, 4: 0.96, 5: 0.15 } as const;
 export const ERROR_SAFETY = 1.25;
 export const FLOOR = 0.5;
+export const COMMON = 0.1;
 export const FINER = 8.0;
 export const MOST_PASSES = 5;
 export const FEW = 201;
