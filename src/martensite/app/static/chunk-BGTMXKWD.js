@@ -1,1 +1,0 @@
-import{b as o}from"./chunk-OICBXZDS.js";import{va as e}from"./chunk-BWCPN36S.js";function a({look:t}){return e("svg",{class:"swatch",width:"26",height:"8","aria-hidden":"true",children:e("line",{x1:"1",y1:"4",x2:"25",y2:"4",stroke:o.value.curves[t.colour],"stroke-width":t.width+.6,"stroke-dasharray":t.dash.join(" ")})})}export{a};

@@ -1,1 +1,0 @@
-import{e as s,f as o,l,va as e}from"./chunk-BWCPN36S.js";function i(r){let t=o(null),n=l("");return s(()=>{n.value=t.current?.selectedOptions[0]?.text??""}),e("span",{class:"select",children:[e("span",{"aria-hidden":"true",children:n.value}),e("select",{...r,ref:t})]})}export{i as a};

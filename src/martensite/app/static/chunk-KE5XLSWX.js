@@ -1,1 +1,0 @@
-import{a as n,va as o}from"./chunk-BWCPN36S.js";function e({text:r}){return o(n,{children:r.split("`").map((t,d)=>d%2?o("code",{children:t},d):t)})}export{e as a};

@@ -1,0 +1,1 @@
+import{a as r}from"./chunk-OA7EX5XL.js";import{va as t}from"./chunk-YOBHD5N6.js";function i({picture:n,children:p}){let o=r[n];return t("div",{class:"empty",children:[o&&t(o,{}),t("p",{class:"soft",children:p})]})}export{i as a};

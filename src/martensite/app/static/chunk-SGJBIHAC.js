@@ -1,0 +1,1 @@
+import{va as r}from"./chunk-YOBHD5N6.js";function n({share:s,label:o,onCancel:e}){return r("div",{class:"progress",children:[r("progress",{max:1,"aria-label":o,...s===null?{}:{value:s}}),r("span",{role:"status",children:o}),e&&r("button",{type:"button",onClick:e,children:"Cancel"})]})}export{n as a};

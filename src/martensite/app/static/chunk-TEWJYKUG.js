@@ -1,0 +1,1 @@
+import{a as r}from"./chunk-V6RMMEL4.js";var e=[[],[7,3],[2,3],[10,3,2,3]],c=[3,4,2,5,1,0],s=[[5,3],[2,2],[9,3,2,3],[12,4]],n=(o,t)=>o[t%o.length],m=o=>({colour:o%r,dash:n(e,o),width:o?1.5:1.8}),h=o=>({colour:n(c,o-1),dash:n(s,o-1),width:1.3});export{m as a,h as b};
