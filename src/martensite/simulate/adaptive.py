@@ -433,9 +433,7 @@ class AdaptiveMarch(AbstractMarch):
             first = min([first, *(share for share in dips if BESIDE < share < 1.0 - BESIDE)])
             changed = max(_compute_variation(rows, k) for k in (2, 3))
             allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
-            if self.plan.order == 5:
-                ratio = 0.0 if self.at_edge else 0.5 * trial.length / self.last_half
-                first = min(first, find_touch(self.functions["events"], self.state, rows, ratio, allowed))
+            first = min(first, self._find_touch(trial, rows, allowed))
             if not changed > allowed:
                 continue
             drives = [(row[0] - row[1] * PER_STRESS,) for row in rows]
@@ -445,6 +443,13 @@ class AdaptiveMarch(AbstractMarch):
                 first = min(first, share)
             first = min([first, *self._find_bends(trial, rows, HIDDEN / TURN * allowed)])
         return first
+
+    def _find_touch(self, trial: StepTrial, rows: Sequence[Row], allowed: float) -> float:
+        """Return the place in a step in halves, between steps of order five, where an unseen process acts; else 1."""
+        if self.plan.order != 5:
+            return 1.0
+        ratio = 0.0 if self.at_edge else 0.5 * trial.length / self.last_half
+        return find_touch(self.functions["events"], self.state, rows, ratio, allowed)
 
     def _find_surface_kink(self, trial: StepTrial, surface: SurfaceTrial) -> float:
         """Return the place in a step of order five where a process begins, ends or turns back; else 1."""
