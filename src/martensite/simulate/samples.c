@@ -230,7 +230,6 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
             whole[i] |= outside;
             ends[i] |= outside;
         }
-    const long all = any(whole);
     for (;;) {
         EACH(i) {
             due[i] = (b->coming[i] <= last[i]) & !waits[i];
@@ -240,7 +239,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
 #if ORDER == 5
         EACH(i) other[i] = due[i] & !(b->on_surface[i] & (b->time[i] < time[i]) & (time[i] < near[i]));
         if (!any(other)) {
-            follow_slopes(b, time, due, all, b->x2);
+            follow_slopes(b, time, due, leaving, b->x2);
             keep_rows(m, b, time, bits_of(due), leaving);
             EACH(i) {
                 b->sample[i] += due[i];
@@ -257,7 +256,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
         if (any(other)) {
             if (!found) {
                 find_smooth(m, b, smooth, before, per);
-                find_bounds(b, low, high, all);
+                find_bounds(b, low, high, any(whole));
                 found = 1;
             }
             EACH(i) good[i] = time[i] > b->time[i] ? smooth[i] : before[i];
@@ -265,7 +264,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
             EACH(i) good[i] |= within[i];
         }
 #if ORDER == 5
-        if (any(within)) follow_slopes(b, time, within, all, b->x2);
+        if (any(within)) follow_slopes(b, time, within, leaving, b->x2);
 #endif
         EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= near[i]));
         SOME(i, bits_of(other)) {
