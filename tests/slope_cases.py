@@ -40,6 +40,8 @@ KELVINS = 10.0
 """Size of a temperature parameter [K]: the width of a strip, not the distance from 0 K."""
 INSIDE = {"initial_fraction": 0.7, "initial_oriented": 0.4, "H_min": 0.04}
 """At the ends of its range a number has a derivative on one side only."""
+ORIENTED = "initial_oriented"
+"""It must be 1 with a law without twins."""
 WHOLE = ("heated", "passes")
 """Whole numbers."""
 LEVELS = {"V": 4.0, "A": 0.9, "W": 3.2, "1": 1.0, "N": 5.0, "Pa": 100e6, "m": 1e-3, "m/s": 2.0}
@@ -80,8 +82,9 @@ class Case:
         units = {leaf.path: leaf.declared.unit for leaf in self.system.leaves()}
         kelvins = np.array([units[path] == "K" for path in self.compiled.paths])
         whole = np.array([path.endswith(WHOLE) for path in self.compiled.paths])
+        bare = np.array([path.endswith(ORIENTED) for path in self.compiled.paths]) & (self.values == 1.0)
         sizes = np.where(kelvins, KELVINS, self.values)
-        return np.where(np.isfinite(sizes) & ~whole, sizes, 0.0)
+        return np.where(np.isfinite(sizes) & ~whole & ~bare, sizes, 0.0)
 
     def run(self, values: np.ndarray) -> np.ndarray:
         """Outputs (samples, outputs) without derivatives."""
@@ -148,7 +151,7 @@ def inside(system: AbstractSystem) -> AbstractSystem:
     """A twin whose phases at the start and strains are inside their ranges, where its law allows it."""
     for ending, value in INSIDE.items():
         paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith(ending)]
-        bare = ending == "initial_oriented" and not all(getattr(part, "has_twins", True) for part in system.tree())
+        bare = ending == ORIENTED and not all(getattr(part, "has_twins", True) for part in system.tree())
         system = system if bare else system.with_values(dict.fromkeys(paths, value))
     return system
 
