@@ -40,6 +40,8 @@ FLAGS = (
     "-fPIC",
     "-shared",
 )
+GCC_ONLY = ("-fno-tree-pre", "-fno-if-conversion")
+"""Flags that clang refuses; compilation is repeated without them."""
 WIDE = ("-mprefer-vector-width=512",)
 """Flag for processors with AVX-512: by default compilers use half the width, which costs a batch a third."""
 
@@ -68,7 +70,7 @@ def _find_on_path(name: str, folders: str | None) -> str:
 
 
 _ZIG = """#!/bin/sh
-for word; do shift; case $word in -fno-tree-pre|-fno-if-conversion) ;; *) set -- "$@" "$word" ;; esac; done
+for word; do shift; case $word in {flags}) ;; *) set -- "$@" "$word" ;; esac; done
 exec {python} cc "$@"
 """
 
@@ -78,7 +80,7 @@ def _find_zig() -> str | None:
     """Return a program that calls the C compiler of the package `ziglang`; None without it, or Windows."""
     if find_spec("ziglang") is None or os.name != "posix":
         return None
-    text = _ZIG.format(python=shlex.join(python_command("-m", "ziglang")))
+    text = _ZIG.format(python=shlex.join(python_command("-m", "ziglang")), flags="|".join(GCC_ONLY))
     name = f"zig-cc-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     for find_folder in (_locate_folder, _make_own_folder):
         with suppress(OSError):
@@ -266,15 +268,20 @@ def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"
         code.write_text(f'{source}\nconst char {_name_mark(path)}[] = "";\n')
-        done = subprocess.run(
-            [*command, str(code), "-o", str(library), "-lm"], capture_output=True, text=True, check=False
-        )
+        done = _call_compiler(command, code, library)
+        if "unknown argument" in done.stderr:
+            done = _call_compiler([word for word in command if word not in GCC_ONLY], code, library)
         if done.returncode != 0:
             raise CompileError(f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}")
         digest = _locate_digest(library)
         digest.write_bytes(_digest(library.read_bytes()))
         keep_private(digest, _locate_digest(path))  # before the library, which requires its digest
         keep_private(library, path)
+
+
+def _call_compiler(command: Sequence[str], code: Path, library: Path) -> subprocess.CompletedProcess[str]:
+    words = [*command, str(code), "-o", str(library), "-lm"]
+    return subprocess.run(words, capture_output=True, text=True, check=False)
 
 
 if __name__ == "__main__":
