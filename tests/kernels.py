@@ -260,7 +260,7 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
 
 
 def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:
-    """The current, the power, and of a switch the share of the time for which it is closed."""
+    """Return the current, the power and, for a switch, its duty cycle."""
     shares = [source.share(xp, drive, 100.0)] if isinstance(source, AbstractSwitch) else []
     answers = (ask(xp, drive, ohms) for ask in (source.current, source.power, source.supply_current))
     return *answers, *shares

@@ -41,7 +41,7 @@ KELVINS = 10.0
 INSIDE = {"initial_fraction": 0.7, "initial_oriented": 0.4, "H_min": 0.04}
 """At the ends of its range a number has a derivative on one side only."""
 ORIENTED = "initial_oriented"
-"""It must be 1 with a law without twins."""
+"""Parameter that laws without twins fix at 1."""
 WHOLE = ("heated", "passes")
 """Whole numbers."""
 LEVELS = {"V": 4.0, "A": 0.9, "W": 3.2, "1": 1.0, "N": 5.0, "Pa": 100e6, "m": 1e-3, "m/s": 2.0}

@@ -33,7 +33,7 @@ from martensite.base.files import tell_once
 from martensite.base.remember_results import remember
 from martensite.simulate.adaptive import PER_STRESS, AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.forks import Decision
+from martensite.simulate.forks import Decision, LawFork
 from martensite.simulate.march import FixedMarch
 from martensite.simulate.marching import MarchPlan, MarchResult
 from martensite.simulate.recorded_track import Observe, observe_on_floats
@@ -62,7 +62,9 @@ A step of order four is estimated with order three.
 ERROR_SAFETY = 1.25
 """Ratio of the error bound to the difference of two runs."""
 FLOOR = 0.5
-"""Largest bound raised for a common error of passes, as a fraction of the tolerance; twice where points share a stress.
+"""Bounds below this fraction of the tolerance are raised, since two passes may have a common error.
+
+The fraction is twice as large where many points share a stress.
 """
 COMMON = 0.1
 """Common error of two passes, as a fraction of the tolerance; below `FLOOR`."""
@@ -259,10 +261,21 @@ def find_doubt(
     """
     if decision.place < 0:
         return 0.0, 0.0
-    fork, scales = compiled.forks[decision.place], compiled.convergence_scales
-    fraction, temperature, stress = (max(ranges[place], scales[place][1]) for place in fork[:3])
-    error, effect = accuracy * (temperature + PER_STRESS * stress), fork.weight * decision.change / fraction
+    fork = compiled.forks[decision.place]
+    scales = [max(*pair) for pair in zip(ranges, (least for _, least in compiled.convergence_scales), strict=True)]
+    error, effect = bound_temperature(fork, accuracy, scales), fork.weight * decision.change / scales[fork.fraction]
     return (error, effect) if abs(decision.margin) <= error and effect > accuracy else (0.0, 0.0)
+
+
+def bound_temperature(fork: LawFork, accuracy: Any, scales: Sequence[Any]) -> Any:
+    """Return the error [K] of the temperature at a fork, with the effect of stress on the transformation.
+
+    Args:
+        fork: branch that a law may forget.
+        accuracy: error bound of a run, or of several, (runs,).
+        scales: ranges of the judged outputs, each a number or (runs,).
+    """
+    return accuracy * (scales[fork.temperature] + PER_STRESS * scales[fork.stress])
 
 
 def add_common(compiled: CompiledMarch, bound: Any, tolerance: float) -> Any:
@@ -278,7 +291,7 @@ def add_common(compiled: CompiledMarch, bound: Any, tolerance: float) -> Any:
 
 
 def find_floor(compiled: CompiledMarch) -> float:
-    """Return the largest bound that is raised for a common error of passes, as a fraction of the tolerance."""
+    """Return the fraction of the tolerance below which a bound is raised; see `FLOOR`."""
     return 2.0 * FLOOR if shares_stress(compiled) else FLOOR
 
 
@@ -320,7 +333,7 @@ def choose_times(times: Sequence[float], skipped: int = 0) -> SampleTimes:
 
 
 def find_gaps(compiled: CompiledMarch, before: Any, rows: Any) -> Numbers:
-    """Return the differences of judged outputs between two passes as far as both reach, (samples, judged)."""
+    """Return the differences of judged outputs of two passes, (samples, judged), up to the end of the shorter pass."""
     count = min(len(before), len(rows))
     gaps = np.subtract(before[:count], rows[:count]).reshape(count, -1).take(compiled.judged, 1)
     return np.abs(gaps, out=gaps)

@@ -22,6 +22,7 @@ from martensite.simulate.accuracy import (
     LOCAL,
     MOST_PASSES,
     add_common,
+    bound_temperature,
     choose_samples,
     choose_times,
     find_doubt,
@@ -29,7 +30,7 @@ from martensite.simulate.accuracy import (
     march_to,
     shares_stress,
 )
-from martensite.simulate.adaptive import PER_STRESS, AdaptiveMarch
+from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.forks import read_decision
@@ -249,11 +250,10 @@ def _read_judged(outputs: Numbers, columns: Sequence[int]) -> Numbers:
 
 def _bound_errors(compiled: CompiledMarch, apart: Numbers, march_rows: MarchRows) -> Numbers:
     """Return error bounds of runs from the differences of two passes, (runs, judged, samples)."""
-    least = np.array([least for _, least in compiled.convergence_scales])
-    scales = np.maximum(march_rows.numbers[:, RANGES:], least)
+    scales = _find_scales(compiled, march_rows)
     finite = np.isfinite(apart)
     worst = (np.where(finite, apart, 0.0).max(axis=2) / scales).max(axis=1, initial=0.0)
-    heat = scales[:, 0] if len(least) else 1.0
+    heat = scales[:, 0] if scales.shape[1] else 1.0
     total = np.maximum(
         ERROR_SAFETY * worst + march_rows.numbers[:, RIPPLE] / heat, ERROR_SAFETY * march_rows.numbers[:, RESIDUAL]
     )
@@ -261,12 +261,17 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, march_rows: MarchRows
     return np.where(sure, np.maximum(total, LEAST_ACCURACY), np.inf)
 
 
+def _find_scales(compiled: CompiledMarch, march_rows: MarchRows) -> Numbers:
+    """Return the ranges of the judged outputs of runs, at least those that count, (runs, judged)."""
+    return np.maximum(march_rows.numbers[:, RANGES:], [least for _, least in compiled.convergence_scales])
+
+
 def _find_effects(compiled: CompiledMarch, accuracy: Numbers, march_rows: MarchRows) -> Numbers:
     """Return the effects of decisions that the errors of their runs may change; 0 for other runs."""
     effects, ranges = np.zeros(len(accuracy)), march_rows.numbers[:, RANGES:]
     if compiled.forks:
-        scales = np.maximum(ranges, [least for _, least in compiled.convergence_scales])
-        largest_error = accuracy * np.max([scales[:, f[1]] + PER_STRESS * scales[:, f[2]] for f in compiled.forks], 0)
+        scales = list(_find_scales(compiled, march_rows).T)
+        largest_error = np.max([bound_temperature(fork, accuracy, scales) for fork in compiled.forks], axis=0)
         near = np.flatnonzero(np.abs(march_rows.numbers[:, DECIDED]) <= largest_error)
         decisions = map(read_decision, march_rows.numbers[near, DECIDED:RANGES].tolist())
         runs = zip(decisions, accuracy[near].tolist(), ranges[near].tolist(), strict=True)

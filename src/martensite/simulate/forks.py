@@ -31,9 +31,9 @@ class LawFork(NamedTuple):
     """Position of a branch that a law may forget among the outputs."""
 
     fraction: int
-    """Place of its martensite fraction among the judged outputs."""
+    """Index of its martensite fraction in the judged outputs."""
     temperature: int
-    """Place of its temperature among the judged outputs."""
+    """Index of its temperature in the judged outputs."""
     stress: int
     weight: float
     """Weight of the law in these outputs."""

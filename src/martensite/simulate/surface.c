@@ -145,23 +145,14 @@ static void cut_at_events(block *b) {
     EACH(i) may[i] &= b->on_surface[i];
     if (!any(may)) return;
     place_begins(b);
-    for (long k = 0; k < NUMBERS - 4; k++)
-        EACH(i) {
-            const double between = b->event_between[k][i], end = b->event_end[k][i];
-            const long long down = between <= 0.0, up = between > LEAST_FALL, ends = end <= 0.0;
-            const long long inside = b->event_begin[k][i] <= LEAST_FALL;
-            const long long early = !inside & down & (counts[i] | !ends);
-            asked[i] |= early | (ends & !down & ((inside & up) | (!inside & seen[i])));
-        }
-    EACH(i) asked[i] &= b->on_surface[i];
-    if (!any(asked)) return;
     EACH(i) share[i] = 1.0;
-    SOME(i, bits_of(asked)) {
+    SOME(i, bits_of(may)) {
         r[i].share = 2.0;
         for (long k = 0; k < NUMBERS - 4; k++) {
             const double begin = b->event_begin[k][i], between = b->event_between[k][i], end = b->event_end[k][i];
-            const int late = between > 0.0;
-            if (!(late ? end <= 0.0 && larger(begin, between) > LEAST_FALL : begin > LEAST_FALL)) continue;
+            const int late = between > 0.0, inside = begin <= LEAST_FALL;
+            if (late ? !(end <= 0.0) || (inside && between <= LEAST_FALL) : inside) continue;
+            asked[i] |= late ? inside | seen[i] : counts[i] | (end > 0.0);
             const double low = late ? b->between[i] : 0.0, high = late ? 1.0 : b->between[i];
             const double above = late ? between : begin, below = late ? end : between;
             const double there = low + (high - low) * above / (above - below);
@@ -175,6 +166,7 @@ static void cut_at_events(block *b) {
             place[i] = k;
         }
     }
+    if (!any(asked)) return;
     for (long turn = 0; turn < EVENT_TURNS; turn++) {
         SOME(i, bits_of(asked)) share[i] = r[i].share;
         ask_events_at(b, share, found);
@@ -190,8 +182,7 @@ static void cut_at_events(block *b) {
    its interrupted branch has an event, a number between 0 and 1 behind those of the lines */
 static long acts_at_turn(const column *start, const column *turn, const column *end, long i, double allowed) {
     long acts = 0;
-    for (long k = LINES; k < LINES + 1 && k < NUMBERS - 4; k++)
-        if (0.0 < turn[k][i] && turn[k][i] < 1.0) return 0;
+    if (LINES < NUMBERS - 4 && 0.0 < turn[LINES][i] && turn[LINES][i] < 1.0) return 0;
     for (long k = 0; k < 2; k++)
         if (turn[k][i] <= 0.0 && 0.0 < turn[k + 2][i])
             acts |= larger(start[k][i] - turn[k][i], turn[k][i] - end[k][i]) > allowed;

@@ -62,7 +62,7 @@ def hardening_integral(xp: Namespace, fraction: Scalar, start: Scalar, end: Scal
 
 
 def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -> Scalar:
-    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]; a share outside needs no iterations."""
+    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]. Shares up to 0 and from 1 need no iterations."""
     share = xp.clip(share, 0.0, 1.0)
     below = share < compute_hardening(xp, 0.5, start, end)
     near, far = xp.where(below, start, end), xp.where(below, end, start)
